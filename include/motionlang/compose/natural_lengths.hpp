@@ -28,11 +28,11 @@ struct NaturalLength {
 std::optional<NaturalLength> natural_length(std::string_view text);
 
 /// Seconds of "stand still" in front of an action that begins from rest.
-inline constexpr double lead_in = 0.5;
+inline constexpr double standing_lead_in = 0.5;
 
 /// Every text that lasts at least a second longer than its action becomes the action and what follows it, with the same
-/// parts. An action from rest has a lead_in if it has two seconds, all parts and the beginning of the timeline. For the
-/// human body; other timelines stay as they are.
+/// parts. An action from rest has a standing_lead_in if it has two seconds, all parts and the beginning of the timeline.
+/// For the human body; other timelines stay as they are.
 Timeline end_actions(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END

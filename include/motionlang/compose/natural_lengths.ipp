@@ -75,7 +75,7 @@ MOTIONLANG_BODY Timeline end_actions(const Timeline& timeline, double fps) {
         whole.end >= frame_at(2, fps)) {
       out.intervals.push_back(whole);
       out.intervals.back().text = "stand still";
-      out.intervals.back().end = action.start = frame_at(lead_in, fps);
+      out.intervals.back().end = action.start = frame_at(standing_lead_in, fps);
     }
     out.intervals.push_back(action);
     if (!natural || action.end - action.start < frame_at(natural->seconds + 1, fps)) continue;

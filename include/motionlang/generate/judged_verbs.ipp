@@ -11,34 +11,36 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-using Curve = std::vector<double>;
+using TracedValues = std::vector<double>;
 
-inline double highest(const Curve& c) { return c.empty() ? 0 : *std::max_element(c.begin(), c.end()); }
-inline double lowest(const Curve& c) { return c.empty() ? 0 : *std::min_element(c.begin(), c.end()); }
+inline double highest(const TracedValues& c) { return c.empty() ? 0 : *std::max_element(c.begin(), c.end()); }
+inline double lowest(const TracedValues& c) { return c.empty() ? 0 : *std::min_element(c.begin(), c.end()); }
 /// Mean over the first or the last quarter of a second.
-inline double at_start(const MotionTrace& t, const Curve& c) {
+inline double at_start(const MotionTrace& t, const TracedValues& c) {
   const auto n = std::min(c.size(), static_cast<std::size_t>(std::max(1.0, t.fps / 4)));
   double sum = 0;
   for (std::size_t i = 0; i < n; ++i) sum += c[i] / static_cast<double>(n);
   return sum;
 }
-inline double at_end(const MotionTrace& t, const Curve& c) { return at_start(t, Curve(c.rbegin(), c.rend())); }
-inline double range(const Curve& c) { return highest(c) - lowest(c); }
+inline double at_end(const MotionTrace& t, const TracedValues& c) {
+  return at_start(t, TracedValues(c.rbegin(), c.rend()));
+}
+inline double range(const TracedValues& c) { return highest(c) - lowest(c); }
 /// One number of a curve of points.
 template <class F>
-Curve curve_of(const std::vector<Vec3<double>>& points, F f) {
-  Curve out;
+TracedValues values_along(const std::vector<Vec3<double>>& points, F f) {
+  TracedValues out;
   for (const auto& p : points) out.push_back(f(p));
   return out;
 }
 /// The smaller (larger) of two curves.
-inline Curve lower_of(const Curve& a, const Curve& b) {
-  Curve out;
+inline TracedValues lower_of(const TracedValues& a, const TracedValues& b) {
+  TracedValues out;
   for (std::size_t i = 0; i < a.size(); ++i) out.push_back(std::min(a[i], b[i]));
   return out;
 }
-inline Curve higher_of(const Curve& a, const Curve& b) {
-  Curve out;
+inline TracedValues higher_of(const TracedValues& a, const TracedValues& b) {
+  TracedValues out;
   for (std::size_t i = 0; i < a.size(); ++i) out.push_back(std::max(a[i], b[i]));
   return out;
 }
@@ -59,12 +61,12 @@ inline std::string above(const char* what, double value, double low) { return va
 inline std::string below(const char* what, double value, double high) { return value < high ? "" : said(what, value); }
 
 /// Metres per second along a direction of the first heading.
-inline double pace(const MotionTrace& t, const Curve& way) {
+inline double pace(const MotionTrace& t, const TracedValues& way) {
   return t.frames() < 2 ? 0 : (way.back() - way.front()) / t.seconds();
 }
 /// Steps: how often the feet pass each other.
 inline std::size_t strides(const MotionTrace& t) {
-  Curve apart;
+  TracedValues apart;
   for (std::size_t f = 0; f < t.frames(); ++f) apart.push_back(t.legs[0].ahead[f] - t.legs[1].ahead[f]);
   return reversals(apart, 0.15);
 }
@@ -88,7 +90,7 @@ inline std::string walks(const MotionTrace& t, double slowest, double fastest) {
 
 /// An arm that is down, comes up, and is not lifted a second time.
 inline std::string raises(const MotionTrace& t, std::size_t side, double high = 0.1) {
-  const Curve& c = t.arms[side].raised;
+  const TracedValues& c = t.arms[side].raised;
   return first_of({below("arm starts at", at_start(t, c), 0), above("arm comes to", highest(c), high),
                    above("arm rises", highest(c) - at_start(t, c), 0.25), not_again(t, rises(c, -0.05, high))});
 }
@@ -96,7 +98,7 @@ inline std::string stays_down(const MotionTrace& t, std::size_t side) {
   return below("other arm at", highest(t.arms[side].raised), 0.1);
 }
 inline std::string lowers(const MotionTrace& t, std::size_t side) {
-  const Curve& c = t.arms[side].raised;
+  const TracedValues& c = t.arms[side].raised;
   return first_of({above("arm starts at", at_start(t, c), 0), below("arm ends at", at_end(t, c), -0.2)});
 }
 /// The side that f prefers: the one with no reason, or the right one.
@@ -107,7 +109,7 @@ std::string either(F f) {
 }
 
 inline std::string goes_down(const MotionTrace& t, double by, double to_low, double to_high) {
-  Curve down;
+  TracedValues down;
   for (const double y : t.pelvis) down.push_back(-y);
   return first_of({above("pelvis starts at", at_start(t, t.pelvis), 0.75),
                    above("pelvis falls", at_start(t, t.pelvis) - lowest(t.pelvis), by),
@@ -130,7 +132,7 @@ inline std::string turns(double degrees, double least, double most) { return bet
 
 inline std::string waves(const MotionTrace& t, std::size_t side) {
   const ArmTrace& a = t.arms[side];
-  Curve when_up;
+  TracedValues when_up;
   for (std::size_t f = 0; f < t.frames(); ++f) {
     if (a.raised[f] > -0.15) when_up.push_back(a.hand[f].x);
   }
@@ -138,7 +140,7 @@ inline std::string waves(const MotionTrace& t, std::size_t side) {
 }
 inline std::string punches(const MotionTrace& t, std::size_t side) {
   const ArmTrace& a = t.arms[side];
-  const Curve ahead = curve_of(a.hand, [](const auto& p) { return p.z; });
+  const TracedValues ahead = values_along(a.hand, [](const auto& p) { return p.z; });
   return first_of({above("hand comes ahead", highest(ahead), 0.3), above("hand speed", highest(a.speed), 2),
                    above("hand at", highest(a.raised), -0.25), below("hand starts ahead", at_start(t, ahead), 0.35)});
 }
@@ -149,7 +151,7 @@ inline std::string kicks(const MotionTrace& t, std::size_t side) {
                    not_again(t, rises(l.height, 0.08, 0.3))});
 }
 inline std::string moves_arms_and_legs(const MotionTrace& t, double arms, double legs) {
-  const auto mean = [](const Curve& a) {
+  const auto mean = [](const TracedValues& a) {
     double sum = 0;
     for (const double v : a) sum += v / static_cast<double>(a.size());
     return sum;
@@ -260,7 +262,7 @@ inline std::vector<JudgedVerb> make_verbs() {
       {"raise both arms",
        "both wrists come from below to 0.1 m above the shoulders, at once and once",
        [](T t) {
-         const Curve both = lower_of(t.arms[0].raised, t.arms[1].raised);
+         const TracedValues both = lower_of(t.arms[0].raised, t.arms[1].raised);
          return first_of(
              {below("an arm starts at", std::max(at_start(t, t.arms[0].raised), at_start(t, t.arms[1].raised)), 0),
               above("arms come to", highest(both), 0.1), not_again(t, rises(both, -0.05, 0.1))});
@@ -407,7 +409,7 @@ inline std::vector<JudgedVerb> make_verbs() {
       {"point", "one arm is stretched at the height of the shoulder",
        [](T t) {
          return either([&](std::size_t s) {
-           Curve best;
+           TracedValues best;
            for (std::size_t f = 0; f < t.frames(); ++f)
              best.push_back(std::abs(t.arms[s].raised[f]) < 0.25 && t.arms[s].hand[f].z > 0.25 ? t.arms[s].elbow[f]
                                                                                                : 0);
@@ -427,17 +429,18 @@ inline std::vector<JudgedVerb> make_verbs() {
       {"throw", "a hand comes ahead faster than 3 m/s",
        [](T t) {
          return either([&](std::size_t s) {
-           return first_of(
-               {above("hand speed", highest(t.arms[s].speed), 3),
-                above("hand moves ahead", range(curve_of(t.arms[s].hand, [](const auto& p) { return p.z; })), 0.35)});
+           return first_of({above("hand speed", highest(t.arms[s].speed), 3),
+                            above("hand moves ahead",
+                                  range(values_along(t.arms[s].hand, [](const auto& p) { return p.z; })), 0.35)});
          });
        }},
       {"push", "both hands come ahead of the chest",
        [](T t) {
          const auto z = [](const Vec3<double>& p) { return p.z; };
-         return first_of({above("hands come ahead",
-                                highest(lower_of(curve_of(t.arms[0].hand, z), curve_of(t.arms[1].hand, z))), 0.33),
-                          above("hands at", highest(lower_of(t.arms[0].raised, t.arms[1].raised)), -0.4)});
+         return first_of(
+             {above("hands come ahead",
+                    highest(lower_of(values_along(t.arms[0].hand, z), values_along(t.arms[1].hand, z))), 0.33),
+              above("hands at", highest(lower_of(t.arms[0].raised, t.arms[1].raised)), -0.4)});
        }},
       {"hand to the head", "a hand comes within 0.28 m of the head, once or more",
        [](T t) {
@@ -453,7 +456,8 @@ inline std::vector<JudgedVerb> make_verbs() {
       {"box", "hands come ahead of the body again and again",
        [](T t) {
          std::size_t n = 0;
-         for (const ArmTrace& a : t.arms) n += rises(curve_of(a.hand, [](const auto& p) { return p.z; }), 0.33, 0.4);
+         for (const ArmTrace& a : t.arms)
+           n += rises(values_along(a.hand, [](const auto& p) { return p.z; }), 0.33, 0.4);
          return first_of({above("punches", static_cast<double>(n), 1),
                           above("hand speed", std::max(highest(t.arms[0].speed), highest(t.arms[1].speed)), 1.8)});
        }},
@@ -472,13 +476,13 @@ inline std::vector<JudgedVerb> make_verbs() {
        [](T t) { return above("turns of the head", static_cast<double>(reversals(t.look_left, 12)), 1); }},
       {"look left", "the head turns 20 degrees to the left",
        [](T t) {
-         Curve gaze;
+         TracedValues gaze;
          for (std::size_t f = 0; f < t.frames(); ++f) gaze.push_back(t.look_left[f] + t.twist[f]);
          return above("looks left by", highest(gaze) - at_start(t, gaze), 20);
        }},
       {"look around", "the head turns 20 degrees to either side",
        [](T t) {
-         Curve gaze;
+         TracedValues gaze;
          for (std::size_t f = 0; f < t.frames(); ++f) gaze.push_back(t.look_left[f] + t.twist[f]);
          return above("looks about by", range(gaze), 40);
        }},
@@ -489,12 +493,13 @@ inline std::vector<JudgedVerb> make_verbs() {
          return either([&](std::size_t s) {
            return above(
                "swings",
-               static_cast<double>(reversals(curve_of(t.arms[s].hand, [](const auto& p) { return p.z; }), 0.25)), 1);
+               static_cast<double>(reversals(values_along(t.arms[s].hand, [](const auto& p) { return p.z; }), 0.25)),
+               1);
          });
        }},
       {"lunge", "the feet come 0.6 m apart, the pelvis 0.15 m down",
        [](T t) {
-         Curve apart;
+         TracedValues apart;
          for (std::size_t f = 0; f < t.frames(); ++f)
            apart.push_back(std::abs(t.legs[0].ahead[f] - t.legs[1].ahead[f]));
          return first_of({above("feet apart", highest(apart), 0.6), below("pelvis", lowest(t.pelvis), 0.8)});
@@ -510,7 +515,7 @@ inline std::vector<JudgedVerb> make_verbs() {
        }},
       {"cross the arms", "each hand lies on the other side of the chest",
        [](T t) {
-         Curve crossed;
+         TracedValues crossed;
          for (std::size_t f = 0; f < t.frames(); ++f) crossed.push_back(t.arms[1].hand[f].x - t.arms[0].hand[f].x);
          return above("hands crossed by", highest(crossed), 0);
        }},
@@ -519,7 +524,8 @@ inline std::vector<JudgedVerb> make_verbs() {
          const auto z = [](const Vec3<double>& p) { return p.z; };
          return first_of(
              {between("speed", t.speed(), 0.15, 1.6),
-              above("hands ahead", at_end(t, lower_of(curve_of(t.arms[0].hand, z), curve_of(t.arms[1].hand, z))), 0.25),
+              above("hands ahead",
+                    at_end(t, lower_of(values_along(t.arms[0].hand, z), values_along(t.arms[1].hand, z))), 0.25),
               above("hands at", at_end(t, lower_of(t.arms[0].raised, t.arms[1].raised)), -0.3)});
        }},
       {"flip", "the pelvis comes above the head in the air, and it stands again",

@@ -59,7 +59,8 @@ MOTIONLANG_BODY double MotionTrace::speed() const {
 MOTIONLANG_BODY MotionTrace trace_motion(const Motion& m) {
   if (m.skeleton.size() < 22 || known_legs(m.skeleton).data() != std::data(smpl_legs))
     raise<config_error>(103, "trace_motion: '", m.name, "' is not on SMPL's joints");
-  MotionTrace t{.fps = m.fps};
+  MotionTrace t;
+  t.fps = m.fps;
   t.over_floor = heights_over_floor(m);
   JointTransforms<double> world;
   std::vector<Vec3<double>> before;
