@@ -244,7 +244,7 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
   refused({"--keep-parts", "tail"}, "--keep-parts: 'tail' is not one of left arm");
   refused({"--keep-seconds", "3-1"}, "'3-1' is not a time range like 0-1.5");
   for (const char* none : {"-1", "-1-1", "1-", "1", "-", "nan-1", "0-inf", "0-1x"})
-    refused({std::string("--keep-seconds=") + none}, "is not a stretch of time like 0-1.5");
+    refused({std::string("--keep-seconds=") + none}, "is not a time range like 0-1.5");
   refused({"--keep-seconds", "0-1.5"},
           "0-1.5 is frames 0:30 at 20 per second; the motion to keep has 40, the timeline 20");
   refused({"--keep-seconds", "0.5-0.51"}, "0.5-0.51 is frames 10:10 at 20 per second");

@@ -31,7 +31,7 @@ std::optional<NaturalLength> natural_length(std::string_view text);
 inline constexpr double standing_lead_in = 0.5;
 
 /// Every text that lasts at least a second longer than its action becomes the action and what follows it, with the same
-/// parts. An action from rest has a standing_lead_in if it has two seconds, all parts and the beginning of the timeline.
+/// parts. An action from rest has a standing_lead_in if it has two seconds, all parts and the start of the timeline.
 /// For the human body; other timelines stay as they are.
 Timeline end_actions(const Timeline& timeline, double fps);
 

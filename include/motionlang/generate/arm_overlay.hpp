@@ -2,7 +2,7 @@
 /// Arms that a collage of texts loses: beside a text that sits, stands or bends, a text of an arm may move it half as
 /// far as alone, or not at all. What the text makes alone is then laid over the collage.
 ///
-///     for (const ArmText& text : arm_texts(timeline))
+///     for (const ArmText& text : arm_texts(timeline, 10))   // that last ten frames or longer
 ///       if (is_arm_lost(motion, alone, text)) motion = lay_arm_over(motion, alone, text);    // alone: of text.alone
 ///
 /// Source  the composition of SINC (Athanasiou et al., ICCV 2023; kinematics/overlay.hpp), for the arms only
