@@ -27640,11 +27640,11 @@ struct NaturalLength {
 std::optional<NaturalLength> natural_length(std::string_view text);
 
 /// Seconds of "stand still" in front of an action that begins from rest.
-inline constexpr double lead_in = 0.5;
+inline constexpr double standing_lead_in = 0.5;
 
 /// Every text that lasts at least a second longer than its action becomes the action and what follows it, with the same
-/// parts. An action from rest has a lead_in if it has two seconds, all parts and the beginning of the timeline. For the
-/// human body; other timelines stay as they are.
+/// parts. An action from rest has a standing_lead_in if it has two seconds, all parts and the start of the timeline.
+/// For the human body; other timelines stay as they are.
 Timeline end_actions(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END
@@ -27719,7 +27719,7 @@ MOTIONLANG_BODY Timeline end_actions(const Timeline& timeline, double fps) {
         whole.end >= frame_at(2, fps)) {
       out.intervals.push_back(whole);
       out.intervals.back().text = "stand still";
-      out.intervals.back().end = action.start = frame_at(lead_in, fps);
+      out.intervals.back().end = action.start = frame_at(standing_lead_in, fps);
     }
     out.intervals.push_back(action);
     if (!natural || action.end - action.start < frame_at(natural->seconds + 1, fps)) continue;
@@ -31443,7 +31443,8 @@ MOTIONLANG_BODY double MotionTrace::speed() const {
 MOTIONLANG_BODY MotionTrace trace_motion(const Motion& m) {
   if (m.skeleton.size() < 22 || known_legs(m.skeleton).data() != std::data(smpl_legs))
     raise<config_error>(103, "trace_motion: '", m.name, "' is not on SMPL's joints");
-  MotionTrace t{.fps = m.fps};
+  MotionTrace t;
+  t.fps = m.fps;
   t.over_floor = heights_over_floor(m);
   JointTransforms<double> world;
   std::vector<Vec3<double>> before;

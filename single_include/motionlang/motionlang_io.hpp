@@ -10273,8 +10273,11 @@ class GltfSampler {
       : figure_(figure), nodes_(nodes), animation_(animation) {
     figure.place([&](int n) { return animation.rest(n, rest_of(n)); }, rest_);
     offsets_ = figure.skeleton.offsets;
-    const bool other = std::any_of(figure.nodes.begin(), figure.nodes.end(), [&](int n) { return differs(n); }) ||
-                       std::any_of(figure.above.begin(), figure.above.end(), [&](int n) { return differs(n); });
+    const auto scaled = [&](int n) { return has_other_scale(n); };
+    const auto moved = [&](int n) { return has_other_place(n); };
+    const bool other = std::any_of(figure.above.begin(), figure.above.end(), scaled) ||
+                       std::any_of(figure.nodes.begin(), figure.nodes.end(), scaled) ||
+                       std::any_of(figure.nodes.begin() + 1, figure.nodes.end(), moved);  // the root is where it is
     if (other) offsets_ = leaning_offsets(figure, rest_);
     for (const GltfPlace& joint : rest_) size_ = std::max(size_, 2 * norm(joint.place - rest_.front().place));
   }
@@ -10316,10 +10319,11 @@ class GltfSampler {
 
  private:
   const GltfTransform& rest_of(int n) const { return nodes_[static_cast<std::size_t>(n)].rest; }
-  bool differs(int n) const {
-    if (n < 0 || !animation_.animates(n)) return false;
-    const GltfTransform own = animation_.rest(n, rest_of(n));
-    return own.translation != rest_of(n).translation || own.scale != rest_of(n).scale;
+  bool has_other_scale(int n) const {
+    return n >= 0 && animation_.animates(n) && animation_.rest(n, rest_of(n)).scale != rest_of(n).scale;
+  }
+  bool has_other_place(int n) const {
+    return n >= 0 && animation_.animates(n) && animation_.rest(n, rest_of(n)).translation != rest_of(n).translation;
   }
 
   const GltfSkeleton& figure_;

@@ -12176,11 +12176,11 @@ struct NaturalLength {
 std::optional<NaturalLength> natural_length(std::string_view text);
 
 /// Seconds of "stand still" in front of an action that begins from rest.
-inline constexpr double lead_in = 0.5;
+inline constexpr double standing_lead_in = 0.5;
 
 /// Every text that lasts at least a second longer than its action becomes the action and what follows it, with the same
-/// parts. An action from rest has a lead_in if it has two seconds, all parts and the beginning of the timeline. For the
-/// human body; other timelines stay as they are.
+/// parts. An action from rest has a standing_lead_in if it has two seconds, all parts and the start of the timeline.
+/// For the human body; other timelines stay as they are.
 Timeline end_actions(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END
@@ -12255,7 +12255,7 @@ MOTIONLANG_BODY Timeline end_actions(const Timeline& timeline, double fps) {
         whole.end >= frame_at(2, fps)) {
       out.intervals.push_back(whole);
       out.intervals.back().text = "stand still";
-      out.intervals.back().end = action.start = frame_at(lead_in, fps);
+      out.intervals.back().end = action.start = frame_at(standing_lead_in, fps);
     }
     out.intervals.push_back(action);
     if (!natural || action.end - action.start < frame_at(natural->seconds + 1, fps)) continue;
@@ -15883,7 +15883,7 @@ MOTIONLANG_NAMESPACE_END
 /// Arms that a collage of texts loses: beside a text that sits, stands or bends, a text of an arm may move it half as
 /// far as alone, or not at all. What the text makes alone is then laid over the collage.
 ///
-///     for (const ArmText& text : arm_texts(timeline))
+///     for (const ArmText& text : arm_texts(timeline, 10))   // that last ten frames or longer
 ///       if (is_arm_lost(motion, alone, text)) motion = lay_arm_over(motion, alone, text);    // alone: of text.alone
 ///
 /// Source  the composition of SINC (Athanasiou et al., ICCV 2023; kinematics/overlay.hpp), for the arms only

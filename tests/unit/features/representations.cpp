@@ -109,7 +109,7 @@ TEST_CASE("actor: there and back") {
   const std::vector<double> odd(151);
   CHECK_ERROR(ml::actor_inverse(view(odd)), "[motionlang.shape.205] actor_inverse: 151 values are not frames of 150");
   CHECK_ERROR(ml::actor_inverse(view(odd), 0), "[motionlang.config.101] actor_inverse: 0 joints");
-  CHECK_ERROR(ml::actor_inverse(view(odd), 1, {.translation = false, .global = false}), "no frames of 0");
+  CHECK_ERROR(ml::actor_inverse(view(odd), 1, {.translation = false, .global = false}), "are not frames of 0");
 }
 
 TEST_CASE("smplvelp: there and back") {
