@@ -4940,7 +4940,7 @@ struct IdSequences {
 
   IdSequences() = default;
   /// Throws shape_error 207 unless the offsets end at the last id.
-  IdSequences(std::vector<Index> list, Offsets o);
+  IdSequences(std::vector<Index> list, const Offsets& o);
   static IdSequences from(const std::vector<std::vector<Index>>& lists);
   static IdSequences one(std::span<const Index> list) {
     return {{list.begin(), list.end()}, Offsets{std::ssize(list)}};
@@ -4966,8 +4966,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-MOTIONLANG_BODY IdSequences::IdSequences(std::vector<Index> list, Offsets o)
-    : ids(std::move(list)), offsets(std::move(o)) {
+MOTIONLANG_BODY IdSequences::IdSequences(std::vector<Index> list, const Offsets& o) : ids(std::move(list)), offsets(o) {
   if (std::ssize(ids) != offsets.rows())
     raise<shape_error>(207, "IdSequences: offsets for ", offsets.rows(), " ids, ", ids.size(), " are there");
 }

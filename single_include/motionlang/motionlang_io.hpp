@@ -8388,6 +8388,7 @@ inline BvhBody bvh_body(std::vector<BvhJoint> all, const BvhTable& table) {
     root = body_root(skeleton, *table_of_names);
   } else {
     std::vector<JointMovement> movements;
+    movements.reserve(all.size());
     for (const BvhJoint& j : all) movements.push_back({way_of(j, table), turns(j, table)});
     root = moving_root(skeleton, movements);
   }
@@ -11602,6 +11603,7 @@ inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const st
   };
   for (const std::string& note : file.notes) tell(note);
   std::vector<Motion> motions;
+  motions.reserve(static_cast<std::size_t>(bvh_roots(file)));
   for (int root = 0; root < bvh_roots(file); ++root) motions.push_back(to_motion(file, {.scale = scale, .root = root}));
   const auto is_body = [](const Motion& m) { return find_skeleton_table(m.skeleton) != nullptr; };
   const bool has_body = motions.size() > 1 && std::any_of(motions.begin(), motions.end(), is_body);
@@ -15206,7 +15208,7 @@ class LabelSentences {
  public:
   /// tags    lines "walk while wave#walk/VERB while/SCONJ wave/VERB#0.0#0.0"; "": words stay as they are
   /// Throws  config_error 102 for a file where has_gerund is false, and what read_captions throws
-  explicit LabelSentences(Conjunction conjunction, const std::filesystem::path& tags = {});
+  explicit LabelSentences(Conjunction conjunction, std::filesystem::path tags = {});
 
   /// Throws config_error 103, with the sentences, if the file lacks those of some of these motions.
   void require(const std::vector<const DescribedMotion*>& motions) const;
@@ -15230,8 +15232,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-MOTIONLANG_BODY LabelSentences::LabelSentences(Conjunction conjunction, const std::filesystem::path& tags)
-    : conjunction_(conjunction), tags_(tags) {
+MOTIONLANG_BODY LabelSentences::LabelSentences(Conjunction conjunction, std::filesystem::path tags)
+    : conjunction_(conjunction), tags_(std::move(tags)) {
   if (tags_.empty()) return;
   if (!has_gerund(conjunction))
     raise<config_error>(102, tags_.string(), ": words of sentences are for the conjunctions while and during");
@@ -26648,9 +26650,9 @@ inline std::string changed_names(const std::filesystem::path& path, const Skelet
 
 class OneConversion {
  public:
-  OneConversion(const std::filesystem::path& in, const std::filesystem::path& out, const MotionConversion& how,
+  OneConversion(std::filesystem::path in, std::filesystem::path out, const MotionConversion& how,
                 ConversionNotes& notes, std::set<std::string>& taken)
-      : in_(in), out_(out), how_(how), notes_(notes), taken_(taken) {}
+      : in_(std::move(in)), out_(std::move(out)), how_(how), notes_(notes), taken_(taken) {}
 
   void run() {
     if (file_kind(in_) != ".npz")
@@ -27030,9 +27032,9 @@ namespace detail {
 
 class FolderInspection {
  public:
-  FolderInspection(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
+  FolderInspection(const std::vector<std::filesystem::path>& files, std::filesystem::path folder,
                    const InspectFolderOptions& options, std::string* notes)
-      : o_(options), folder_(folder), inputs_(files), notes_(notes) {}
+      : o_(options), folder_(std::move(folder)), inputs_(files), notes_(notes) {}
 
   void add(const std::filesystem::path& file) {
     const std::string name = file.lexically_relative(folder_).string();

@@ -27,7 +27,7 @@ class LabelSentences {
  public:
   /// tags    lines "walk while wave#walk/VERB while/SCONJ wave/VERB#0.0#0.0"; "": words stay as they are
   /// Throws  config_error 102 for a file where has_gerund is false, and what read_captions throws
-  explicit LabelSentences(Conjunction conjunction, const std::filesystem::path& tags = {});
+  explicit LabelSentences(Conjunction conjunction, std::filesystem::path tags = {});
 
   /// Throws config_error 103, with the sentences, if the file lacks those of some of these motions.
   void require(const std::vector<const DescribedMotion*>& motions) const;

@@ -2,7 +2,8 @@
 // Bodies of label_sentences.hpp.
 #pragma once
 
-#include <set>  // sentences that are missing
+#include <set>      // sentences that are missing
+#include <utility>  // move
 
 #include <motionlang/datasets/babel_motions.hpp>
 #include <motionlang/datasets/humanml3d_texts.hpp>
@@ -10,8 +11,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-MOTIONLANG_BODY LabelSentences::LabelSentences(Conjunction conjunction, const std::filesystem::path& tags)
-    : conjunction_(conjunction), tags_(tags) {
+MOTIONLANG_BODY LabelSentences::LabelSentences(Conjunction conjunction, std::filesystem::path tags)
+    : conjunction_(conjunction), tags_(std::move(tags)) {
   if (tags_.empty()) return;
   if (!has_gerund(conjunction))
     raise<config_error>(102, tags_.string(), ": words of sentences are for the conjunctions while and during");

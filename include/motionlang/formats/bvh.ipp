@@ -165,6 +165,7 @@ inline BvhBody bvh_body(std::vector<BvhJoint> all, const BvhTable& table) {
     root = body_root(skeleton, *table_of_names);
   } else {
     std::vector<JointMovement> movements;
+    movements.reserve(all.size());
     for (const BvhJoint& j : all) movements.push_back({way_of(j, table), turns(j, table)});
     root = moving_root(skeleton, movements);
   }

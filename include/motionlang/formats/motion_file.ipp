@@ -160,6 +160,7 @@ inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const st
   };
   for (const std::string& note : file.notes) tell(note);
   std::vector<Motion> motions;
+  motions.reserve(static_cast<std::size_t>(bvh_roots(file)));
   for (int root = 0; root < bvh_roots(file); ++root) motions.push_back(to_motion(file, {.scale = scale, .root = root}));
   const auto is_body = [](const Motion& m) { return find_skeleton_table(m.skeleton) != nullptr; };
   const bool has_body = motions.size() > 1 && std::any_of(motions.begin(), motions.end(), is_body);

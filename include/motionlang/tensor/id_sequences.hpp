@@ -15,7 +15,7 @@ struct IdSequences {
 
   IdSequences() = default;
   /// Throws shape_error 207 unless the offsets end at the last id.
-  IdSequences(std::vector<Index> list, Offsets o);
+  IdSequences(std::vector<Index> list, const Offsets& o);
   static IdSequences from(const std::vector<std::vector<Index>>& lists);
   static IdSequences one(std::span<const Index> list) {
     return {{list.begin(), list.end()}, Offsets{std::ssize(list)}};

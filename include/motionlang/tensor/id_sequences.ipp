@@ -8,8 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-MOTIONLANG_BODY IdSequences::IdSequences(std::vector<Index> list, Offsets o)
-    : ids(std::move(list)), offsets(std::move(o)) {
+MOTIONLANG_BODY IdSequences::IdSequences(std::vector<Index> list, const Offsets& o) : ids(std::move(list)), offsets(o) {
   if (std::ssize(ids) != offsets.rows())
     raise<shape_error>(207, "IdSequences: offsets for ", offsets.rows(), " ids, ", ids.size(), " are there");
 }

@@ -68,9 +68,9 @@ inline std::string changed_names(const std::filesystem::path& path, const Skelet
 
 class OneConversion {
  public:
-  OneConversion(const std::filesystem::path& in, const std::filesystem::path& out, const MotionConversion& how,
+  OneConversion(std::filesystem::path in, std::filesystem::path out, const MotionConversion& how,
                 ConversionNotes& notes, std::set<std::string>& taken)
-      : in_(in), out_(out), how_(how), notes_(notes), taken_(taken) {}
+      : in_(std::move(in)), out_(std::move(out)), how_(how), notes_(notes), taken_(taken) {}
 
   void run() {
     if (file_kind(in_) != ".npz")

@@ -2,9 +2,10 @@
 // Bodies of inspect_folder.hpp.
 #pragma once
 
-#include <array>   // strips of each fault
-#include <cstdio>  // about a motion
-#include <set>     // names of copies
+#include <array>    // strips of each fault
+#include <cstdio>   // about a motion
+#include <set>      // names of copies
+#include <utility>  // move
 
 #include <motionlang/file/file.hpp>
 #include <motionlang/file/input_files.hpp>
@@ -17,9 +18,9 @@ namespace detail {
 
 class FolderInspection {
  public:
-  FolderInspection(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
+  FolderInspection(const std::vector<std::filesystem::path>& files, std::filesystem::path folder,
                    const InspectFolderOptions& options, std::string* notes)
-      : o_(options), folder_(folder), inputs_(files), notes_(notes) {}
+      : o_(options), folder_(std::move(folder)), inputs_(files), notes_(notes) {}
 
   void add(const std::filesystem::path& file) {
     const std::string name = file.lexically_relative(folder_).string();
