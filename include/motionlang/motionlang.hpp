@@ -36,7 +36,6 @@
 #include <motionlang/core/require_value.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/core/rounding.hpp>
-#include <motionlang/core/rows_together.hpp>
 #include <motionlang/core/scalar_math.hpp>
 #include <motionlang/core/shape.hpp>
 #include <motionlang/core/sort.hpp>

@@ -9,6 +9,7 @@
 #include <array>  // several gradients
 
 #include <motionlang/backend/dense.hpp>
+#include <motionlang/core/precision.hpp>
 #include <motionlang/tensor/fused.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -32,9 +33,11 @@ struct KernelOps {
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
   /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed
-  /// form. For inference: the weight must not change afterwards. Returns whether all its numbers are finite: they are
-  /// read anyway.
-  static bool prepare(const Dense<S>& weight);
+  /// form, and the precision that it was packed for. For inference: the weight must not change afterwards. Returns
+  /// whether all its numbers are finite: they are read anyway.
+  static bool prepare(const Dense<S>& weight, Precision precision = product_precision());
+  /// In which precision products with this weight are computed.
+  static Precision precision_of(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
 

@@ -17,7 +17,6 @@
 #include <motionlang/backend/kernel_ops.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/precision.hpp>
-#include <motionlang/core/rows_together.hpp>
 #include <motionlang/core/thread_object.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -41,11 +40,14 @@ class Scratch {
   BufferHandle memory_;
 };
 
-/// A matrix (k, n) in panels: of S for `kernels`, or of bfloat16.
+/// A matrix (k, n) in panels: of S for `kernels`, or of bfloat16. They know how products with them are made, so that
+/// nothing but the arguments of an operation decides its bits.
 template <class S>
 struct Panels {
   Index k = 0, n = 0;
+  Precision precision = Precision::fp32;
   const Kernels<S>* kernels = nullptr;  // none: bfloat16
+  const FloatTiles* tiles = nullptr;    // none: multiply-adds
   BufferHandle memory;
 
   const S* data() const { return static_cast<const S*>(memory.data()); }
@@ -72,16 +74,28 @@ struct PreparedPanels {
 
 inline Index parts(Index count, Index size) { return (count + size - 1) / size; }
 
-/// Precision of products of S.
+/// Precision of products of S with what is not prepared.
 template <class S>
 Precision precision_of() {
   return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
 }
 
-/// Room for a matrix, packed.
+/// The rows that products with a weight are taken to have: more than any.
+inline constexpr Index any_rows = Index{1} << 20;
+/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less,
+/// splitting panels and rows takes as long as is saved. With a weight m is `any_rows`: a row of x has the same bits
+/// alone, in any batch, and on any number of threads.
+inline const FloatTiles* float_tiles(Precision precision, Index m, Index n, Index k) {
+  if (precision != Precision::bf16x3) return nullptr;
+  const bool pays = m >= 128 && n >= 128 && k >= 128 && m * n >= (k < 256 ? 131072 : 32768);
+  return pays ? tile_products.load(std::memory_order_relaxed)(kernels<float>()) : nullptr;
+}
+
+/// Room for a matrix, packed, that matrices of m rows are multiplied with.
 template <class S>
-Panels<S> panels_for(Index k, Index n, Precision precision) {
-  Panels<S> p{k, n, precision == Precision::bf16 ? nullptr : &kernels<S>(), {}};
+Panels<S> panels_for(Index k, Index n, Precision precision, Index m = any_rows) {
+  const bool bf16 = precision == Precision::bf16;
+  Panels<S> p{k, n, precision, bf16 ? nullptr : &kernels<S>(), float_tiles(precision, m, n, k), {}};
   p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
   return p;
 }
@@ -125,17 +139,12 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
 /// True if a product of m x k and k x n is split.
 inline bool worth_threads(Index m, Index n, Index k) { return m * n * k >= 100'000; }
 
-/// The kernels whose panels are wanted of weights; none: bfloat16.
-template <class S>
-const Kernels<S>* wanted_kernels() {
-  return precision_of<S>() == Precision::bf16 ? nullptr : &kernels<S>();
-}
-/// The prepared form of a weight, if it is the form that is wanted now.
+/// The prepared form of a weight, if these kernels can read it.
 template <class S>
 const PreparedPanels<S>* prepared_panels(const Dense<S>& weight, Index n, Index k, Index taps) {
   const auto* p = static_cast<const PreparedPanels<S>*>(weight.attached());
-  const bool fits = p != nullptr && p->panels.kernels == wanted_kernels<S>() && p->panels.n == n && p->panels.k == k &&
-                    p->taps == taps;
+  const bool fits = p != nullptr && p->panels.n == n && p->panels.k == k && p->taps == taps &&
+                    (p->panels.precision == Precision::bf16 || p->panels.kernels == &kernels<S>());
   return fits ? p : nullptr;
 }
 /// The weight (out, in, taps) of a convolution as the matrix (out, taps in) that windows of rows are multiplied with.
@@ -145,24 +154,13 @@ Dense<S> window_matrix(const Dense<S>& weight) {
   return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
 }
 
-/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less,
-/// splitting panels and rows takes as long as is saved. That depends on the product, not on how its rows are shared:
-/// the same numbers for any number of threads.
+/// Scratch of products with such panels.
 template <class S>
-const FloatTiles* float_tiles(Index m, Index n, Index k) {
-  if (precision_of<S>() != Precision::bf16x3) return nullptr;
-  const Index rows = RowsTogether::count() > 0 ? RowsTogether::count() : m;
-  const bool pays = rows >= 128 && n >= 128 && k >= 128 && rows * n >= (k < 256 ? 131072 : 32768);
-  return pays ? tile_products.load(std::memory_order_relaxed)(kernels<float>()) : nullptr;
-}
-/// Scratch of products of at most this many rows with such panels.
-template <class S>
-Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
+Scratch<S> gemm_scratch(const Panels<S>& p) {
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) return Scratch<S>(bf16_product_kernels().gemm_scratch(p.k));
   }
-  const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
-  return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
+  return Scratch<S>(std::max(p.tiles == nullptr ? 0 : p.tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
 }
 /// True if every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
 /// threads share. Its rows a thread finds where it wrote them, in its cache. Those of others come slowly: with 16
@@ -227,7 +225,7 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
         [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
   };
   if constexpr (std::is_same_v<S, float>) {
-    if (const FloatTiles* tiles = float_tiles<S>(g.m, g.n, g.k)) return run_floats(*tiles, 1);
+    if (p.tiles != nullptr) return run_floats(*p.tiles, 1);
   }
   run_floats(*p.kernels, parallel_width() > 2 ? 3 : 1);
 }
@@ -240,11 +238,7 @@ inline Index products_apart(Index count, Index m, Index n, Index k) {
 /// product(i) for 0 ... count-1.
 template <class F>
 void for_products(Index count, Index apart, const F& product) {
-  const Index together = RowsTogether::count();
-  parallel_for(apart, [&](Index i) {
-    const RowsTogether as_here(together);
-    product(i);
-  });
+  parallel_for(apart, product);
   for (Index i = apart; i < count; ++i) product(i);
 }
 
@@ -288,7 +282,7 @@ Dense<S> convolve(const Dense<S>& x, const Offsets& before, const Offsets& after
                   const S* bias, Index stride, Index padding, Activation act) {
   const WithMargins<S> margins(x, before, padding);
   Dense<S> y(Shape{after.rows(), matrix.n});
-  const Scratch<S> scratch = gemm_scratch(matrix, after.longest());
+  const Scratch<S> scratch = gemm_scratch(matrix);
   for_products(after.count(), products_apart(after.count(), after.longest(), matrix.n, matrix.k), [&](Index s) {
     run_gemm(Gemm<S>{.m = after.length(s),
                      .n = matrix.n,
@@ -315,7 +309,7 @@ Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offs
           .dropout = options.dropout};
 }
 template <class S>
-void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
+void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k, Precision precision) {
   const auto run = [&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
     // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and
@@ -330,18 +324,19 @@ void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
     });
   };
   if constexpr (std::is_same_v<S, float>) {
-    if (product_precision() == Precision::bf16) return run(bf16_product_kernels());
+    if (precision == Precision::bf16) return run(bf16_product_kernels());
   }
   run(kernels<S>());
 }
 template <class S>
-void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
+void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k,
+                       Precision precision) {
   const auto run = [&](const auto& scratch_of, const auto& vjp) {
     const Scratch<S> scratch(scratch_of(q.longest(), k.longest(), t.width));
     parallel_for(q.count() * t.heads, [&](Index i) { vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
   };
   if constexpr (std::is_same_v<S, float>) {
-    if (product_precision() == Precision::bf16) {
+    if (precision == Precision::bf16) {
       const Bf16Kernels& kernel = bf16_product_kernels();
       return run(kernel.attention_vjp_scratch, kernel.attention_head_vjp);
     }
@@ -359,7 +354,7 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
   Dense<S> z(Shape{n, m}), y(Shape{m, n});
   run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels,
-           gemm_scratch(panels, n));
+           gemm_scratch(panels));
   const Transposed<S> t{
       .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
   constexpr Index columns = 64;
@@ -470,8 +465,8 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
   const Index count = s.count(0, r - 2), apart = detail::products_apart(count, m, n, k);
   PoolVector<detail::Panels<S>> rooms;  // one for every thread that packs
   for (int i = 0; i < (apart > 0 ? parallel_width() : 1); ++i)
-    rooms.push_back(detail::panels_for<S>(k, n, detail::precision_of<S>()));
-  const auto scratch = detail::gemm_scratch(rooms[0], m);
+    rooms.push_back(detail::panels_for<S>(k, n, detail::precision_of<S>(), m));
+  const auto scratch = detail::gemm_scratch(rooms[0]);
   detail::for_products(count, apart, [&](Index i) {
     auto& panels = rooms[rooms.size() == 1 ? 0 : static_cast<std::size_t>(thread_number())];
     detail::pack_into(panels, b.data() + i * k * n, transpose_b ? 1 : n, transpose_b ? k : 1);
@@ -494,14 +489,16 @@ Index KernelOps<S>::rows_in_cache() {
 }
 
 template <Scalar S>
-bool KernelOps<S>::prepare(const Dense<S>& weight) {
+bool KernelOps<S>::prepare(const Dense<S>& weight, Precision precision) {
   const Index taps = weight.shape().rank() == 3 ? weight.shape()[2] : 1;
   const Dense<S> matrix = taps > 1 ? detail::window_matrix(weight) : weight;
   const Index n = weight.shape()[0], k = taps * weight.shape()[1];
   std::atomic<bool> finite{true};
   auto& before = thread_object<std::weak_ptr<const detail::PreparedPanels<S>>>();
   const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
-      detail::pack_panels(matrix.data(), k, n, Index{1}, k, detail::precision_of<S>(), &finite), taps);
+      detail::pack_panels(matrix.data(), k, n, Index{1}, k, std::is_same_v<S, float> ? precision : Precision::fp32,
+                          &finite),
+      taps);
   if (const auto last = before.lock()) {
     last->next_bytes = prepared->panels.bytes();
     last->next = static_cast<const std::byte*>(prepared->panels.memory.data());
@@ -509,6 +506,12 @@ bool KernelOps<S>::prepare(const Dense<S>& weight) {
   before = prepared;
   weight.attach(prepared);
   return finite;
+}
+
+template <Scalar S>
+Precision KernelOps<S>::precision_of(const Dense<S>& weight) {
+  const auto* p = static_cast<const detail::PreparedPanels<S>*>(weight.attached());
+  return p == nullptr ? detail::precision_of<S>() : p->panels.precision;
 }
 
 template <Scalar S>
@@ -534,15 +537,15 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
     for (Index r = r0; r < r1; ++r) finish(r * n + c0, c1 - c0);
   };
   if (ready == nullptr) {
-    if (detail::wanted_kernels<S>() != nullptr && m > 0 &&
-        m * (n + k) < n * k &&  // x and y are smaller than the weight
-        detail::float_tiles<S>(m, n, k) == nullptr) {
+    const Precision precision = detail::precision_of<S>();
+    if (precision != Precision::bf16 && m > 0 && m * (n + k) < n * k &&  // x and y are smaller than the weight
+        detail::float_tiles(precision, detail::any_rows, n, k) == nullptr) {
       y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
                                    residual == nullptr || !last ? nullptr : residual->data());
       behind(0, m, 0, n);
       return y;
     }
-    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>());
+    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, precision);
     ready = &packed;
   }
   y = Dense<S>(Shape{m, n});
@@ -560,7 +563,7 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                       .act = act,
                       .after = ready == &packed ? nullptr : prepared->next.load(std::memory_order_relaxed),
                       .after_bytes = ready == &packed ? 0 : prepared->next_bytes.load(std::memory_order_relaxed)},
-      *ready, detail::gemm_scratch(*ready, m), behind);
+      *ready, detail::gemm_scratch(*ready), behind);
   return y;
 }
 
@@ -699,7 +702,7 @@ Dense<S> KernelOps<S>::attention(const Dense<S>& q, const Dense<S>& k, const Den
     t.relative_scores = relative_scores->data(), t.reach = relative_scores->shape()[1] / 2;
   t.q = q.data(), t.k = k.data(), t.v = v.data(), t.o = o.data();
   t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
-  detail::run_attention(t, q_offsets, k_offsets);
+  detail::run_attention(t, q_offsets, k_offsets, options.precision);
   return o;
 }
 template <Scalar S>
@@ -712,7 +715,7 @@ std::array<Dense<S>, 3> KernelOps<S>::attention_vjp(const Dense<S>& q, const Den
   t.q = q.data(), t.k = k.data(), t.v = v.data();
   t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
   detail::run_attention_vjp(t, detail::AttentionGradients<S>{dy.data(), dq.data(), dk.data(), dv.data()}, q_offsets,
-                            k_offsets);
+                            k_offsets, options.precision);
   return {std::move(dq), std::move(dk), std::move(dv)};
 }
 template <Scalar S>
@@ -722,7 +725,7 @@ Dense<S> KernelOps<S>::self_attention(const Dense<S>& qkv, const Offsets& offset
   auto t = detail::attention_arguments<S>(offsets, offsets, d, options);
   t.q = qkv.data(), t.k = qkv.data() + d, t.v = qkv.data() + 2 * d, t.o = o.data();
   t.q_stride = t.k_stride = t.v_stride = 3 * d, t.o_stride = d;
-  detail::run_attention(t, offsets, offsets);
+  detail::run_attention(t, offsets, offsets, options.precision);
   return o;
 }
 template <Scalar S>
@@ -734,7 +737,7 @@ Dense<S> KernelOps<S>::self_attention_vjp(const Dense<S>& qkv, const Offsets& of
   t.q = qkv.data(), t.k = qkv.data() + d, t.v = qkv.data() + 2 * d;
   t.q_stride = t.k_stride = t.v_stride = 3 * d, t.o_stride = d;
   detail::run_attention_vjp(t, detail::AttentionGradients<S>{dy.data(), g.data(), g.data() + d, g.data() + 2 * d},
-                            offsets, offsets);
+                            offsets, offsets, options.precision);
   return g;
 }
 

@@ -1,15 +1,35 @@
 // SPDX-License-Identifier: MIT
-/// The switch for the precision of products. Apart from core/precision.hpp: a header-only program that includes it
-/// compiles the kernels of bfloat16.
+/// Choosing the precision of products: for one model, or for the process. Apart from core/precision.hpp: a header-only
+/// program that includes it compiles the kernels of bfloat16.
+///
+/// A prepared weight keeps the precision that it was packed for, and layers read it there. Models of different
+/// precisions stand beside each other, and nothing that is set later changes them. The setting of the process is for
+/// what no prepared weight takes part in: models in training, whose weights change with every step, and products of
+/// two results.
 #pragma once
 
 #include <motionlang/core/precision.hpp>
+#include <motionlang/tensor/module.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Changes the precision of products for the whole process. Weights that were prepared in another precision are packed
-/// anew at every use (but fp32 and bf16x3 use the same): set it before preparing a model.
+/// Changes the precision for the whole process: that of weights prepared from now on, and of products without one. Not
+/// while work is running.
 void set_product_precision(Precision p);
+
+namespace detail {
+/// Makes the kernels of all precisions callable.
+void use_all_precisions();
+}  // namespace detail
+
+/// Makes a model ready for inference in a precision of its own: `prepare` of tensor/module.hpp has the rest.
+///
+///     prepare(stmc.denoiser, Precision::bf16);
+template <Module M>
+void prepare(M& model, Precision precision) {
+  detail::use_all_precisions();
+  detail::prepare_in(model, precision);
+}
 
 MOTIONLANG_NAMESPACE_END
 

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <motionlang/compose/stitching.hpp>
-#include <motionlang/core/rows_together.hpp>
 #include <motionlang/diffusion/denoiser.hpp>
 #include <motionlang/diffusion/guidance.hpp>
 #include <motionlang/diffusion/sampler.hpp>
@@ -151,7 +150,6 @@ class Collage {
 
   /// The outputs of the network for all jobs, one after the other.
   Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
-    const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const auto of = [&](const Batch& b) {
       const PoolVector<Index> steps(static_cast<std::size_t>(b.uses.rows()), t);
       return denoise_with_texts(*denoiser_, Sequences<B>(gather(x, b.rows), b.frames), b.uses, steps, b.text).rows;
@@ -164,7 +162,6 @@ class Collage {
   }
 
   void build_batch() {
-    const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const Index null = texts_.count() - 1;
     auto jobs = detail::plan_jobs(crops_, detail::texts_of_crops(plan_, null), null,
                                   {.guided = guidance_ != 1, .divide = can_divide(), .rows_at_once = rows_at_once_});

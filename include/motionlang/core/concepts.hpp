@@ -8,6 +8,7 @@
 #include <span>         // views of values and rows
 #include <string_view>  // names of random streams
 
+#include <motionlang/core/precision.hpp>
 #include <motionlang/core/scalar_math.hpp>
 #include <motionlang/core/shape.hpp>
 
@@ -99,13 +100,14 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
 };
 
 /// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in,
-/// taps): prepare(weight) keeps the weight in it beside the tensor, which must not change afterwards, and says whether
-/// all numbers are finite, which are read anyway.
+/// taps): prepare(weight, precision) keeps the weight in it beside the tensor, which must not change afterwards, and
+/// says whether all numbers are finite, which are read anyway. precision_of(weight) is that of its products.
 /// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>
-concept PackingBackend = Backend<B> && requires(const typename B::tensor weight) {
-  { B::prepare(weight) } -> std::same_as<bool>;
+concept PackingBackend = Backend<B> && requires(const typename B::tensor weight, Precision precision) {
+  { B::prepare(weight, precision) } -> std::same_as<bool>;
+  { B::precision_of(weight) } -> std::same_as<Precision>;
 };
 
 /// A type with parameters: `fields()` lists pairs (name, pointer to member); names are the official state-dict keys.

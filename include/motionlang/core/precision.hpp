@@ -15,11 +15,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///         prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
 ///         product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
 ///         the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
-/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. From 128 rows on; else, and
-///         on other processors, fp32. Half its error while products are above 2^-108 (below 2^-126 they count as 0),
-///         other last digits (those of a few rows may differ alone and in a larger batch). For few threads: with two,
-///         large products take 0.6 to 0.9 of the time; with 8 and 16 of one machine they took 1.1 to 2.3 times as long,
-///         as all instructions of AMX are slower there when every core uses them.
+/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. For weights of 128 x 128 and
+///         more; smaller ones, and other processors, take fp32. Half its error while products are above 2^-108 (below
+///         2^-126 they count as 0), other last digits. For many rows and few threads: with two, large products take 0.6
+///         to 0.9 of the time, those of a few rows up to four times as long. With 8 and 16 threads of one machine large
+///         ones took 1.1 to 2.3 times as long, as all instructions of AMX are slower there when every core uses them.
 /// All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
 enum class Precision { fp32, bf16, bf16x3 };
 
@@ -42,7 +42,8 @@ inline std::atomic<Precision>& current_product_precision() {
 }
 }  // namespace detail
 
-/// Precision of products, for the whole process: set_product_precision (backend/precision.hpp) changes it.
+/// Precision for the whole process, of weights that are prepared from now on and of products without a prepared weight.
+/// backend/precision.hpp changes it, and prepares a model in another.
 inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_acquire); }
 
 MOTIONLANG_NAMESPACE_END

@@ -85,8 +85,9 @@ struct MotionDiffuseAttention {
     const auto n = norm(x.rows), source = text == nullptr ? n : (*text_norm)(text->rows);
     const Offsets& keys = text == nullptr ? x.offsets : text->offsets;
     const auto q = query(n), k = key(source), v = value(source);
-    const auto y = no_eff ? attention(q, k, v, x.offsets, keys, {.heads = heads})
-                          : linear_attention(q, k, v, x.offsets, keys, heads);
+    const auto y = no_eff
+                       ? attention(q, k, v, x.offsets, keys, {.heads = heads, .precision = precision_of(query.weight)})
+                       : linear_attention(q, k, v, x.offsets, keys, heads);
     return proj_out(y, emb, x.offsets, x.rows);
   }
 };

@@ -57,7 +57,10 @@ struct MultiheadAttention {
                       const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     const ModuleScope scope(*this);
     const auto read = self_attention(std::move(qkv), offsets,
-                                     {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
+                                     {.heads = heads,
+                                      .causal = causal,
+                                      .dropout = next_dropout(dropout_p, context),
+                                      .precision = precision_of(in_proj_weight)});
     return out_proj(read, Activation::none, residual, next_dropout(drop, context));
   }
   /// x attends to `memory`. Where every memory has one row, softmax over one key is 1 and the result is that row's
@@ -71,8 +74,9 @@ struct MultiheadAttention {
       return linear(t, slice(in_proj_weight, 0, first * d, last * d), &bias);
     };
     const auto q = project(x, 0, 1), k = project(memory.rows, 1, 2), v = project(memory.rows, 2, 3);
-    return out_proj(
-        attention(q, k, v, offsets, memory.offsets, {.heads = heads, .dropout = next_dropout(dropout_p, context)}));
+    return out_proj(attention(
+        q, k, v, offsets, memory.offsets,
+        {.heads = heads, .dropout = next_dropout(dropout_p, context), .precision = precision_of(in_proj_weight)}));
   }
 };
 

@@ -97,7 +97,10 @@ struct Seq2SeqAttention {
   /// The same with keys and values that are known.
   Tensor<B, 2> read(const Sequences<B>& x, const Sequences<B>& keys, const Tensor<B, 2>& values, bool causal,
                     const Context& context = {}) const {
-    const AttentionOptions options{.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)};
+    const AttentionOptions options{.heads = heads,
+                                   .causal = causal,
+                                   .dropout = next_dropout(dropout_p, context),
+                                   .precision = precision_of(w_qs.weight)};
     const auto queries = w_qs(x.rows);
     // Heads of one width: zeros add nothing to products, and what stands behind the values is cut off again.
     const Index key = keys.width() / heads, value = values.size(1) / heads, wide = std::max(key, value);

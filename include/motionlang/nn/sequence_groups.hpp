@@ -9,7 +9,6 @@
 #include <motionlang/core/context.hpp>
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/parallel.hpp>
-#include <motionlang/core/rows_together.hpp>
 #include <motionlang/core/sort.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
@@ -61,14 +60,12 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
     return f(std::span<const Index>(all));
   };
   if constexpr (requires { B::rows_in_cache(); }) {
-    const RowsTogether in_any_groups(offsets.rows());
-    const Index threads = parallel_width(), at_once = B::rows_in_cache(), together = RowsTogether::count();
+    const Index threads = parallel_width(), at_once = B::rows_in_cache();
     const PoolVector<Index> order = longest_first(offsets);
     const bool grouped = offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty();
     if (grouped && !context.dropout) {
       typename B::tensor y(Shape{results.rows(), width});
       const auto put = [&, out = y.data()](std::span<const Index> which) {
-        const RowsTogether as_here(together);
         const auto rows = f(which);
         const auto* from = rows.span().data();
         for (Index s : which) {

@@ -7,7 +7,6 @@
 #include <vector>     // lengths
 
 #include <motionlang/compose/collage.hpp>
-#include <motionlang/core/rows_together.hpp>
 #include <motionlang/systems/detail/stmc_parts.hpp>
 #include <motionlang/systems/stmc.hpp>
 
@@ -110,7 +109,6 @@ GaussianDiffusion Stmc<B, D, E>::process(std::optional<Index> wanted) const {
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
   const detail::DifferentTexts different(plan);
-  const detail::RowsTogether beside_any_others(detail::RowsTogether::few);
   auto features = text_encoder.template encode<B>(std::span<const std::string>(different.texts));
   features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
   if (denoiser.traits().empty_text_is_null) {

@@ -10,6 +10,7 @@
 
 #include <motionlang/core/activation.hpp>
 #include <motionlang/core/dropout.hpp>
+#include <motionlang/core/precision.hpp>
 #include <motionlang/tensor/ops.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
@@ -159,9 +160,20 @@ Tensor<B, 2> softmax(const Tensor<B, 2>& x) {
 
 struct AttentionOptions {
   Index heads = 1;
-  bool causal = false;  // a query sees the keys up to its own position only
-  Dropout dropout{};    // on the attention weights
+  bool causal = false;                        // a query sees the keys up to its own position only
+  Dropout dropout{};                          // on the attention weights
+  Precision precision = product_precision();  // layers take that of their weights
 };
+
+/// In which precision products with a weight are computed: that of `prepare`, else the one of the process.
+template <Backend B, int R>
+Precision precision_of(const Tensor<B, R>& weight) {
+  if constexpr (PackingBackend<B>) {
+    return B::precision_of(weight.data());
+  } else {
+    return product_precision();
+  }
+}
 
 namespace detail {
 

@@ -257,25 +257,42 @@ bool has_panels(int rank) {
 
 /// Packs a weight; returns whether all its values are finite.
 template <PackingBackend B>
-bool pack_weight(const typename B::tensor& weight) {
+bool pack_weight(const typename B::tensor& weight, Precision precision = product_precision()) {
   const Shape shape = B::shape(weight);
-  if (shape.rank() < 4) return B::prepare(weight);
-  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}));
+  if (shape.rank() < 4) return B::prepare(weight, precision);
+  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}), precision);
+}
+
+template <Module M>
+void prepare_in(M& model, Precision precision) {
+  using B = module_backend<M>;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (has_panels<B>(t.rank)) pack_weight<B>(*t.data, precision);
+    }
+  }
 }
 
 }  // namespace detail
 
 /// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
-/// (and whatever else has two to four axes). The model must not be changed afterwards. Nothing happens on backends
-/// without such a layout.
+/// (and whatever else has two to four axes), in the precision of the process; backend/precision.hpp has others. The
+/// model must not be changed afterwards. Nothing happens on backends without such a layout.
 template <Module M>
 void prepare(M& model) {
+  detail::prepare_in(model, product_precision());
+}
+
+/// The precision of products with the first weight of a model.
+template <Module M>
+Precision precision_of(const M& model) {
   using B = module_backend<M>;
   if constexpr (PackingBackend<B>) {
     for (const auto& t : tensors_of(model)) {
-      if (detail::has_panels<B>(t.rank)) detail::pack_weight<B>(*t.data);
+      if (detail::has_panels<B>(t.rank)) return B::precision_of(*t.data);
     }
   }
+  return product_precision();
 }
 
 MOTIONLANG_NAMESPACE_END

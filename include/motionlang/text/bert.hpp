@@ -6,9 +6,9 @@
 ///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);
 ///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
-/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (except the
-/// last digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made
-/// ready with `prepare`. On an Autodiff backend it is trained.
+/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others. Loading a
+/// file packs the weights for the kernels; a network that was made otherwise is made ready with `prepare`. On an
+/// Autodiff backend it is trained.
 #pragma once
 
 #include <motionlang/nn/dropout.hpp>
@@ -118,8 +118,10 @@ struct BertLayer {
   /// `rows` attend to x, which need not contain them.
   Tensor<B, 2> reading(const Tensor<B, 2>& rows, const Offsets& of_rows, const Tensor<B, 2>& x, const Offsets& offsets,
                        const Tensor<B, 2>* relative_scores = nullptr, const Context& context = {}) const {
-    const auto a = attention(query(rows), key(x), value(x), of_rows, offsets,
-                             {.heads = heads, .dropout = next_dropout(dropout_p, context)}, relative_scores);
+    const auto a = attention(
+        query(rows), key(x), value(x), of_rows, offsets,
+        {.heads = heads, .dropout = next_dropout(dropout_p, context), .precision = precision_of(query.weight)},
+        relative_scores);
     const auto drop = Keys::attended_dropout ? next_dropout(dropout_p, context) : Dropout{};
     const auto y = attended_norm(attended(a, Activation::none, &rows, drop));
     return norm(down(up(y, activation), Activation::none, &y, next_dropout(dropout_p, context)));

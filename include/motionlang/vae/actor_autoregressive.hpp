@@ -36,7 +36,10 @@ struct SeparateAttention {
     const ModuleScope scope(*this);
     return output_layer(attention(q_layer(query.rows), k_layer(memory.rows), v_layer(memory.rows), query.offsets,
                                   memory.offsets,
-                                  {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)}));
+                                  {.heads = heads,
+                                   .causal = causal,
+                                   .dropout = next_dropout(dropout_p, context),
+                                   .precision = precision_of(q_layer.weight)}));
   }
 };
 

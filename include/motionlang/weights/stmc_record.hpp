@@ -36,10 +36,19 @@ struct RecordAbout {
   Index rows = 0;
   bool exact = true;
 };
+/// The weights of a model and the precision in which they are used.
+struct RecordModel {
+  std::string checksum;
+  Precision precision;
+};
+template <Module M>
+RecordModel record_model(const M& model) {
+  return {weights_checksum(model), precision_of(model)};
+}
 /// Guidance and sampling are set in the options. The timelines are put into the store.
-Metadata record_metadata(const RecordAbout& run, const std::string& model, std::size_t steps, TensorStore& store);
-/// model   the checksum of the weights that are to go on with it
-RecordAbout read_record(const SafetensorsFile& file, const std::string& model, Index most_steps);
+Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps, TensorStore& store);
+/// model   that is to go on with it
+RecordAbout read_record(const SafetensorsFile& file, const RecordModel& model, Index most_steps);
 
 }  // namespace detail
 
@@ -52,7 +61,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   run.options.sampling = record.options.sampling.value_or(stmc.sampling);
   run.options.guidance = record.options.guidance.value_or(stmc.guidance);
   TensorStore store;
-  auto metadata = detail::record_metadata(run, detail::weights_checksum(stmc), record.x0.size(), store);
+  auto metadata = detail::record_metadata(run, detail::record_model(stmc), record.x0.size(), store);
   detail::add_metadata(metadata, about, "record", path.string());
   std::vector<TensorView> views = store.views();
   for (std::size_t k = 0; k < record.x0.size(); ++k) {
@@ -68,7 +77,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
 /// 101, 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
-  detail::RecordAbout run = detail::read_record(file, detail::weights_checksum(stmc), stmc.diffusion.steps());
+  detail::RecordAbout run = detail::read_record(file, detail::record_model(stmc), stmc.diffusion.steps());
   const Shape shape{std::ssize(run.timelines) * run.rows, stmc.layout.size};
   StmcRecord<B> out{.timelines = std::move(run.timelines),
                     .rng = run.rng,

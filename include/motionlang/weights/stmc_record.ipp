@@ -56,7 +56,7 @@ inline Timeline record_timeline(const SafetensorsFile& file, const BodyPartition
   return out;
 }
 
-MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const std::string& model, std::size_t steps,
+MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps,
                                          TensorStore& store) {
   const StmcOptions& o = run.options;
   const SamplingOptions sampling = *o.sampling;
@@ -64,8 +64,8 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const std::stri
   Metadata metadata{
       {"record", "stmc"},
       {"format", "1"},
-      {"model", model},
-      {"precision", precision_name(product_precision())},
+      {"model", model.checksum},
+      {"precision", precision_name(model.precision)},
       {"seed", text(run.rng.seed)},
       {"stream", text(run.rng.stream)},
       {"timelines", text(run.timelines.size())},
@@ -96,7 +96,7 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const std::stri
   return metadata;
 }
 
-MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const std::string& model, Index most_steps) {
+MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const RecordModel& model, Index most_steps) {
   const auto& m = file.metadata();
   const std::string& name = file.name();
   const auto word = [&](const char* key) { return metadata_text(m, key, ""); };
@@ -104,11 +104,11 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const std::
   const auto real = [&](const char* key) { return metadata_number<double>(m, key, name); };
   if (word("record") != "stmc" || word("format") != "1")
     raise<config_error>(103, name, ": not a record of an STMC run of format 1 (metadata 'record' and 'format')");
-  if (word("model") != model)
+  if (word("model") != model.checksum)
     raise<config_error>(
-        102, name, ": made with weights of checksum ", word("model"), ", these have ", model,
+        102, name, ": made with weights of checksum ", word("model"), ", these have ", model.checksum,
         "; the checksum of the same weights is another in another scalar, which other backends may use");
-  const std::string precision = precision_name(product_precision());
+  const std::string precision = precision_name(model.precision);
   if (word("precision") != precision)
     raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", precision);
   RecordAbout out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};

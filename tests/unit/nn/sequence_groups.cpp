@@ -152,7 +152,7 @@ TEST_CASE("sequences that end alike: the same bits as one by one, on any number 
   CHECK_ERROR(ml::repeat_sequences(x, Offsets{1}), "[motionlang.shape.204] repeat_lengths");
 }
 
-TEST_CASE("bf16x3: whether a product is worth tiles depends on all rows, not on how many threads share them") {
+TEST_CASE("bf16x3: whether a product is worth tiles does not depend on how many threads share the rows") {
   using F = ml::EigenBackend<float>;
   const kernel_sets::InPrecision precision(ml::Precision::bf16x3);
   ml::Philox rng{.seed = 1};
