@@ -107,8 +107,7 @@ TEST_CASE("records that do not fit are refused") {
   std::filesystem::create_directory(w / "empty");
   const auto none = w.generate("after.txt", "b", {"--reuse", "empty"});
   CHECK(none.code == 1);
-  CHECK_MESSAGE(contains(none.text, "empty: 0 files *.steps.safetensors, which generate writes with --record"),
-                none.text);
+  CHECK_MESSAGE(contains(none.text, "empty: 0 files *.steps.safetensors, which a run with --record writes"), none.text);
   CHECK(w.generate("after.txt", "a", {"--record", "--steps", "2"}).code == 0);
   CHECK(contains(w.generate("after.txt", "b", {"--reuse", "a"}).text,
                  "a: 2 files *.steps.safetensors; name one of them"));

@@ -1,9 +1,5 @@
 #include "motion_files.hpp"
 
-#include <unistd.h>
-
-#include <algorithm>
-#include <cerrno>
 #include <cstdio>
 #include <map>
 
@@ -53,35 +49,6 @@ void MotionReadOptions::require_for(const std::filesystem::path& file) const {
          ".npy, .amc and .npz files (--fps resamples, --speed makes faster)");
   refuse(up != ml::UpAxis::found, kind != ".npz", "--up", "other files than AMASS, which has Z up");
   refuse(!asf.empty(), kind == ".amc", "--asf", "AMC files");
-}
-
-void require_folder_of(const std::filesystem::path& file) {
-  const auto folder = file.parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder))
-    ml::raise<ml::io_error>(401, file.string(), ": there is no folder ", folder.string());
-}
-
-void make_output_folder(const std::string& option, const std::filesystem::path& folder) {
-  std::error_code problem;
-  std::filesystem::create_directories(folder, problem);
-  if (!problem && ::access(folder.string().c_str(), W_OK) != 0) problem = {errno, std::generic_category()};
-  if (problem) ml::raise<ml::io_error>(401, option, " ", folder.string(), ": ", problem.message());
-}
-
-OutputFolder::OutputFolder(const std::string& option, const std::filesystem::path& folder) {
-  std::filesystem::path path;
-  for (const auto& name : std::filesystem::absolute(folder)) {
-    std::error_code unknown;  // make_output_folder says it
-    path /= name;
-    if (!name.empty() && !std::filesystem::exists(path, unknown)) made_.paths.push_back(path);
-  }
-  make_output_folder(option, folder);
-}
-OutputFolder::Made::~Made() {
-  for (; !paths.empty(); paths.pop_back()) {
-    std::error_code not_empty;
-    std::filesystem::remove(paths.back(), not_empty);
-  }
 }
 
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder,

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include <motionlang/datasets/data_set_form.hpp>
 #include <motionlang/features/feature_rows.hpp>
 #include <motionlang/file/input_files.hpp>
+#include <motionlang/file/output_folder.hpp>
 #include <motionlang/formats/motion_folder.hpp>
 #include <motionlang/view/shown_body.hpp>
 #include <motionlang/view/view_file.hpp>
@@ -49,9 +49,11 @@ using ml::holds_together;
 using ml::is_gltf;
 using ml::is_motion_file;
 using ml::is_same_place;
+using ml::make_output_folder;
 using ml::npy_shape;
 using ml::on_smpl;
 using ml::read_motions;
+using ml::require_folder_of;
 using ml::rows_of_motion;
 using ml::safe_file_name;
 using ml::unique_name;
@@ -63,27 +65,6 @@ inline std::string kind_of(const std::filesystem::path& path) { return ml::file_
 /// ml::motion_files_below, with what was skipped on stderr.
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder,
                                                       const std::filesystem::path& results = {});
-
-/// Throws io_error 401 unless the folder is there in which a file is to be written: before long work rather than after
-/// it.
-void require_folder_of(const std::filesystem::path& file);
-/// Makes the folder that an option names, unless it is there: as early. Throws io_error 401 if it cannot be written in.
-void make_output_folder(const std::string& option, const std::filesystem::path& folder);
-/// The same; what it made is removed in the end if nothing has been written there.
-class OutputFolder {
- public:
-  OutputFolder(const std::string& option, const std::filesystem::path& folder);
-
- private:
-  struct Made {                                  // of its own, so that it goes as well where the constructor throws
-    std::vector<std::filesystem::path> paths{};  // the innermost last
-
-    Made() = default;
-    Made(const Made&) = delete;
-    Made& operator=(const Made&) = delete;
-    ~Made();
-  } made_;
-};
 
 /// The motions of a file without T-poses that were put in front of them (detect_t_pose_lead_in): for what puts motions
 /// together. Prints what is left out.

@@ -5,14 +5,13 @@
 #include <cstdio>
 #include <set>
 
-#include <motionlang/compose/detail/seconds_text.hpp>
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/timeline_text.hpp>
-#include <motionlang/core/text_lines.hpp>
-#include <motionlang/core/utf8.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/formats/glb_writer.hpp>
+#include <motionlang/generate/kept_clip_text.hpp>
+#include <motionlang/generate/reuse_notes.hpp>
 #include <motionlang/generate/samples.hpp>
 #include <motionlang/generate/timeline_tracks.hpp>
 #include <motionlang/view/film_strip.hpp>
@@ -25,7 +24,6 @@
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 #include "generation.hpp"
-#include "reuse.hpp"
 #include "timelines.hpp"
 
 namespace program {
@@ -73,39 +71,12 @@ class WantedTimelines {
   std::string source_, text_;
   std::size_t count_ = 1;
 };
-/// A text as the name of a file, cut to a length that fits: letters and digits of any script.
-std::string name_of(const std::string& text) {
-  constexpr std::size_t longest = 40;
-  std::string name;
-  for (std::size_t at = 0; at < std::min(text.size(), longest);) {
-    const std::size_t first = at;
-    const char32_t c = ml::decode_utf8(text, at);
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                        (c > 0xA0 && c != ml::invalid_code_point);
-    if (letter)
-      name.append(text, first, at - first);
-    else if (!name.empty() && name.back() != '_')
-      name += '_';
-  }
-  while (!name.empty() && name.back() == '_') name.pop_back();
-  return name.empty() ? "motion" : name;
-}
 std::string wanted_name(const GenerateCommand& o) {
   if (o.timeline == standard_input) return "timeline";
   if (o.text.empty()) return std::filesystem::path(o.timeline).stem().string();
-  return o.towards.empty() ? name_of(o.text) : name_of(o.text) + "_to_" + name_of(o.towards);
+  return o.towards.empty() ? ml::result_name(o.text) : ml::result_name(o.text) + "_to_" + ml::result_name(o.towards);
 }
 
-/// The names of the motions, those of a timeline one after the other.
-std::vector<std::string> names_of(const std::string& name, std::size_t timelines, ml::Index samples) {
-  std::vector<std::string> names;
-  for (std::size_t t = 0; t < timelines; ++t) {
-    for (ml::Index s = 0; s < samples; ++s)
-      names.push_back(name + (timelines == 1 ? "" : "_" + std::to_string(t)) +
-                      (samples == 1 ? "" : "_" + std::to_string(s + 1)));
-  }
-  return names;
-}
 /// Files that a motion becomes: this behind its name, the page behind that of all.
 constexpr std::array motion_extensions{".bvh", ".glb", ".npz", ".npy", ".svg"};
 constexpr const char* page_extension = ".html";
@@ -139,20 +110,13 @@ std::vector<ml::ViewerMotion> samples_of(const std::vector<ml::Timeline>& timeli
 /// Motions from the text or action to the other one.
 std::vector<ml::ViewerMotion> line_of(const GenerateCommand& o, const std::vector<std::string>& names,
                                       const ml::MotionModel& generator, const ml::GenerateOptions& settings) {
-  const ml::Timeline from = timeline_of(o.text, o.seconds, generator.fps()),
-                     to = timeline_of(o.towards, o.seconds, generator.fps());
-  const ml::Index count = std::ssize(names);
-  std::vector<ml::Motion> motions = require_latent(generator, "--towards", o.model).between(from, to, count, settings);
+  const double fps = generator.fps();
   std::vector<ml::ViewerMotion> out;
-  for (ml::Index i = 0; i < count; ++i) {
-    const double share = 100 * static_cast<double>(i) / static_cast<double>(count - 1);
-    ml::Timeline shown = i == count - 1 ? to : from;
-    if (i > 0 && i < count - 1)
-      shown.intervals[0].text =
-          formatted("%s %.0f %%, %s %.0f %%", o.text.c_str(), 100 - share, o.towards.c_str(), share);
-    ml::Motion& m = motions[static_cast<std::size_t>(i)];
+  for (auto& [m, shown] :
+       ml::generate_between(require_latent(generator, "--towards", o.model), timeline_of(o.text, o.seconds, fps),
+                            timeline_of(o.towards, o.seconds, fps), std::ssize(names), settings)) {
     m.name = names[out.size()];
-    out.push_back({std::move(m), ml::timeline_tracks(shown, generator.fps())});
+    out.push_back({std::move(m), ml::timeline_tracks(shown, fps)});
   }
   return out;
 }
@@ -186,29 +150,12 @@ void warn_of_texts(const GenerateCommand& o, const std::vector<ml::Timeline>& ti
   warn(ml::timeline_warnings(generator, timelines, o.settings, o.in_turn, {.source = source, .in_turn = "--in-turn"}));
 }
 
-/// From "0-1.5". Throws usage_error 101.
-std::pair<double, double> stretch_of(const std::string& text) {
-  const std::string_view stretch = ml::detail::trim(text);
-  const std::size_t dash = std::min(stretch.find('-'), stretch.size());
-  const auto from = ml::detail::parse_seconds(stretch.substr(0, dash));
-  const auto to = ml::detail::parse_seconds(stretch.substr(std::min(dash + 1, stretch.size())));
-  if (!from || !to || *from >= *to)
-    ml::raise<usage_error>(101, "--keep-seconds: '", text, "' is not a time range like 0-1.5");
-  return {*from, *to};
-}
-
 /// None without --keep. Throws usage_error 101, 103 for a wrong stretch of time or body part.
 std::optional<ml::KeptClip> kept_clip(const GenerateCommand& o) {
   if (o.keep.empty()) return std::nullopt;
   ml::KeptClip out{.motion = read_only_performed_motion(o.keep)};
-  for (const std::string& stretch : o.keep_seconds) out.seconds.push_back(stretch_of(stretch));
-  if (!o.keep_parts.empty()) out.parts = {};
-  for (const std::string& name : o.keep_parts) {
-    const auto part = ml::parse_body_part(ml::detail::trim(name));
-    if (!part)
-      ml::raise<usage_error>(103, "--keep-parts: '", name, "' is not one of ", ml::join_text(ml::body_part_names));
-    out.parts = out.parts.with(*part);
-  }
+  for (const std::string& range : o.keep_seconds) out.seconds.push_back(ml::parse_kept_range(range));
+  if (!o.keep_parts.empty()) out.parts = ml::parse_kept_parts(ml::join_text(o.keep_parts, ","));
   return out;
 }
 
@@ -221,8 +168,8 @@ ml::GenerateOptions settings_of(const GenerateCommand& o, const std::string& nam
   if (!o.sampler.empty()) settings.sampler = ml::parse_sampler(o.sampler);
   if (o.preset == "fast") ml::use_fast_preset(settings);
   if (o.preset == "full") ml::use_full_preset(settings);
-  if (!o.reuse.empty()) settings.reuse = record_file(o.reuse);
-  if (o.record || !o.reuse.empty()) settings.record = std::filesystem::path(o.out) / (name + record_extension);
+  if (!o.reuse.empty()) settings.reuse = ml::find_record(o.reuse);
+  if (o.record || !o.reuse.empty()) settings.record = std::filesystem::path(o.out) / (name + ml::record_extension);
   return settings;
 }
 
@@ -230,17 +177,13 @@ ml::GenerateOptions settings_of(const GenerateCommand& o, const std::string& nam
 void require_fitting(const GenerateCommand& o, const ml::MotionModel& generator) {
   if (o.action && !generator.takes_actions())
     ml::raise<usage_error>(102, "--action is for models of actions (ACTOR, MDM); this one takes --text");
-  if (o.settings.fact && !generator.draws_latents())
-    ml::raise<usage_error>(102, o.model,
-                           ": --fact is for models that draw a latent (ACTOR, TEMOS, TMR, SINC, TEACH); this is ",
-                           generator.system(), ", which draws none");
   if (o.in_turn && generator.steps() == 0)
     ml::raise<usage_error>(102, o.model, ": --in-turn is for models of timelines (STMC); this is ", generator.system());
 }
 
 /// What was reused, and how far kept frames came to be from where they were.
 void say(const ml::GenerateNotes& notes, const ml::GenerateOptions& settings) {
-  if (notes.reuse) std::printf("%s", reuse_lines(*notes.reuse, settings.keep_beyond).c_str());
+  if (notes.reuse) std::printf("%s", with_options(ml::reuse_notes(*notes.reuse, settings.keep_beyond)).c_str());
   constexpr double noticeable = 0.1;  // metres
   if (notes.kept_moved > noticeable)
     std::fprintf(stderr,
@@ -251,11 +194,11 @@ void say(const ml::GenerateNotes& notes, const ml::GenerateOptions& settings) {
 
 void run(const GenerateCommand& o) {
   o.machine.apply();
-  const OutputFolder out("--out", o.out);
+  const ml::OutputFolder out("--out", o.out);
   const std::string name = wanted_name(o);
   const WantedTimelines wanted(o);
   const ml::Index samples = o.samples.value_or(o.towards.empty() ? 1 : 5);
-  const auto names = names_of(name, wanted.count(), samples);
+  const auto names = ml::sample_names(name, wanted.count(), samples);
   require_other_files(o, name, names);
   ml::GenerateNotes notes;
   const ml::GenerateOptions settings = settings_of(o, name, notes);
@@ -267,7 +210,7 @@ void run(const GenerateCommand& o) {
   if (o.in_turn) make_in_turn(timelines, generator->fps());
   warn_of_texts(o, timelines, *generator);
   if (!o.towards.empty()) require_latent(*generator, "--towards", o.model);
-  require_taken(settings, *generator);
+  ml::check_options(*generator, settings);
   const auto made = o.towards.empty() ? samples_of(timelines, samples, names, *generator, settings)
                                       : line_of(o, names, *generator, settings);
   say(notes, settings);
@@ -374,7 +317,7 @@ void add_generate(CLI::App& app) {
                     "A safetensors file with noise/000 (initial), noise/001 and so on, which replaces the seed")
           ->excludes(seed);
   c->add_flag("--record", o->record,
-              "Also write NAME" + record_extension +
+              std::string("Also write NAME") + ml::record_extension +
                   " for --reuse after an edit. It has 820 bytes per frame and step (20 MB for 12 s and 100 steps)")
       ->excludes(noise);
   const auto reuse =

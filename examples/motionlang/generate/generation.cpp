@@ -20,9 +20,6 @@ std::unique_ptr<ml::MotionModel> load_generator(const std::string& backend, cons
 #endif
   if (!place.is_diffusion() && backend != "eigen")
     ml::raise<usage_error>(103, model, " (", place.system, ") is generated with backend 'eigen', not '", backend, "'");
-  if (place.system.empty() && !sources.empty())
-    ml::raise<usage_error>(
-        102, model, ": --text-encoder, --statistics and --tokenizer are for published models; this one has its own");
   if (backend == "eigen") return load_eigen(place, sources);
   if (backend == "xtensor") return load_xtensor(place, sources);
   if (backend == "reference") return load_reference(place, sources);
@@ -36,22 +33,6 @@ const ml::LatentMotionModel& require_latent(const ml::MotionModel& generator, co
                            " is for models with one latent for every motion (ACTOR, TEMOS, TMR, SINC); this is ",
                            generator.system());
   return *generator.latent();
-}
-
-void require_taken(const ml::GenerateOptions& o, const ml::MotionModel& model) {
-  if (!model.takes_timelines()) {
-    if (!o.noise.string().empty())
-      ml::raise<usage_error>(102, "--noise is for diffusion models; this one takes --seed");
-    if (!o.record.string().empty() || !o.reuse.string().empty())
-      ml::raise<usage_error>(102,
-                             "--record and --reuse are for diffusion models; this one makes every motion in one step");
-    if (o.keep)
-      ml::raise<usage_error>(
-          102, "--keep is for diffusion models of texts (STMC, MDM, MotionDiffuse); this one makes whole motions");
-  }
-  if (model.steps() == 0 && (o.steps || o.guidance || o.sampler))
-    ml::raise<usage_error>(
-        102, "--steps, --sampler, --preset and --guidance are for diffusion models; this one takes no such steps");
 }
 
 }  // namespace program

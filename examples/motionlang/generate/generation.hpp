@@ -31,7 +31,4 @@ std::unique_ptr<ml::MotionModel> load_trained(const ml::MotionModelPlace& place,
 /// option  what asks for it;   model   where it was loaded from
 const ml::LatentMotionModel& require_latent(const ml::MotionModel& generator, const std::string& option,
                                             const std::filesystem::path& model);
-/// What ml::check_options refuses, in the words of the command line: throws usage_error 102.
-void require_taken(const ml::GenerateOptions& options, const ml::MotionModel& model);
-
 }  // namespace program

@@ -12,6 +12,7 @@
 #include <motionlang/weights/run_folder.hpp>
 
 #include "../commands.hpp"
+#include "../formatted.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
@@ -45,29 +46,18 @@ void compare(const ml::MotionModel& generator, const JudgeOptions& o) {
   std::printf("|---|---|---|---|---|---|---|---|\n");
   std::string scale;
   for (const std::string sampler : {"ddpm", "ddim"}) {
-    ml::Judgement first;
-    for (const Index steps : o.compare) {
-      ml::GenerateOptions settings = o.settings;
-      settings.sampler = ml::parse_sampler(sampler);
-      settings.steps = steps;
-      ProgressBar bar(sampler + " " + std::to_string(steps));
-      settings.progress = bar;
-      ml::Judgement j = ml::judge(generator, ml::own_prompts(), settings, o.seeds);
+    ml::GenerateOptions settings = o.settings;
+    settings.sampler = ml::parse_sampler(sampler);
+    ProgressBar bar(sampler);
+    settings.progress = bar;
+    const auto print = [&](const ml::StepsCost& row) {
       bar.finish();
-      if (first.motions() == 0) {
-        first = j;
-        if (o.seeds > 1) {
-          char text[100];
-          std::snprintf(text, sizeof text, " %s %.0f", sampler.c_str(),
-                        1000 * ml::mean_distance(first, first, ml::own_prompts().size()));
-          scale += text;
-        }
-      }
-      std::printf("| %s | %td | %.0f %% | %.3f | %.1f | %.1f | %.0f | %.2f |\n", sampler.c_str(), steps,
-                  100.0 * static_cast<double>(j.done()) / static_cast<double>(j.motions()), j.skate, j.jitter,
-                  100 * j.bones, 1000 * ml::mean_distance(first, j), j.seconds);
+      std::printf("| %s | %td | %.0f %% | %.3f | %.1f | %.1f | %.0f | %.2f |\n", sampler.c_str(), row.steps,
+                  100 * row.done, row.skate, row.jitter, 100 * row.bones, 1000 * row.away, row.seconds);
       std::fflush(stdout);
-    }
+    };
+    const auto rows = ml::steps_costs(generator, ml::own_prompts(), settings, o.compare, o.seeds, print);
+    if (o.seeds > 1) scale += formatted(" %s %.0f", sampler.c_str(), 1000 * rows.front().seeds_apart);
   }
   std::printf("%s of %zu prompts. Joints: mean distance to the result of the same seed with %s",
               ml::counted(o.seeds, "seed").c_str(), ml::own_prompts().size(),
@@ -79,30 +69,14 @@ double percent(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// What a table is about, and its prompts with so many seconds each.
-struct Bench {
-  const char* name;
-  const char* about;
-  std::vector<ml::JudgedPrompt> (*prompts)(double seconds);
-};
-std::vector<ml::JudgedPrompt> own_prompts_of(double seconds) {
-  auto prompts = ml::own_prompts();
-  for (ml::JudgedPrompt& p : prompts) p.seconds = seconds > 0 ? seconds : p.seconds;
-  return prompts;
-}
-const Bench benches[] = {{"own", "what the bundled model was trained for", own_prompts_of},
-                         {"newcomers", "what newcomers type", ml::newcomers_prompts},
-                         {"arms", "an arm, the other, both over ten base movements", ml::arm_prompts},
-                         {"trunk", "the head, the spine over ten base movements", ml::trunk_prompts},
-                         {"paraphrases", "other words for the same", ml::paraphrase_prompts}};
-
-std::vector<double> seconds_of(const JudgeOptions& o, const Bench& bench) {
+std::vector<double> seconds_of(const JudgeOptions& o, const ml::JudgedBench& bench) {
   if (!o.seconds.empty()) return o.seconds;
-  return {bench.name == std::string("own") ? 0.0 : 4.0};
+  return {bench.name == "own" ? 0.0 : 4.0};
 }
 
-ml::Judgement judged(const ml::MotionModel& generator, const JudgeOptions& o, const Bench& bench, double seconds) {
-  ProgressBar bar("judging " + std::string(bench.name));
+ml::Judgement judged(const ml::MotionModel& generator, const JudgeOptions& o, const ml::JudgedBench& bench,
+                     double seconds) {
+  ProgressBar bar("judging " + bench.name);
   ml::GenerateOptions settings = o.settings;
   if (!o.sampler.empty()) settings.sampler = ml::parse_sampler(o.sampler);
   settings.progress = bar;
@@ -173,19 +147,16 @@ void run(const JudgeOptions& o) {
   const auto generator = load_generator(o.backend, ml::stmc_model_file(o.model));
   if (!o.compare.empty()) return compare(*generator, o);
   std::string summary;
-  for (const Bench& bench : benches) {
+  for (const ml::JudgedBench& bench : ml::judged_benches()) {
     if (o.bench != "all" && o.bench != bench.name) continue;
     for (const double seconds : seconds_of(o, bench)) {
       const ml::Judgement j = judged(*generator, o, bench, seconds);
-      if (!o.strips.empty())
-        write_strips(j, o.strips, std::string(bench.name) + "_" + std::to_string(static_cast<int>(seconds)));
-      char line[200];
-      std::snprintf(line, sizeof line, "| %s | %s | %.0f %% | %.1f / %.1f / %.1f %% | %.3f | %.0f |\n", bench.about,
-                    seconds > 0 ? (std::to_string(static_cast<int>(seconds)) + " s").c_str() : "own",
-                    percent(j.done(), j.motions()), 100 * j.hovering(), 100 * j.sinking(), 100 * j.statues(), j.skate,
-                    j.jitter);
-      summary += line;
-      if (seconds > 0) std::printf("%s, %g s each\n", bench.about, seconds);
+      if (!o.strips.empty()) write_strips(j, o.strips, bench.name + "_" + std::to_string(static_cast<int>(seconds)));
+      summary += formatted("| %s | %s | %.0f %% | %.1f / %.1f / %.1f %% | %.3f | %.0f |\n", bench.about.c_str(),
+                           seconds > 0 ? formatted("%d s", static_cast<int>(seconds)).c_str() : "own",
+                           percent(j.done(), j.motions()), 100 * j.hovering(), 100 * j.sinking(), 100 * j.statues(),
+                           j.skate, j.jitter);
+      if (seconds > 0) std::printf("%s, %g s each\n", bench.about.c_str(), seconds);
       print_prompts(j, o.details);
       std::printf("foot skate %.3f m/s, jitter %.1f m/s^3 (means over all motions)\n", j.skate, j.jitter);
       print_shares(j.hovering(), j.sinking(), j.statues());

@@ -1,9 +1,7 @@
 // motionlang index: a folder of motions becomes a file in which `motionlang search` finds them by words.
 #include <cstdio>
-#include <optional>
 
-#include <motionlang/search/index_folder.hpp>
-#include <motionlang/search/vector_graph.hpp>
+#include <motionlang/search/kept_index.hpp>
 
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"
@@ -33,16 +31,12 @@ struct IndexOptions {
 
 class Indexer {
  public:
-  explicit Indexer(const IndexOptions& options) : o_(options) {
-    if (!fs::exists(o_.out)) return;
-    before_ = ml::MotionIndexFile::open(o_.out);
-    index_ = before_->index();
-  }
+  explicit Indexer(const IndexOptions& options) : o_(options), kept_(o_.out, o_.graph) {}
 
   void run() {
     if (o_.folder.empty() && !o_.list && o_.remove.empty())
       ml::raise<usage_error>(102, "index: name a folder of motions, --list or --remove");
-    if (!index_ && (o_.folder.empty() || !o_.remove.empty()))
+    if (!kept_.has_index() && (o_.folder.empty() || !o_.remove.empty()))
       ml::raise<ml::io_error>(401, "index: there is no ", o_.out, " yet");
     require_folder_of(o_.out);
     remove();
@@ -57,19 +51,20 @@ class Indexer {
     if (o_.remove.empty()) return;
     Index removed = 0;
     for (const std::string& path : o_.remove) {
-      const Index now = ml::remove_below(*index_, path);
+      const Index now = ml::remove_below(kept_.index(), path);
       if (now == 0) std::fprintf(stderr, "%s is not in the index\n", ml::printable(path).c_str());
       removed += now;
     }
     if (removed == 0 && o_.folder.empty() && !o_.list)
       ml::raise<usage_error>(103, "--remove: ", o_.out, " has none of these clips");
     if (removed == 0) return;
-    const bool stopped = write(false);
-    std::printf("%s: %s removed, %td left\n", o_.out.c_str(), ml::counted(removed, "clip").c_str(), index_->count());
+    const bool stopped = write();
+    std::printf("%s: %s removed, %td left\n", o_.out.c_str(), ml::counted(removed, "clip").c_str(),
+                kept_.index().count());
     if (stopped) throw ml::cancelled();
   }
   void list() const {
-    for (const ml::IndexedClip& c : index_->clips()) {
+    for (const ml::IndexedClip& c : kept_.index().clips()) {
       const std::string path = c.path + (c.name.empty() ? "" : "#" + c.name);
       std::string captions;
       for (const std::string& text : c.captions) captions += (captions.empty() ? "" : " | ") + text;
@@ -84,19 +79,26 @@ class Indexer {
     const fs::path folder = ml::indexed_path(o_.folder);
     ml::IndexOptions options{.license = o_.license, .again = o_.again, .read = o_.read};
     if (!o_.captions.empty()) options.captions = ml::read_captions(o_.captions, folder);
-    open_model();
-    ml::IndexUpdate update(*index_, folder, *model_, std::move(options));
+    const SearchModel model =
+        search_model(kept_.model_path(o_.model, default_search_model()), kept_.text_encoder(o_.text_encoder));
+    const ml::MomentOptions moments{.windows = o_.no_moments ? std::vector<double>{} : o_.windows, .stride = o_.stride};
+    kept_.take_model(model, o_.windows_given || o_.no_moments ? &moments : nullptr);
+    ml::IndexUpdate update(kept_.index(), folder, model, std::move(options));
     const ml::IndexReport& report = update.report();
     std::fputs(report.folder_notes.c_str(), stderr);
     if (update.files() == 0)
       std::fprintf(stderr, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below %s\n", folder.string().c_str());
     bool stopped = !all_of(update);
-    if (report.changed() || model_moved_ || !before_ || lacks_graphs()) stopped = write(stopped);
+    if (stopped)
+      kept_.write_without_graphs();
+    else if (kept_.needs_writing(report))
+      stopped = write();
     for (const std::string& problem : report.skipped)
       std::fprintf(stderr, "skipped: %s\n", ml::printable(with_options(problem)).c_str());
     std::printf("%s: %s, %s (%td added, %td removed, %td renamed, %td unchanged, %zu skipped)\n", o_.out.c_str(),
-                ml::counted(index_->count(), "clip").c_str(), ml::counted(index_->moments().size(), "moment").c_str(),
-                report.added, report.removed, report.renamed, report.unchanged, report.skipped.size());
+                ml::counted(kept_.index().count(), "clip").c_str(),
+                ml::counted(kept_.index().moments().size(), "moment").c_str(), report.added, report.removed,
+                report.renamed, report.unchanged, report.skipped.size());
     if (report.relicensed > 0)
       std::printf("%s another license now\n", ml::counted(report.relicensed, "file has", "files have").c_str());
     if (stopped) throw ml::cancelled();  // what was encoded is kept
@@ -116,49 +118,16 @@ class Indexer {
     }
   }
 
-  void open_model() {
-    const std::string path = !o_.model.empty() ? o_.model
-                             : index_          ? index_->model().path
-                                               : default_search_model().string();
-    const std::string encoder = !o_.text_encoder.empty() ? o_.text_encoder : index_ ? index_->model().text_encoder : "";
-    model_.emplace(search_model(ml::indexed_path(ml::found_model_folder(path)),
-                                encoder.empty() ? fs::path() : ml::indexed_path(encoder)));
-    const ml::IndexModel wanted =
-        ml::index_model(*model_, {.windows = o_.no_moments ? std::vector<double>{} : o_.windows, .stride = o_.stride});
-    if (!index_) {
-      index_.emplace(wanted);
-      return;
-    }
-    index_->require_model(wanted.id, path);
-    const ml::IndexModel& is = index_->model();
-    if ((o_.windows_given || o_.no_moments) && (is.windows != wanted.windows || is.stride != wanted.stride))
-      ml::raise<usage_error>(102, "index: ", o_.out, " has moments of ", is.windows.size(),
-                             " other lengths or another stride; they are chosen when an index is made");
-    model_moved_ = is.path != wanted.path || is.text_encoder != wanted.text_encoder;
-    index_->move_model(wanted.path, wanted.text_encoder);
-  }
-
-  bool lacks_graphs() const { return MOTIONLANG_HAS_HNSWLIB && !ml::has_graphs(*before_, o_.graph); }
-  /// Returns whether Ctrl-C stopped it. Then the index has no graphs: searches compare all until the next update.
-  bool write(bool stopped) const {
-    ml::IndexExtras graphs;
-    if (!MOTIONLANG_HAS_HNSWLIB && !ml::detail::graph_rows(*index_, o_.graph).empty())
+  /// Returns whether Ctrl-C stopped it.
+  bool write() {
+    if (kept_.lacks_hnswlib())
       std::fprintf(stderr, "no graph: this program was built without hnswlib (libhnswlib-dev); searches compare all\n");
-    try {
-      ProgressBar bar("connecting");
-      if (!stopped) graphs = ml::motion_graphs(*index_, o_.graph, bar, before_ ? &*before_ : nullptr);
-    } catch (const ml::cancelled&) {
-      stopped = true;
-    }
-    ml::write_motion_index(o_.out, *index_, graphs);
-    return stopped;
+    ProgressBar bar("connecting");
+    return kept_.write(bar);
   }
 
   const IndexOptions& o_;
-  std::optional<ml::MotionIndexFile> before_;
-  std::optional<ml::MotionIndex> index_;
-  std::optional<SearchModel> model_;
-  bool model_moved_ = false;
+  ml::KeptIndex kept_;
 };
 
 }  // namespace

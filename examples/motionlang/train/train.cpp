@@ -4,9 +4,8 @@
 
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/metrics/motion_quality.hpp>
-#include <motionlang/text/known_words.hpp>
 #include <motionlang/train/stmc_training.hpp>
+#include <motionlang/train/stmc_training_notes.hpp>
 
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"
@@ -26,18 +25,6 @@ struct TrainOptions {
   std::string license, provenance, commit, denoiser;
   MachineOptions machine;
 };
-
-/// How the recordings themselves skate and shake: what generated motions are compared with (motionlang judge).
-std::map<std::string, std::string> quality_of(const ml::TrainingSet& data) {
-  double skate = 0, jitter = 0;
-  for (const ml::CaptionedSegment& s : data.segments()) {
-    const auto q = ml::motion_quality(s.motion);
-    skate += q.feet.speed;
-    jitter += q.jitter;
-  }
-  const auto n = static_cast<double>(data.segments().size());
-  return {{"real.skate", ml::concat_text(skate / n)}, {"real.jitter", ml::concat_text(jitter / n)}};
-}
 
 void run(const TrainOptions& o) {
   o.machine.apply();
@@ -59,15 +46,8 @@ void run(const TrainOptions& o) {
   if (o.license.empty())
     std::printf("--license is missing: the metadata of the weights will not say who may use them\n");
   const auto weights = o.run.out / "stmc.safetensors", curve = o.run.out / "loss.svg";
-  auto about = quality_of(data);
-  about.insert({{"license", o.license},
-                {"provenance", o.provenance},
-                {"data", std::to_string(data.segments().size()) + " captioned segments, " +
-                             ml::concat_text(std::floor(data.seconds() / 6) / 10) + " minutes"},
-                {"command", command_line},
-                {"commit", o.commit},
-                {ml::known_words_entry, ml::listed_words(data.all_captions())},
-                {"version", MOTIONLANG_VERSION}});
+  auto about = ml::stmc_training_notes(data);
+  about.insert({{"license", o.license}, {"provenance", o.provenance}, {"command", command_line}, {"commit", o.commit}});
   trainer.task().export_model(weights, about);
   std::printf("weights  %s\nloss     %s\nTry them: motionlang generate --model %s --timeline FILE\n",
               weights.string().c_str(), curve.string().c_str(), weights.string().c_str());

@@ -6,8 +6,10 @@
 ///     std::printf("%zu of %zu motions\n", j.done(), j.motions());
 #pragma once
 
-#include <string>  // prompts
-#include <vector>  // motions
+#include <functional>  // rows of tables
+#include <span>        // numbers of steps
+#include <string>      // prompts
+#include <vector>      // motions
 
 #include <motionlang/generate/judged_verbs.hpp>
 #include <motionlang/generate/motion_model.hpp>
@@ -42,6 +44,14 @@ std::vector<JudgedPrompt> arm_prompts(double seconds);
 std::vector<JudgedPrompt> trunk_prompts(double seconds);
 /// Other words for what the bundled model was trained for.
 std::vector<JudgedPrompt> paraphrase_prompts(double seconds);
+
+/// Prompts with a name and what they are about.
+struct JudgedBench {
+  std::string name{}, about{};
+  std::vector<JudgedPrompt> (*prompts)(double seconds) = nullptr;  // of each prompt; 0: its own, which `own` has
+};
+/// All of them: own, newcomers, arms, trunk, paraphrases.
+const std::vector<JudgedBench>& judged_benches();
 
 /// The judgement of one motion.
 struct Verdict {
@@ -80,6 +90,19 @@ Judgement judge(const MotionModel& model, std::vector<JudgedPrompt> prompts, con
 
 /// Mean distance of joints between two judgements, metres; `shift` motions further on in the second.
 double mean_distance(const Judgement& a, const Judgement& b, std::size_t shift = 0);
+
+/// The cost of fewer steps: a row of a table for one number of steps.
+struct StepsCost {
+  Index steps = 0;
+  double done = 0, skate = 0, jitter = 0, bones = 0;  // a share of the motions; as in Judgement
+  double away = 0;                                    // mean distance to the motions of the first row, metres
+  double seconds = 0;                                 // of the processor for a second of motion
+  double seeds_apart = 0;  // of the first row: mean distance between the motions of two seeds, if there are several
+};
+/// Judges the prompts with each number of steps. on_row sees each row when it is known. Throws what judge throws.
+std::vector<StepsCost> steps_costs(const MotionModel& model, const std::vector<JudgedPrompt>& prompts,
+                                   const GenerateOptions& options, std::span<const Index> steps, int seeds,
+                                   const std::function<void(const StepsCost&)>& on_row = {});
 
 /// True if a caption reports a verb, by the texts that the verb lists.
 bool says(const JudgedVerb& verb, const std::string& caption);

@@ -330,4 +330,42 @@ MOTIONLANG_BODY double mean_distance(const Judgement& a, const Judgement& b, std
   return joints == 0 ? 0 : sum / static_cast<double>(joints);
 }
 
+MOTIONLANG_BODY const std::vector<JudgedBench>& judged_benches() {
+  static const std::vector<JudgedBench> all{{"own", "what the bundled model was trained for",
+                                             [](double seconds) {
+                                               auto prompts = own_prompts();
+                                               for (JudgedPrompt& p : prompts)
+                                                 p.seconds = seconds > 0 ? seconds : p.seconds;
+                                               return prompts;
+                                             }},
+                                            {"newcomers", "what newcomers type", newcomers_prompts},
+                                            {"arms", "an arm, the other, both over ten base movements", arm_prompts},
+                                            {"trunk", "the head, the spine over ten base movements", trunk_prompts},
+                                            {"paraphrases", "other words for the same", paraphrase_prompts}};
+  return all;
+}
+
+MOTIONLANG_BODY std::vector<StepsCost> steps_costs(const MotionModel& model, const std::vector<JudgedPrompt>& prompts,
+                                                   const GenerateOptions& options, std::span<const Index> steps,
+                                                   int seeds, const std::function<void(const StepsCost&)>& on_row) {
+  std::vector<StepsCost> rows;
+  Judgement first;
+  for (const Index count : steps) {
+    GenerateOptions settings = options;
+    settings.steps = count;
+    Judgement j = judge(model, prompts, settings, seeds);
+    if (rows.empty()) first = j;
+    rows.push_back({.steps = count,
+                    .done = static_cast<double>(j.done()) / static_cast<double>(j.motions()),
+                    .skate = j.skate,
+                    .jitter = j.jitter,
+                    .bones = j.bones,
+                    .away = mean_distance(first, j),
+                    .seconds = j.seconds,
+                    .seeds_apart = rows.empty() && seeds > 1 ? mean_distance(first, first, prompts.size()) : 0});
+    if (on_row) on_row(rows.back());
+  }
+  return rows;
+}
+
 MOTIONLANG_NAMESPACE_END

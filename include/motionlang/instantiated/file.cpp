@@ -11,6 +11,7 @@
 #include <motionlang/file/key_report.ipp>
 #include <motionlang/file/npy.ipp>
 #include <motionlang/file/npz.ipp>
+#include <motionlang/file/output_folder.ipp>
 #include <motionlang/file/pickle.ipp>
 #include <motionlang/file/pickle_arrays.ipp>
 #include <motionlang/file/png.ipp>

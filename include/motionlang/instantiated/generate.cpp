@@ -8,8 +8,11 @@
 #include <motionlang/generate/judged_clips.ipp>
 #include <motionlang/generate/judged_prompts.ipp>
 #include <motionlang/generate/judged_verbs.ipp>
+#include <motionlang/generate/kept_clip_text.ipp>
 #include <motionlang/generate/latent_motion_model.ipp>
 #include <motionlang/generate/motion_model.ipp>
+#include <motionlang/generate/reuse_notes.ipp>
+#include <motionlang/generate/samples.ipp>
 #include <motionlang/generate/text_warnings.ipp>
 #include <motionlang/generate/timeline_tracks.ipp>
 #include <motionlang/generate/timelines_of_text.ipp>

@@ -1,6 +1,8 @@
 #include <motionlang/generate/judged_prompts.hpp>
+#include <motionlang/generate/judged_verbs.hpp>
 
 #include <doctest/doctest.h>
+#include <set>
 
 #include <motionlang/kinematics/motion_tools.hpp>
 
@@ -133,4 +135,34 @@ TEST_CASE("a model is judged by all prompts with several seeds") {
   }
   CHECK(std::abs(ml::mean_distance(j, moved) - 0.25) < 1e-12);
   CHECK_ERROR(ml::judge(model, ml::own_prompts(), {}, 0), "[motionlang.config.101] judge: 0 seeds");
+}
+
+TEST_CASE("what fewer steps cost: a row for each number, compared with the first") {
+  fake::Model model;
+  model.diffusion_steps = 10;
+  const std::vector<ml::Index> steps{10, 4};
+  std::vector<ml::Index> seen;
+  const auto rows = ml::steps_costs(model, ml::own_prompts(), {}, steps, 2,
+                                    [&](const ml::StepsCost& row) { seen.push_back(row.steps); });
+  CHECK(seen == steps);
+  CHECK(model.calls == 4);
+  const ml::Judgement j = ml::judge(model, ml::own_prompts(), {.steps = 4}, 2);
+  CHECK(rows[1].done == static_cast<double>(j.done()) / 24);
+  CHECK(rows[1].jitter == j.jitter);
+  CHECK(rows[0].away == 0);
+  CHECK(rows[0].seeds_apart == ml::mean_distance(j, j, 12));  // the fake model makes the same of each seed
+  CHECK(rows[1].seeds_apart == 0);
+  CHECK_ERROR(ml::steps_costs(model, ml::own_prompts(), {}, std::vector<ml::Index>{11}, 1), "11 steps");
+}
+
+TEST_CASE("the benches have names of their own, and prompts as long as asked") {
+  std::set<std::string> names;
+  for (const ml::JudgedBench& bench : ml::judged_benches()) {
+    names.insert(bench.name);
+    for (const ml::JudgedPrompt& p : bench.prompts(2)) CHECK(p.seconds == 2);
+  }
+  CHECK(names.size() == 5);
+  CHECK(ml::judged_benches().front().name == "own");
+  const auto own = ml::judged_benches().front().prompts(0);
+  for (std::size_t i = 0; i < own.size(); ++i) CHECK(own[i].seconds == ml::own_prompts()[i].seconds);
 }

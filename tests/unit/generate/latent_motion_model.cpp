@@ -18,7 +18,7 @@ TEST_CASE("a line between two motions begins and ends with those of either alone
   CHECK(line[2].root == ml::generate_motion(model, to, {.seed = 4}).root);
   CHECK(line[1].root == ml::generate_motion(model, ml::whole_body_timeline("0.5", 30), {.seed = 4}).root);
   CHECK_ERROR(model.between(from, to, 1, {}), "[motionlang.config.101] 1 motion from one text");
-  CHECK_ERROR(model.between(from, to, 3, {.noise = "n"}), "[motionlang.config.102] noise is for diffusion models");
+  CHECK_ERROR(model.between(from, to, 3, {.noise = "n"}), "[motionlang.config.102] `noise` is for diffusion models");
 }
 
 TEST_CASE("a denoised motion is where it was, in parts if it is long, at its own rate") {

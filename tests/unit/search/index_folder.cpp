@@ -3,14 +3,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <atomic>
 
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/search/index_folder.hpp>
 #include <motionlang/search/search.hpp>
-#include <motionlang/search/search_encoder.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/speed_encoder.hpp"
 #include "../../support/synthetic_motion.hpp"
 #include "../../support/temporary_folder.hpp"
 
@@ -19,43 +18,6 @@ namespace fs = std::filesystem;
 using ml::Index;
 
 namespace {
-
-/// A motion becomes its speed and its turning; "walk N" is a text of the speed N.
-class SpeedEncoder final : public ml::SearchEncoder {
- public:
-  const ml::IndexModel& model() const override { return model_; }
-  std::vector<float> encode_texts(std::span<const std::string> texts) const override {
-    std::vector<float> out;
-    for (const std::string& t : texts) {
-      const auto speed = static_cast<float>(std::stod(t.substr(t.find(' '))));
-      out.insert(out.end(), {speed, 1});
-    }
-    return out;
-  }
-  std::vector<float> rows_of(const ml::Motion& motion) const override {
-    std::vector<float> rows;
-    for (Index f = 1; f < motion.frames(); ++f)
-      rows.push_back(static_cast<float>(motion.fps * ml::norm(motion.root_at(f) - motion.root_at(f - 1))));
-    ++asked;
-    return rows;
-  }
-  Index frames(std::span<const float> rows) const override { return std::ssize(rows); }
-  std::vector<float> encode_windows(std::span<const float> rows,
-                                    std::span<const ml::FrameSlice> windows) const override {
-    std::vector<float> out;
-    for (const ml::FrameSlice& w : windows) {
-      float sum = 0;
-      for (Index f = w.first; f < w.first + w.length; ++f) sum += rows[static_cast<std::size_t>(f)];
-      out.insert(out.end(), {sum / static_cast<float>(w.length), 1});
-    }
-    return out;
-  }
-
-  mutable std::atomic<int> asked = 0;
-
- private:
-  ml::IndexModel model_{.id = "0123456789abcdef", .path = "models/speed", .width = 2, .fps = 20};
-};
 
 void write_clip(const fs::path& path, double steps) {
   ml::write_motion(path, synthetic::walk({.frames = 60, .fps = 20, .steps_per_second = steps}));

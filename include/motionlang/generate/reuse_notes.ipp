@@ -1,46 +1,40 @@
-// What `generate --reuse` says about what it took over, and where --record and --reuse find their file.
+// SPDX-License-Identifier: MIT
+// Bodies of reuse_notes.hpp.
 #pragma once
 
-#include <cstdio>
-#include <filesystem>
-#include <optional>
-#include <string>
+#include <cstdio>  // snprintf
+#include <vector>  // records
 
 #include <motionlang/core/error.hpp>
-#include <motionlang/systems/stmc_reuse.hpp>
+#include <motionlang/generate/reuse_notes.hpp>
 
-namespace program {
+MOTIONLANG_NAMESPACE_BEGIN
 
-namespace ml = motionlang;
-
-inline const std::string record_extension = ".steps.safetensors";
-
-/// The file of a run with --record: the path itself, or the only such file in the folder. Throws io_error 401.
-inline std::filesystem::path record_file(const std::filesystem::path& path) {
+MOTIONLANG_BODY std::filesystem::path find_record(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) return path;
   std::vector<std::filesystem::path> found;
   for (const auto& entry : std::filesystem::directory_iterator(path)) {
     if (entry.path().filename().string().ends_with(record_extension)) found.push_back(entry.path());
   }
   if (found.size() == 1) return found.front();
-  ml::raise<ml::io_error>(401, path.string(), ": ", ml::counted(found.size(), "file"), " *", record_extension,
-                          found.empty() ? ", which generate writes with --record" : "; name one of them");
+  raise<io_error>(401, path.string(), ": ", counted(found.size(), "file"), " *", record_extension,
+                  found.empty() ? ", which a run with `record` writes" : "; name one of them");
 }
 
-inline std::string reuse_lines(const ml::StmcReuse& r, std::optional<double> keep_beyond) {
+MOTIONLANG_BODY std::string reuse_notes(const StmcReuse& r, std::optional<double> keep_beyond) {
   char text[400];
   const double work = r.whole_work == 0 ? 0 : 100.0 * static_cast<double>(r.work) / static_cast<double>(r.whole_work);
   std::snprintf(text, sizeof text, "%td of %s were reused; %.0f %% of the work of a whole run\n", r.kept,
-                ml::counted(r.frames, "frame").c_str(), work);
+                counted(r.frames, "frame").c_str(), work);
   std::string out = text;
   if (r.exact) {
     out += "  the motion equals that of a whole run, bit for bit\n";
   } else if (!keep_beyond) {
-    out += "  the motion differs from that of a whole run: the reused run was made with --keep-beyond\n";
+    out += "  the motion differs from that of a whole run: the reused run was made with `keep_beyond`\n";
   } else {
     std::snprintf(text, sizeof text,
                   "  the motion differs from that of a whole run: frames further than %.2f s from an edit were kept "
-                  "(--keep-beyond)\n",
+                  "(`keep_beyond`)\n",
                   *keep_beyond);
     out += text;
   }
@@ -48,7 +42,7 @@ inline std::string reuse_lines(const ml::StmcReuse& r, std::optional<double> kee
     std::snprintf(
         text, sizeof text,
         "  after step %td of %td nothing could be reused: neighbouring texts share frames, so an edit spreads by one "
-        "text per step\n  fewer steps reuse more (--preset fast); --keep-beyond 1 also keeps frames further away, "
+        "text per step\n  fewer steps reuse more (fast preset); `keep_beyond` 1 also keeps frames further away, "
         "which the model would change\n",
         r.everywhere, r.steps);
     out += text;
@@ -56,4 +50,4 @@ inline std::string reuse_lines(const ml::StmcReuse& r, std::optional<double> kee
   return out;
 }
 
-}  // namespace program
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+/// Files of motions, described one after the other, and the table of captions that an index and trainings read.
+///
+///     std::vector<DescribedMotionPart> described;
+///     for (const FileToDescribe& file : files_to_describe(inputs))
+///       describe_file(describer, file, {}, Philox{}, {}, described);
+///     const std::string table = caption_table(described, "TM2T", problems);
+#pragma once
+
+#include <filesystem>  // motions
+#include <span>        // several of them
+#include <string>      // clips
+#include <vector>      // motions
+
+#include <motionlang/datasets/data_set_form.hpp>
+#include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/formats/motion_folder.hpp>
+#include <motionlang/generate/motion_describer.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A motion file and what a table of captions calls it.
+struct FileToDescribe {
+  std::filesystem::path path{};
+  std::string clip{};
+  bool in_folder = false;  // that was named, not the file
+};
+
+/// The files, and the motion files of the folders and below. A clip is named by its path below the folder, without the
+/// extension unless only that tells it from others.
+/// notes   gets a line about each folder and file that was skipped
+/// Throws  io_error 401 if a folder cannot be read
+std::vector<FileToDescribe> files_to_describe(std::span<const std::string> inputs, std::string* notes = nullptr);
+
+/// Throws option_error 102 if a table could not tell two of them apart.
+void require_different_clips(std::span<const FileToDescribe> files);
+
+/// A motion, or a part of a long one, and what is said about it.
+struct DescribedMotionPart : DescribedPart {
+  FileToDescribe file{};
+  std::string name{};  // of one motion of several in the file
+};
+
+/// All motions of a file go behind `out`; an .npy file of the model's features as it is. Throws what MotionDescriber
+/// and the readers throw; motions before the one that fails stay.
+template <Backend B>
+void describe_file(const MotionDescriber<B>& describer, const FileToDescribe& file, const MotionReadOptions& read,
+                   const Philox& rng, const DescribeOptions& options, std::vector<DescribedMotionPart>& out) {
+  const auto add = [&](const std::string& name, std::vector<DescribedPart> parts) {
+    for (DescribedPart& part : parts) out.push_back({std::move(part), file, name});
+  };
+  const Index width = describer.features().width;
+  if (file_kind(file.path) == ".npy") {
+    if (const auto shape = npy_shape(file.path); shape.size() == 2 && shape[1] == width) {
+      add("", describer.describe_rows(detail::read_rows(file.path, {width}, /*any_number=*/true), rng, options,
+                                      file.path.string()));
+      return;
+    }
+  }
+  const auto motions = read_motions(file.path, file.in_folder ? options_for_file(read, file.path) : read);
+  for (std::size_t m = 0; m < motions.size(); ++m)
+    add(motions.size() > 1 ? motions[m].name : "",
+        describer(motions[m], m == 0 ? rng : rng.split(static_cast<std::uint64_t>(m)), options));
+}
+
+/// A table of captions. Parts without words are left out, and so are files of several motions, which a table cannot
+/// tell apart.
+/// by       the model, for the first line
+/// Returns  the table; `problems` gets a line about each part that is left out
+std::string caption_table(std::span<const DescribedMotionPart> described, const std::string& by,
+                          std::vector<std::string>& problems);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/generate/describe_files.ipp>
+#endif

@@ -1,0 +1,42 @@
+// Files to describe, and the table of captions. What a model says about them: tests/program/official_folders.cpp.
+#include <motionlang/generate/describe_files.hpp>
+
+#include <doctest/doctest.h>
+
+#include "../../support/check_error.hpp"
+#include "../../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+namespace fs = std::filesystem;
+
+TEST_CASE("files to describe are named as a table of captions does") {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "clips/sub");
+  for (const char* name : {"clips/a.bvh", "clips/b.bvh", "clips/b.glb", "clips/sub/a.npz", "clips/readme.txt", "c.bvh"})
+    ml::write_file(folder / name, std::string_view("x"));
+  const auto files = ml::files_to_describe(std::vector{(folder / "clips").string(), (folder / "c.bvh").string()});
+  std::vector<std::string> clips;
+  for (const auto& f : files) clips.push_back(f.clip + (f.in_folder ? " below" : ""));
+  CHECK(clips == std::vector<std::string>{"a below", "b.bvh below", "b.glb below", "sub/a below", "c"});
+  ml::require_different_clips(files);
+  const auto twice = ml::files_to_describe(std::vector(2, (folder / "c.bvh").string()));
+  CHECK_ERROR(ml::require_different_clips(twice), "would both be 'c.bvh' in the table");
+  CHECK_ERROR(ml::require_different_clips(twice), "[motionlang.config.102] `out`: ");
+}
+
+TEST_CASE("the table has a line for each part with words, of files with one motion") {
+  const auto part = [](const char* path, const char* clip, const char* name, std::vector<std::string> texts) {
+    ml::DescribedMotionPart p{{0.5, 2}, {path, clip}, name};
+    for (std::string& text : texts) p.texts.push_back({.text = std::move(text)});
+    return p;
+  };
+  const std::vector described{part("a.bvh", "a", "", {"a person walks", "", "someone walks"}),
+                              part("b.bvh", "b", "", {""}), part("c.glb", "c", "first", {"a jump"})};
+  std::vector<std::string> problems{"earlier"};
+  CHECK(ml::caption_table(described, "M2T", problems) ==
+        "# clip\tstart\tend\tparts\tcaptions, by M2T\n"
+        "a\t0.5\t2\t" +
+            ml::join_text(ml::body_part_names) + "\ta person walks | someone walks\n");
+  CHECK(problems == std::vector<std::string>{"earlier", "b.bvh: no words, not in the table",
+                                             "c.glb (first): one of several motions, not in the table"});
+}
