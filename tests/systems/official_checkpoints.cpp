@@ -1,15 +1,19 @@
-// load_actor, load_temos, load_teach, load_sinc and load_tm2t of one path: the folders of published models give what
-// the readers of these folders give.
+// load_stmc, load_actor, load_temos, load_teach, load_sinc and load_tm2t of one path: the folders of published models
+// give what the readers of these folders give, and load_stmc reads files of ours as well.
+#include <motionlang/generate/generate_motion.ipp>
 #include <motionlang/weights/actor_checkpoint.hpp>
 #include <motionlang/weights/sinc_checkpoint.hpp>
+#include <motionlang/weights/stmc_checkpoint.hpp>
 #include <motionlang/weights/teach_checkpoint.hpp>
 #include <motionlang/weights/temos_checkpoint.hpp>
 #include <motionlang/weights/text_motion_checkpoint.hpp>
 #include <motionlang/weights/tm2t_checkpoint.hpp>
 
 #include "../support/check_error.hpp"
+#include "../support/official_folders.hpp"
 #include "../support/official_tm2t.hpp"
 #include "../support/official_vaes.hpp"
+#include "../support/small_model.hpp"
 #include "../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
@@ -17,6 +21,53 @@ namespace fs = std::filesystem;
 using ml::Index;
 using official::all_numbers;
 using official::B;
+
+TEST_CASE("load_stmc: the folders of a published STMC, MDM and MotionDiffuse") {
+  const official::Sizes sizes = official::small();
+  const TemporaryFolder clip;
+  official::write_clip(clip.path, sizes);
+  const auto timeline = small::several_tracks();
+  const auto check = [&](const std::string& system, const auto& write) {
+    INFO(system);
+    const TemporaryFolder folder;
+    write(folder.path, sizes);
+    const auto stmc = ml::load_stmc<B>(folder.path, {.text_encoder = clip.path});
+    CHECK_FALSE(stmc.text_encoder.captions);
+    const auto wanted = official::expected(system, sizes);
+    CHECK(small::numbers(stmc.generate(timeline, ml::Philox{.seed = 5})) ==
+          small::numbers(wanted.generate(timeline, ml::Philox{.seed = 5})));
+    CHECK_ERROR(ml::load_stmc<B>(folder.path, {.text_encoder = "/nowhere"}), "[motionlang.io.401]");
+  };
+  check("stmc", [](const fs::path& f, const official::Sizes& s) { official::write_stmc_run(f, s); });
+  check("mdm", [](const fs::path& f, const official::Sizes& s) { official::write_mdm_run(f, s); });
+  check("motiondiffuse", [](const fs::path& f, const official::Sizes& s) { official::write_motiondiffuse_run(f, s); });
+}
+
+TEST_CASE("load_stmc: a file of ours, a folder with it, and a training with that inside give the same motion") {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "run/model.safetensors";
+  fs::create_directories(file.parent_path());
+  ml::save_stmc(file, small::model<B>(), small::config(), {}, ml::DType::F32);
+  const auto alone = ml::load_stmc<B>(file);
+  const auto timeline = small::several_tracks();
+  const auto want = ml::generate_motion(alone, timeline, {.seed = 3});
+  for (const fs::path& path : {file, file.parent_path()}) {
+    const auto stmc = ml::load_stmc<B>(path, {});
+    REQUIRE(stmc.text_encoder.captions);
+    CHECK(stmc.guidance == alone.guidance);
+    CHECK(stmc.steps == alone.steps);
+    CHECK(stmc.fps == alone.fps);
+    CHECK(all_numbers(stmc) == all_numbers(alone));
+    CHECK(ml::generate_motion(stmc, timeline, {.seed = 3}).root == want.root);
+  }
+  CHECK_ERROR(ml::load_stmc<B>(file, {.text_encoder = "clip"}), "this one has its own");
+  CHECK_ERROR(ml::load_stmc<B>(file, {.statistics = "meta"}), "this one has its own");
+  CHECK_ERROR(ml::load_stmc<B>("/nowhere", {}), "[motionlang.io.401]");
+  CHECK_ERROR(ml::load_stmc<B>(folder.path, {}), "0 .safetensors files where one is expected");
+
+  official::write_actor_run(folder / "actor", official::small_actor());
+  CHECK_ERROR(ml::load_stmc<B>(folder / "actor", {}), "of actor; diffusion models are those of stmc");
+}
 
 TEST_CASE("load_actor: a published folder") {
   const TemporaryFolder folder;

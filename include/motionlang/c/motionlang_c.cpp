@@ -5,18 +5,20 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/core/text_lines.hpp>
+#include <motionlang/generate/generate_motion.ipp>
+#include <motionlang/generate/kept_clip_text.hpp>
 #include <motionlang/generate/timelines_of_text.hpp>
 #include <motionlang/kinematics/retarget.hpp>
-#include <motionlang/search/index_folder.hpp>
+#include <motionlang/search/kept_index.hpp>
 #include <motionlang/search/search.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
-#include <motionlang/stmc.hpp>
 #include <motionlang/view/view_file.hpp>
+#include <motionlang/weights/stmc_checkpoint.hpp>
 
 namespace ml = motionlang;
 
 struct motionlang_model {
-  ml::Stmc<ml::EigenBackend<float>> stmc;
+  ml::StmcCheckpoint<ml::EigenBackend<float>> stmc;
 };
 struct motionlang_motion {
   ml::Motion motion;
@@ -148,17 +150,7 @@ ml::KeptClip kept_clip(const motionlang_options& o) {
     const double* stretch = &given(o.keep_seconds, "keep_seconds") + 2 * i;
     out.seconds.emplace_back(stretch[0], stretch[1]);
   }
-  if (o.keep_parts == nullptr) return out;
-  out.parts = {};
-  for (std::string_view names = o.keep_parts; !names.empty();) {
-    const std::size_t comma = std::min(names.find(','), names.size());
-    const auto part = ml::parse_body_part(ml::detail::trim(names.substr(0, comma)));
-    if (!part)
-      ml::raise<ml::config_error>(103, "keep_parts: '", names.substr(0, comma), "' is not one of ",
-                                  ml::join_text(ml::body_part_names));
-    out.parts = out.parts.with(*part);
-    names.remove_prefix(std::min(comma + 1, names.size()));
-  }
+  if (o.keep_parts != nullptr) out.parts = ml::parse_kept_parts(o.keep_parts);
   return out;
 }
 /// Without progress.
@@ -203,7 +195,14 @@ int motionlang_set_threads(int32_t threads) {
 }
 
 int motionlang_load_model(const char* file, motionlang_model** model) {
-  return made(model, "model", [&] { return ml::load_stmc<ml::EigenBackend<float>>(&given(file, "file")); });
+  return motionlang_load_model_with(file, nullptr, nullptr, model);
+}
+int motionlang_load_model_with(const char* path, const char* text_encoder, const char* statistics,
+                               motionlang_model** model) {
+  return made(model, "model", [&] {
+    return ml::load_stmc<ml::EigenBackend<float>>(
+        &given(path, "file"), {.text_encoder = or_empty(text_encoder), .statistics = or_empty(statistics)});
+  });
 }
 void motionlang_free_model(motionlang_model* model) { delete model; }
 double motionlang_model_fps(const motionlang_model* model) { return model == nullptr ? 0 : model->stmc.fps; }
@@ -344,32 +343,22 @@ int motionlang_update_index(const char* index_file, const char* folder, const mo
     const motionlang_index_options o = options == nullptr ? motionlang_default_index_options() : *options;
     const std::filesystem::path file = &given(index_file, "index_file");
     given(folder, "folder");
-    std::optional<ml::MotionIndexFile> before;
-    if (std::filesystem::exists(file)) before = ml::MotionIndexFile::open(file);
-    std::optional<ml::MotionIndex> index;
-    if (before) index = before->index();
-    if (!index) given(o.model, "model of a new index");
-    const std::string model = o.model != nullptr ? o.model : index->model().path;
-    const std::string encoder = o.text_encoder != nullptr ? o.text_encoder : index ? index->model().text_encoder : "";
-    const auto tmr = tmr_of(ml::indexed_path(ml::found_model_folder(model)).string(),
-                            encoder.empty() ? "" : ml::indexed_path(encoder).string());
-    if (index)
-      index->require_model(tmr.model().id, model);
-    else
-      index.emplace(
-          ml::index_model(tmr, {.windows = o.moments != 0 ? ml::MomentOptions{}.windows : std::vector<double>{}}));
-    index->move_model(tmr.model().path, tmr.model().text_encoder);
+    ml::KeptIndex kept(file);
+    if (!kept.has_index()) given(o.model, "model of a new index");
+    const auto tmr =
+        tmr_of(kept.model_path(or_empty(o.model), "").string(), kept.text_encoder(or_empty(o.text_encoder)));
+    const ml::MomentOptions moments{.windows = o.moments != 0 ? ml::MomentOptions{}.windows : std::vector<double>{}};
+    kept.take_model(tmr, kept.has_index() ? nullptr : &moments);
     const auto progress = [&](ml::Index files, ml::Index of) {
       return o.progress == nullptr || o.progress(o.user, files, of) != 0;
     };
-    ml::IndexUpdate update(*index, folder, tmr, {.license = or_empty(o.license), .again = o.again != 0});
+    ml::IndexUpdate update(kept.index(), folder, tmr, {.license = or_empty(o.license), .again = o.again != 0});
     const bool stopped =
         !ml::detail::guard<ml::cancelled>([&] { update.run(progress); }, [](const ml::cancelled&) { return true; });
-    constexpr ml::Index graph_from = 100'000;  // vectors, as `motionlang index` does
-    ml::write_motion_index(file, *index, ml::motion_graphs(*index, graph_from, {}, before ? &*before : nullptr));
+    stopped ? kept.write_without_graphs() : static_cast<void>(kept.write());
     const ml::IndexReport& r = update.report();
     if (report != nullptr)
-      *report = {index->count(), r.added, r.removed, r.renamed, r.unchanged, std::ssize(r.skipped)};
+      *report = {kept.index().count(), r.added, r.removed, r.renamed, r.unchanged, std::ssize(r.skipped)};
     if (stopped) throw ml::cancelled();
   });
 }

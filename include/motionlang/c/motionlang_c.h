@@ -43,9 +43,14 @@ MOTIONLANG_C_API const char* motionlang_message(void);
 /* Sets the number of threads; the default is that of the machine. Error 101 below 1 or above 1024. */
 MOTIONLANG_C_API int motionlang_set_threads(int32_t threads);
 
-/* Reads a model: the weights that come with motionlang (examples/models/stmc_free.safetensors), or those that
- * `motionlang train` writes. */
+/* Reads a model: the weights that come with motionlang (examples/models/stmc_free.safetensors), those that
+ * `motionlang train` writes, or the folder of a published STMC, MDM or MotionDiffuse. */
 MOTIONLANG_C_API int motionlang_load_model(const char* file, motionlang_model** model);
+/* The same of a published model that needs what is not beside it. text_encoder: a folder or a file of CLIP or
+ * DistilBERT; statistics: a folder with mean and std of the features. NULL: beside the model. Error 102 if a model of
+ * ours is given one. */
+MOTIONLANG_C_API int motionlang_load_model_with(const char* path, const char* text_encoder, const char* statistics,
+                                                motionlang_model** model);
 MOTIONLANG_C_API void motionlang_free_model(motionlang_model* model); /* NULL is allowed */
 /* Frames per second of its motions. */
 MOTIONLANG_C_API double motionlang_model_fps(const motionlang_model* model);

@@ -18,9 +18,8 @@
 #include <motionlang/generate/motion_model_place.hpp>
 #include <motionlang/generate/stmc_motion_model.hpp>
 #include <motionlang/text/known_words.hpp>
-#include <motionlang/weights/diffusion_run.hpp>
 #include <motionlang/weights/mdm_action_run.hpp>
-#include <motionlang/weights/stmc_file.hpp>
+#include <motionlang/weights/stmc_checkpoint.hpp>
 #include <motionlang/weights/text_motion_checkpoint.hpp>
 #include <motionlang/weights/tm2t_run.hpp>
 #include <motionlang/weights/vae_run.hpp>
@@ -37,18 +36,18 @@ struct MotionModelOptions {
 };
 
 /// STMC of ours, and STMC, MDM and MotionDiffuse as published. Throws config_error 103 for another system, and what
-/// load_stmc and load_diffusion_run throw.
+/// load_stmc throws.
 template <Backend B>
 std::unique_ptr<MotionModel> load_diffusion_motion_model(const MotionModelPlace& place,
                                                          const ModelSources& sources = {}) {
   if (!place.is_diffusion())
     raise<config_error>(103, place.path.string(), ": '", place.system, "' is not a diffusion model of texts");
-  if (!place.system.empty())
-    return stmc_motion_model(load_diffusion_run<B>(
-        FilePath(place.path), {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
-  require_no_sources(place, sources);
-  const FilePath file = stmc_model_file(place.path);
-  return stmc_motion_model(load_stmc<B>(file), known_words(SafetensorsFile::open(file).metadata()));
+  if (place.system.empty()) require_no_sources(place, sources);
+  auto stmc =
+      load_stmc<B>(FilePath(place.path), {.text_encoder = sources.text_encoder, .statistics = sources.statistics});
+  if (!place.system.empty()) return stmc_motion_model(std::move(stmc));
+  return stmc_motion_model(std::move(stmc),
+                           known_words(SafetensorsFile::open(FilePath(stmc_model_file(place.path))).metadata()));
 }
 
 /// ACTOR as published.

@@ -34,19 +34,15 @@ MOTIONLANG_BODY bool MotionModelPlace::is_diffusion() const {
 
 MOTIONLANG_BODY MotionModelPlace find_motion_model(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) return {path, ""};
-  RunFolder run = find_run(path);
-  std::filesystem::path model = path;
-  if (run.system.empty()) {
-    model = found_model_folder(path);
-    run = find_run(model);
-  }
-  return {model, detail::generating_system(run)};
+  const RunFolder run = find_model_run(path);
+  return {run.folder, detail::generating_system(run)};
 }
 
 MOTIONLANG_BODY void require_no_sources(const MotionModelPlace& place, const ModelSources& sources) {
   if (!sources.empty())
-    raise<option_error>(102, place.path.string(),
-                        ": text_encoder, statistics and tokenizer are for published models; this one has its own");
+    raise<option_error>(
+        102, place.path.string(),
+        ": `text_encoder`, `statistics` and `tokenizer` are for published models; this one has its own");
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -20,18 +20,24 @@ class StmcMotionModel final : public MotionModel {
   bool takes_timelines() const override { return true; }
   std::vector<std::string> words() const override { return words_; }
   TextLength length_of(const std::string& text) const override {
-    if constexpr (std::same_as<E, CaptionEncoder<B>>) {  // reads as far as it has positions; two are of the frame
-      const auto& encoder = model_.text_encoder;
-      const auto pieces = encoder.tokenizer.encode(text, static_cast<Index>(text.size()) + 2);
-      return {std::ssize(pieces) - 2, encoder.positions.rows().size(0) - 2};
-    } else {
-      return {};
-    }
+    const CaptionEncoder<B>* encoder = captions();
+    if (encoder == nullptr) return {};
+    const auto pieces = encoder->tokenizer.encode(text, static_cast<Index>(text.size()) + 2);
+    return {std::ssize(pieces) - 2, encoder->positions.rows().size(0) - 2};  // two are of the frame
   }
 
  private:
   std::vector<Motion> make(std::span<const Timeline> timelines, const GenerateOptions& options) const override {
     return generate_motions(model_, timelines, options);
+  }
+  /// The encoder of ours, which reads as far as it has positions. Null: another one.
+  const CaptionEncoder<B>* captions() const {
+    if constexpr (std::same_as<E, CaptionEncoder<B>>)
+      return &model_.text_encoder;
+    else if constexpr (requires { model_.text_encoder.captions; })
+      return model_.text_encoder.captions ? &*model_.text_encoder.captions : nullptr;
+    else
+      return nullptr;
   }
 
   Stmc<B, D, E> model_;

@@ -14,7 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct PackOptions {
   std::string license, provenance;
-  DiffusionRunOptions sources{};
+  CheckpointOptions sources{};
   bool text_encoder = false;  // copied into the folder
   FilePath tokenizer = "";    // of TM2T: the folder of its motion tokenizer, looked for beside the model unless given
 };

@@ -17,6 +17,7 @@
 
 #include <motionlang/diffusion/any_denoiser.hpp>
 #include <motionlang/systems/stmc.ipp>
+#include <motionlang/weights/checkpoint_options.hpp>
 #include <motionlang/weights/detail/run_reader.hpp>
 #include <motionlang/weights/text_encoder_folder.hpp>
 
@@ -43,11 +44,6 @@ struct DiffusionRun {
   }
   GaussianDiffusion diffusion() const;
   FeatureLayout layout() const;
-};
-
-struct DiffusionRunOptions {
-  FilePath text_encoder = "";  // a folder or a file; looked for beside the model unless given
-  FilePath statistics = "";    // a folder with mean and std, .pt or .npy; else that of the model
 };
 
 template <Backend B>
@@ -101,7 +97,7 @@ RunFolder published_run(const RunFolder& run);
 
 template <Backend B>
 Normalizer<B> motion_normalizer(const RunFolder& run, const TensorSet& weights, Index width,
-                                const DiffusionRunOptions& options) {
+                                const CheckpointOptions& options) {
   return run_normalizer<B>(
       run, weights, width, {"motion_stats.", "meta.", "stats.", ""},
       concat_text("the motions: put mean and std of the data set there (",
@@ -127,7 +123,7 @@ void require_text_encoder(const RunFolder& run, const DiffusionRun& about, const
 
 template <Backend B>
 AnyTextEncoder<B> encoder_of(const RunFolder& run, const TensorSet& weights, const DiffusionRun& about,
-                             const DiffusionRunOptions& options) {
+                             const CheckpointOptions& options) {
   const TextEncoderOptions wanted = wanted_text_encoder(run, about);
   const bool motiondiffuse = about.system == "motiondiffuse";
   const std::string named = options.text_encoder.string();
@@ -146,7 +142,7 @@ DiffusionRun diffusion_run(const RunFolder& run, const TensorSet& weights);
 
 /// A model that is ready to generate.
 template <Backend B>
-PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOptions& options = {}) {
+PublishedStmc<B> load_diffusion_run(const RunFolder& given, const CheckpointOptions& options = {}) {
   const RunFolder run = detail::published_run(given);
   const WeightFile weights = detail::run_weights(run);
   const DiffusionRun about = diffusion_run(run, weights);
@@ -169,7 +165,7 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOp
           .fps = about.fps};
 }
 template <Backend B>
-PublishedStmc<B> load_diffusion_run(const FilePath& folder, const DiffusionRunOptions& options = {}) {
+PublishedStmc<B> load_diffusion_run(const FilePath& folder, const CheckpointOptions& options = {}) {
   return load_diffusion_run<B>(find_run(folder), options);
 }
 

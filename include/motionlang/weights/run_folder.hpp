@@ -27,6 +27,7 @@
 #include <algorithm>   // any_of
 #include <filesystem>  // folders
 #include <map>         // parts
+#include <optional>    // of two places one
 
 #include <motionlang/file/options_file.hpp>
 
@@ -62,11 +63,22 @@ std::vector<FileValue> options_of_config(const RunFolder& run);
 /// Throws  io_error 401 if it cannot be listed, and what read_options throws
 RunFolder find_run(const FilePath& path);
 
+/// The same of the folder of a model, or of a training that has the model inside.
+RunFolder find_model_run(const FilePath& path);
+
 /// A model is a file, or a folder with one *.safetensors file in it, besides checkpoint.safetensors. Throws io_error
 /// 401.
 std::filesystem::path stmc_model_file(const std::filesystem::path& path);
 /// Where the model of a training is: train-tmr and its like put it into a folder `model` in theirs.
 std::filesystem::path found_model_folder(const FilePath& path);
+
+/// Where a model is that STMC composes: the folder of a published one, or a file of ours.
+struct StmcPlace {
+  std::optional<RunFolder> run{};
+  std::filesystem::path file{};  // if there is no run
+};
+/// Throws what find_run and stmc_model_file throw.
+StmcPlace stmc_place(const FilePath& path);
 
 MOTIONLANG_NAMESPACE_END
 

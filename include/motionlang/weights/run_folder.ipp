@@ -213,4 +213,16 @@ MOTIONLANG_BODY std::filesystem::path stmc_model_file(const std::filesystem::pat
   return found.front();
 }
 
+MOTIONLANG_BODY RunFolder find_model_run(const FilePath& path) {
+  RunFolder run = find_run(path);
+  return run.system.empty() ? find_run(FilePath(found_model_folder(path))) : run;
+}
+
+MOTIONLANG_BODY StmcPlace stmc_place(const FilePath& path) {
+  if (!std::filesystem::is_directory(path.string())) return {.file = path.string()};
+  RunFolder run = find_model_run(path);
+  if (run.system.empty()) return {.file = stmc_model_file(run.folder)};
+  return {.run = std::move(run)};
+}
+
 MOTIONLANG_NAMESPACE_END

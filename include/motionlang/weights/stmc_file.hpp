@@ -93,6 +93,7 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   load_module(model, file, "", LoadFor::inference);
   return model;
 }
+/// The same from a file. Published models and folders: load_stmc(path, options) of weights/stmc_checkpoint.hpp.
 template <Backend B>
 Stmc<B> load_stmc(const FilePath& path) {
   return load_stmc<B>(SafetensorsFile::open(path));

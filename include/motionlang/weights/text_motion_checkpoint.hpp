@@ -14,21 +14,12 @@
 
 #include <motionlang/features/feature_rows.hpp>
 #include <motionlang/features/normalizer.hpp>
+#include <motionlang/weights/checkpoint_options.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
 #include <motionlang/weights/text_states.hpp>
 #include <motionlang/weights/vae_run.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
-
-/// Where a model finds what its folder lacks.
-struct CheckpointOptions {
-  /// Folder of the language model that the network reads (DistilBERT), or the .npy file of a cache of its states.
-  /// Unless given, a published TEMOS, TEACH or SINC looks beside the model. Models with word pieces of their own need
-  /// none.
-  FilePath text_encoder = "";
-  /// Folder with mean and std of the features of a published model, if they are not beside it.
-  FilePath statistics = "";
-};
 
 template <Backend B, class Model>
 struct TextMotionCheckpoint {

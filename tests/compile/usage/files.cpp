@@ -4,6 +4,7 @@
 #include <motionlang/file/json.hpp>
 #include <motionlang/file/json_members.hpp>
 #include <motionlang/file/options_file.hpp>
+#include <motionlang/file/output_folder.hpp>
 #include <motionlang/file/pickle.hpp>
 #include <motionlang/file/pickle_arrays.hpp>
 #include <motionlang/file/safetensors.hpp>
@@ -25,6 +26,9 @@ void members() {
 }
 void options_of() {
 #include "file/options_file.1.inc"
+}
+void output_folder() {
+#include "file/output_folder.1.inc"
 }
 void pickle() {
 #include "file/pickle.1.inc"

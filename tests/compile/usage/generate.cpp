@@ -4,13 +4,17 @@
 #include <cstdio>
 #include <iostream>
 
+#include <motionlang/backend/precision.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/generate/arm_overlay.hpp>
+#include <motionlang/generate/describe_files.hpp>
 #include <motionlang/generate/finish_motion.hpp>
 #include <motionlang/generate/judged_clips.hpp>
 #include <motionlang/generate/judged_prompts.hpp>
+#include <motionlang/generate/kept_clip_text.hpp>
 #include <motionlang/generate/latent_motion_model.hpp>
 #include <motionlang/generate/load_trained_motion_model.hpp>
+#include <motionlang/generate/reuse_notes.hpp>
 #include <motionlang/generate/samples.hpp>
 #include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/generate/timeline_tracks.hpp>
@@ -19,6 +23,19 @@
 #include <motionlang/systems/sinc_baseline.hpp>
 #include <motionlang/view/viewer.hpp>
 
+void precision_(Stmc<B> stmc) {
+#include "backend/precision.1.inc"
+}
+void describe_files(const MotionDescriber<B>& describer, const std::vector<std::string>& inputs) {
+  std::vector<std::string> problems;
+#include "generate/describe_files.1.inc"
+}
+void kept_text(const Motion& clip) {
+#include "generate/kept_clip_text.1.inc"
+}
+void reuse_(GenerateOptions options, const GenerateNotes& notes) {
+#include "generate/reuse_notes.1.inc"
+}
 void overlay(Motion motion, const Motion& alone, const Timeline& timeline) {
 #include "generate/arm_overlay.1.inc"
 }

@@ -15,9 +15,10 @@
 #include <motionlang/formats/features_npy.hpp>
 #include <motionlang/formats/motion_file.hpp>
 #include <motionlang/formats/motion_folder.hpp>
+#include <motionlang/generate/generate_motion.ipp>
 #include <motionlang/kinematics/body_partition.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
-#include <motionlang/search/index_folder.hpp>
+#include <motionlang/search/kept_index.hpp>
 #include <motionlang/search/search.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/view/body_view.hpp>
@@ -27,6 +28,7 @@
 #include <motionlang/weights/classifier_model.hpp>
 #include <motionlang/weights/safetensors_copy.hpp>
 #include <motionlang/weights/sinc_checkpoint.hpp>
+#include <motionlang/weights/stmc_checkpoint.hpp>
 #include <motionlang/weights/teach_checkpoint.hpp>
 #include <motionlang/weights/temos_checkpoint.hpp>
 #include <motionlang/weights/text_motion_checkpoint.hpp>
@@ -74,6 +76,12 @@ void edit(const Motion& motion) {
 }
 void index_folder(const TmrSearchEncoder<B>& tmr) {
 #include "search/index_folder.1.inc"
+}
+void kept_index() {
+#include "search/kept_index.1.inc"
+}
+void stmc_checkpoint(const Timeline& timeline) {
+#include "weights/stmc_checkpoint.1.inc"
 }
 void search_(const TmrSearchEncoder<B>& tmr) {
 #include "search/search.1.inc"

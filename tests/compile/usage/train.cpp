@@ -13,6 +13,7 @@
 #include <motionlang/train/retrieval_evaluation.hpp>
 #include <motionlang/train/sinc_training.hpp>
 #include <motionlang/train/stmc_training.hpp>
+#include <motionlang/train/stmc_training_notes.hpp>
 #include <motionlang/train/tm2t_describer_training.hpp>
 #include <motionlang/train/tm2t_tokenizer_training.hpp>
 #include <motionlang/train/tmr_training.hpp>
@@ -34,6 +35,9 @@ void epoch_batches(std::uint64_t seed) {
 }
 void guo_evaluation(const Tm2tRun<B>& run, const DescribedMotions& data) {
 #include "train/guo_evaluation.1.inc"
+}
+void stmc_notes(Trainer<StmcTraining<A>>& trainer, const TrainingSet& data) {
+#include "train/stmc_training_notes.1.inc"
 }
 void presets() {
 #include "train/presets.1.inc"
