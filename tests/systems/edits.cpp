@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/systems/stmc_edit.hpp>
 #include <motionlang/systems/stmc_reuse.hpp>
 #include <motionlang/weights/stmc_record.hpp>
 

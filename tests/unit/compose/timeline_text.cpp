@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <motionlang/compose/baselines.hpp>
+#include <motionlang/compose/timeline.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 
 namespace ml = motionlang;

@@ -2,6 +2,7 @@
 // tests/laws.
 #include <motionlang/diffusion/gaussian.hpp>
 #include <motionlang/diffusion/respacing.hpp>
+#include <motionlang/diffusion/schedule.hpp>
 
 #include "../../support/check_error.hpp"
 

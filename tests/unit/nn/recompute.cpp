@@ -4,6 +4,7 @@
 
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/nn/recompute.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 #include <motionlang/optim/adamw.hpp>
 

@@ -5,6 +5,7 @@
 #include <motionlang/tensor/fused.hpp>
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/ops.hpp>
+#include <motionlang/tensor/tensor.hpp>
 
 #include "../../support/check_error.hpp"
 
