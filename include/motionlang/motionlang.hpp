@@ -117,6 +117,7 @@
 #include <motionlang/kinematics/smooth_motion.hpp>
 #include <motionlang/kinematics/standing_skeleton.hpp>
 #include <motionlang/kinematics/surface_points.hpp>
+#include <motionlang/kinematics/treadmill.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>
 #include <motionlang/kinematics/up_axis.hpp>
 

@@ -21,6 +21,12 @@ TEST_CASE("check and info show what a file holds") {
   for (const char* word : {"60 tensors", "license", "denoiser.registers", "F16", "(2, 32)"})
     CHECK_MESSAGE(contains(model.text, word), word, " in ", model.text);
   CHECK(contains(w.run({"info", "two.txt"}).text, "2 texts, 1.00 s"));
+  ml::write_file(w / "captions.tsv",
+                 "a/one\t0\t30\tlegs\twalk along | someone walks\na/one\t20\t60\tlegs\tsit down\thold\n");
+  const auto card = w.run({"info", "captions.tsv"});
+  for (const char* text : {"    1 clips      2 segments     1.2 min     1.0 min without overlaps       3 captions",
+                           "3 different captions, 6 different words, 2 verbs", " sit 1 walk 1\n"})
+    CHECK_MESSAGE(contains(card.text, text), card.text);
   ml::write_file(w / "pieces.txt",
                  "walk # 0 # 6 # legs\nraise both arms # 2 # 4 # left arm # right arm\n\nrun # 0 # 2\n");
   const auto pieces = w.run({"check", "pieces.txt"});

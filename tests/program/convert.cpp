@@ -187,7 +187,8 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
     CHECK_MESSAGE(contains(w.run({"info", file}).text, "sliding at"), file);
   const auto page = w.run({"info", "page.html"});
   CHECK(page.code == 1);
-  CHECK_MESSAGE(contains(page.text, "page.html: info shows weights, motions and timelines, not '.html'"), page.text);
+  CHECK_MESSAGE(contains(page.text, "page.html: info shows weights, motions, timelines and captions, not '.html'"),
+                page.text);
 
   const auto unknown = w.run({"convert", "walk.bvh", "walk.fbx"});
   CHECK(unknown.code == 2);

@@ -8,7 +8,10 @@
 #include <motionlang/datasets/clip_lines.hpp>
 #include <motionlang/datasets/training_set.hpp>
 #include <motionlang/file/npy.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/glb_writer.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/loss/foot_velocity.hpp>
 
 #include "../support/check_error.hpp"
@@ -142,6 +145,105 @@ TEST_CASE(
     }
   }
   CHECK(data().segments().front().loop);  // walking is a cycle
+}
+
+TEST_CASE("an animation of a file is a clip, a cycle goes on, and an action is followed by what the table says") {
+  const TemporaryFolder folder;
+  auto walk = synthetic::walk({.frames = 21, .steps_per_second = 2});  // one cycle
+  for (auto& root : walk.root) root.x = root.z = 0;
+  auto lift = synthetic::walk({.frames = 20});
+  for (ml::Index f = 0; f < 20; ++f) {
+    lift.root[static_cast<std::size_t>(f)] = lift.root_at(0);
+    std::ranges::copy(lift.rotations(0), lift.rotations(f).begin());
+    lift.rotations(f)[16] = synthetic::about_z(-1.3 + 0.1 * static_cast<double>(f));
+  }
+  auto idle = ml::crop(lift, 0, 1);
+  for (int k = 0; k < 29; ++k) idle = ml::concatenate(idle, ml::crop(lift, 0, 1));
+  walk.name = "Walk Loop", lift.name = "Lift", idle.name = "Idle";
+  ml::write_glb(folder / "hero.glb", std::vector<ml::Motion>{walk, lift, idle});
+  const auto set = [&](const std::string& table) {
+    ml::write_file(folder / "captions.tsv", table);
+    return ml::TrainingSet(folder / "captions.tsv", folder.path, {});
+  };
+  const auto arm = [](const ml::TrainingSample& s, ml::Index f) {  // height of the left wrist
+    return s.features[static_cast<std::size_t>(f * ml::smplrifke_size + 133 + 3 * 20 + 2)];
+  };
+  auto options = plain();
+  options.shortest = options.longest = 100;
+
+  const auto cycle = set("hero.glb#Walk Loop\t0\t9\tlegs\twalk\trepeat\n");
+  CHECK(cycle.segments().front().clip == "hero.glb#Walk Loop");
+  CHECK(cycle.segments().front().motion.frames() == 21);
+  const auto walked = cycle.draw(ml::Philox{.seed = 1}, options);
+  CHECK(walked.frames > 85);
+  CHECK(std::abs(way_ahead(walked)) > 1);
+
+  const auto held = set("hero.glb#Lift\t0\t9\tleft arm\traise the left arm\thold\n");
+  CHECK(held.seconds() == doctest::Approx(1));
+  const auto lifted = held.draw(ml::Philox{.seed = 1}, options);
+  CHECK(lifted.frames == 100);
+  CHECK(arm(lifted, 19) - arm(lifted, 0) > 0.4);
+  CHECK(arm(lifted, 99) == doctest::Approx(arm(lifted, 22)).epsilon(0.02));
+
+  const auto followed = set("hero.glb#Lift\t0\t9\tleft arm\traise the left arm\tthen hero.glb#Idle\n");
+  CHECK(followed.seconds() == doctest::Approx(1));
+  const auto back = followed.draw(ml::Philox{.seed = 1}, options);
+  CHECK(back.frames == 100);
+  CHECK(arm(back, 12) - arm(back, 0) > 0.2);
+  CHECK(arm(back, 99) == doctest::Approx(arm(back, 0)).epsilon(0.05));
+  options.shortest = 10, options.longest = 25;  // the action is never cut
+  for (std::uint64_t seed = 0; seed < 10; ++seed) CHECK(followed.draw(ml::Philox{.seed = seed}, options).frames >= 20);
+
+  const auto refused = [&](const char* column, const char* message) {
+    CHECK_ERROR(set(std::string("hero.glb#Lift\t0\t9\tlegs\tlift\t") + column + "\n"), message);
+  };
+  refused("repeat", ":1: 'hero.glb#Lift' is to repeat, but its 20 frames end ");
+  refused("jump", ":1: 'jump' is not 'repeat', 'hold', 'seated' or one 'then CLIP'");
+  refused("hold,repeat", ":1: 'repeat', 'hold' and 'then CLIP' exclude each other");
+  refused("then hero.glb#Lift", "is to repeat, but its 20 frames end ");
+  CHECK_ERROR(set("hero.glb#Run\t0\t9\tlegs\trun\n"), "[motionlang.config.103]");
+  CHECK_ERROR(set("hero.glb\t0\t9\tlegs\trun\n"), "[motionlang.config.102]");
+  CHECK_ERROR(set("nobody.glb#Run\t0\t9\tlegs\trun\n"), "there is no ");
+}
+
+TEST_CASE("what few segments show is drawn more often, and arms are laid over people who stand still") {
+  const TemporaryFolder folder;
+  ml::write_bvh(folder / "walk.bvh", synthetic::walk({.frames = 60}));
+  auto stand = synthetic::walk({.frames = 60});
+  for (ml::Index f = 0; f < 60; ++f) {
+    stand.root[static_cast<std::size_t>(f)] = stand.root_at(0);
+    std::ranges::copy(stand.rotations(0), stand.rotations(f).begin());
+  }
+  ml::write_bvh(folder / "stand.bvh", stand);
+  std::string table = "stand\t0\t3\tleft arm,right arm,legs\tstand still | stand with hanging arms\n";
+  for (int k = 0; k < 30; ++k) table += "walk\t0\t3\tlegs\twalk along | walk ahead\n";
+  table += "walk\t0\t3\tleft arm\tswing the left arm\n";
+  ml::write_file(folder / "captions.tsv", table);
+  const ml::TrainingSet set(folder / "captions.tsv", folder.path, {});
+  const auto& segments = set.segments();
+  CHECK(segments[0].weight == 4);  // of at most 4
+  CHECK(segments[1].weight == doctest::Approx(std::sqrt(100 / 30.0)));
+  auto options = plain();
+  const auto count = [&](const char* word) {
+    int found = 0;
+    for (std::uint64_t seed = 0; seed < 400; ++seed)
+      found += static_cast<int>(set.draw(ml::Philox{.seed = seed}, options).caption.starts_with(word));
+    return found;
+  };
+  const double share = 4 / (8 + 30 * std::sqrt(100 / 30.0));  // 0.064; 0.031 if all were alike
+  CHECK(count("stand") > 400 * share * 0.6);
+  CHECK(count("stand") < 400 * share * 1.5);
+  options.compose = options.still = 1;
+  int together = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const auto s = set.draw(ml::Philox{.seed = seed}, options);
+    CHECK(std::abs(way_ahead(s)) < 0.1);
+    CHECK(s.caption.find("hanging") == s.caption.npos);
+    together += static_cast<int>(s.caption == "stand still while swing the left arm");
+  }
+  CHECK(together > 10);
+  options.still = 0;
+  CHECK(std::abs(way_ahead(set.draw(ml::Philox{.seed = 1}, options))) > 0.5);
 }
 
 TEST_CASE("the loss on feet: nothing for the truth, the speed squared for a path that slides") {

@@ -1,8 +1,10 @@
-// motionlang info: what is in a file of weights, a motion, or a timeline; and what the numbers of features mean.
+// motionlang info: what weights, motions, timelines and captions hold, and what the numbers of features mean.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
+#include <motionlang/datasets/caption_card.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/mdm_results.hpp>
@@ -66,6 +68,31 @@ void timelines(const std::string& path) {
   }
 }
 
+/// The card of a table of captions.
+void captions(const std::string& path) {
+  const ml::CaptionCard card = ml::caption_card(ml::read_captions(path, std::filesystem::path(path).parent_path()));
+  const auto row = [](const std::string& name, const ml::CaptionCard::Folder& f) {
+    std::printf("  %-52s %5zu clips %6zu segments %7.1f min %7.1f min without overlaps %7zu captions\n",
+                ml::printable(name).c_str(), f.clips.size(), f.segments, f.seconds / 60, f.without_overlap / 60,
+                f.captions);
+  };
+  std::printf("%s: captions\n", ml::printable(path).c_str());
+  for (const auto& [name, folder] : card.folders) row(name, folder);
+  row("all", card.all);
+  std::printf("%zu different captions, %zu different words, %zu verbs with the segments that show them:\n",
+              card.captions.size(), card.words.size(), card.verbs.size());
+  std::vector<std::pair<std::size_t, std::string>> verbs;
+  for (const auto& [verb, segments] : card.verbs) verbs.emplace_back(segments, verb);
+  std::ranges::sort(verbs, [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::string line;
+  for (const auto& [segments, verb] : verbs) {
+    const std::string next = " " + ml::printable(verb) + " " + std::to_string(segments);
+    if (line.size() + next.size() > 118) std::printf(" %s\n", std::exchange(line, "").c_str());
+    line += next;
+  }
+  std::printf(" %s\n", line.c_str());
+}
+
 void features_line(const ml::MotionFeatures& f) {
   const std::string name(f.name);
   std::printf("%s: %td numbers in a frame, %g frames per second, skeleton of %d joints\n", name.c_str(), f.width, f.fps,
@@ -119,8 +146,9 @@ void run(const std::string& path) {
   }
   for (const char* drawn : {".html", ".svg", ".png", ".obj", ".asf"}) {
     if (kind == drawn)
-      ml::raise<ml::config_error>(103, path, ": info shows weights, motions and timelines, not '", kind, "'");
+      ml::raise<ml::config_error>(103, path, ": info shows weights, motions, timelines and captions, not '", kind, "'");
   }
+  if (kind == ".tsv") return captions(path);
   is_weights(path) ? show_weights(path) : timelines(path);
 }
 
@@ -134,7 +162,7 @@ void add_info(CLI::App& app) {
   CLI::App* c = app.add_subcommand(
       "info",
       "Shows what a file holds: weights (safetensors, PyTorch, NumPy, pickles, run folders), a motion (.bvh, .amc, "
-      ".glb, .npz, .npy) or a timeline. With --features, explains the values of features");
+      ".glb, .npz, .npy), a timeline or captions (.tsv). With --features, explains the values of features");
   c->add_option("file", *path, "File to show; - reads a timeline from standard input")
       ->check(readable, "PATH(existing)");
   const CLI::Option* of_features = c->add_option("--features", *name,

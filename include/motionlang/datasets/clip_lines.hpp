@@ -23,7 +23,19 @@ struct ClipLine {
   BodyParts parts{};               // that captions are about; nothing for labels
   std::vector<std::string> texts;  // captions, or labels
   std::filesystem::path file{};    // of the clip; "": there is none
+  std::string animation{};         // in a file of several: "Waving" of the clip "figure.glb#Waving"
+  bool repeat = false;             // the segment is one cycle, and may be played again and again
+  bool hold = false;               // its last pose may be held
+  bool seated = false;             // low hips rest on the floor (FloorFixOptions::seated)
+  std::vector<ClipLine> then{};    // one clip, all of which may follow again and again, or none
 };
+
+namespace detail {
+
+/// Throws io_error 403 with the place of the line.
+[[noreturn]] void raise_clip_line(const ClipLine& line, const std::string& what);
+
+}  // namespace detail
 
 /// A folder of clips, in which files are found by the names that tables and annotation files have for them: the path
 /// with the extension, or without it where that leaves no doubt. Of a data set in HumanML3D's form, clips are also
@@ -35,7 +47,8 @@ class ClipFolder {
   /// The file of a clip: .bvh, .amc, .npz, .npy, .glb or .vrma; "" if there is none. Throws io_error 403, which begins
   /// with the place of the name, if several files fit.
   std::filesystem::path file(const std::string& clip, const std::string& place);
-  /// Finds the file of a line. Its clip, and an id that is the clip, lose an extension that no doubt needs.
+  /// Finds the file of a line, and of what follows. The clip, and an id that is the clip, lose an extension that no
+  /// doubt needs. If no file has the name, an animation begins behind its last #.
   void find(ClipLine& line);
 
  private:
@@ -49,7 +62,9 @@ class ClipFolder {
 };
 
 /// clip, start, end, body parts, captions separated by |; or clip, captions: all of it. Columns are separated by tabs,
-/// lines that begin with # are comments; data: the folder of clips. Throws io_error 401, 403 with file and line.
+/// lines that begin with # are comments; data: the folder of clips. A sixth column may say how a segment goes on where
+/// more time is wanted, separated by commas: "repeat", "hold", "then CLIP"; and "seated".
+/// Throws io_error 401, 403 with file and line.
 std::vector<ClipLine> read_captions(const std::filesystem::path& path, const std::filesystem::path& data);
 /// clip, start, end, label; or clip, label: all of it; clips as in captions. Throws io_error 401, 403 with file and
 /// line.
@@ -69,9 +84,10 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
 /// place: of this name. Throws what ClipFolder::file throws.
 std::string babel_clip(ClipFolder& clips, const std::string& feat_p, const std::string& place);
 
-/// The clip of a line on our skeleton, at its own frame rate, of .bvh, .amc, .npz (AMASS) or .npy files in the folder
-/// `data`. Features without rotations get such that fit their positions.
-/// Throws io_error 401 if there is no file, 404 for one of another kind, and what the readers throw.
+/// The clip of a line on our skeleton, at its own frame rate, of .bvh, .amc, .npz (AMASS), .npy, .glb or .vrma files in
+/// the folder `data`. Features without rotations get such that fit their positions.
+/// Throws io_error 401 if there is no file, 404 for one of another kind, config_error 103 for an animation that the
+/// file lacks, 102 if it has several and the line names none, and what the readers throw.
 Motion read_clip(const std::filesystem::path& data, const ClipLine& line);
 
 /// The frames of its clip that a line is about.

@@ -19,6 +19,7 @@
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/amc.hpp>
 #include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/glb_reader.hpp>
 #include <motionlang/formats/motion_file.hpp>
 #include <motionlang/formats/motion_folder.hpp>
 #include <motionlang/formats/motion_npy.hpp>
@@ -43,7 +44,7 @@ inline std::vector<std::string> split_fields(std::string_view line, std::string_
   return out;
 }
 
-[[noreturn]] inline void raise_clip_line(const ClipLine& line, const std::string& what) {
+[[noreturn]] MOTIONLANG_BODY void raise_clip_line(const ClipLine& line, const std::string& what) {
   raise<io_error>(403, line.place, ": ", what);
 }
 
@@ -86,6 +87,24 @@ inline void read_clip_times(ClipLine& line, const std::vector<std::string>& fiel
   line.start = seconds(fields[1]);
   line.end = seconds(fields[2]);
   if (!(line.end > line.start)) raise_clip_line(line, "the segment is empty");
+}
+
+/// Column 5 of a row with captions: how its segment goes on.
+inline void read_continuation(ClipLine& line, const std::string& field) {
+  for (const std::string& word : split_fields(field, ",")) {
+    if (word == "repeat")
+      line.repeat = true;
+    else if (word == "hold")
+      line.hold = true;
+    else if (word == "seated")
+      line.seated = true;
+    else if (word.starts_with("then ") && line.then.empty())
+      line.then.push_back({.place = line.place, .id = word.substr(5), .clip = word.substr(5), .end = to_the_end});
+    else
+      raise_clip_line(line, "'" + word + "' is not 'repeat', 'hold', 'seated' or one 'then CLIP'");
+  }
+  if (static_cast<int>(line.repeat) + static_cast<int>(line.hold) + static_cast<int>(!line.then.empty()) > 1)
+    raise_clip_line(line, "'repeat', 'hold' and 'then CLIP' exclude each other");
 }
 
 /// The labels in a table with two columns: of a stretch, of its motion or of its text, in this order.
@@ -161,7 +180,13 @@ MOTIONLANG_BODY std::filesystem::path ClipFolder::file(const std::string& clip, 
 }
 
 MOTIONLANG_BODY void ClipFolder::find(ClipLine& line) {
+  for (ClipLine& next : line.then) find(next);
   line.file = file(line.clip, line.place);
+  if (const auto mark = line.clip.rfind('#'); line.file.empty() && mark != line.clip.npos) {
+    const auto whole = file(line.clip.substr(0, mark), line.place);
+    if (is_gltf(whole)) line.file = whole, line.animation = line.clip.substr(mark + 1);
+    return;
+  }
   const std::filesystem::path name = line.clip;
   if (line.file.empty() || line.file.extension() != name.extension() || line.file.stem() != name.stem()) return;
   const auto stem = std::filesystem::path(name).replace_extension();
@@ -173,10 +198,11 @@ MOTIONLANG_BODY void ClipFolder::find(ClipLine& line) {
 MOTIONLANG_BODY std::vector<ClipLine> read_captions(const std::filesystem::path& path,
                                                     const std::filesystem::path& data) {
   return detail::with_clip_files(
-      detail::read_table(path, "clip, start, end, parts, captions, or clip, captions",
+      detail::read_table(path, "clip, start, end, parts, captions[, how it goes on], or clip, captions",
                          [](ClipLine& line, const std::vector<std::string>& fields) {
-                           if (fields.size() != 2 && fields.size() != 5) return false;
-                           line.texts = detail::split_fields(fields.back(), "|");
+                           if (fields.size() != 2 && fields.size() != 5 && fields.size() != 6) return false;
+                           line.texts = detail::split_fields(fields[fields.size() == 2 ? 1 : 4], "|");
+                           if (fields.size() == 6) detail::read_continuation(line, fields[5]);
                            if (fields.size() == 2) {
                              line.end = detail::to_the_end;
                              line.parts = BodyParts::all();
@@ -270,9 +296,11 @@ MOTIONLANG_BODY Motion read_clip(const std::filesystem::path& data, const ClipLi
   if (kind == ".bvh") return retarget(read_bvh_motion(file));
   if (kind == ".npz") return on_smpl(read_amass(file).motion);
   if (kind == ".npy") return on_smpl(read_motion_npy(file));
+  if (is_gltf(file))
+    return on_smpl(line.animation.empty() ? read_motion(file) : GlbFile::open(file).motion(line.animation));
   if (kind != ".amc")
     raise<io_error>(404, line.place, ": ", file.string(),
-                    ": clips are .bvh, .npz, .amc and .npy files; convert makes them");
+                    ": clips are .bvh, .npz, .amc, .npy, .glb and .vrma files; convert makes them");
   std::filesystem::path asf = asf_beside(file).string();
   if (!std::filesystem::exists(asf))
     asf = data / "cmu-asf-amc" / "01.asf";  // angles of another figure of the same hierarchy

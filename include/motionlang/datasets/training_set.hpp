@@ -15,14 +15,21 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One line of captions.tsv, with its motion on the 24-joint skeleton at 20 frames per second.
+/// One line of captions.tsv, with its motion on the 24-joint skeleton at 20 frames per second, on the floor
+/// (ground_recording). What repeats on the spot while its feet slide goes ahead instead (off_treadmill).
 struct CaptionedSegment {
   std::string clip;
   Motion motion;
   BodyParts parts;  // that the captions are about
   std::vector<std::string> captions;
-  std::optional<Loop> loop;  // of a motion that is one cycle again and again: any part of it, for as long as wanted
-  bool grounded = true;      // never in the air, so that it may be played slower or faster
+  std::optional<Loop> loop;    // of a motion that is one cycle again and again: any part of it, for as long as wanted
+  bool grounded = true;        // never in the air, so that it may be played slower or faster
+  std::optional<Loop> rest{};  // at the end of the motion: what follows an action for as long as wanted
+  Index action = 0;            // frames before that; all where nothing follows
+  double weight = 1;           // the likelier to be drawn; up to 4, if few segments show what its captions command
+
+  /// The length of the segment, without what follows.
+  double seconds() const { return static_cast<double>(action) / motion.fps; }
 };
 
 /// One sample to train on: features (frames, 205), not normalised, and a caption.
@@ -38,6 +45,7 @@ struct SampleOptions {
   Index shortest = 16, longest = 196;  // frames
   double no_text = 0.1;                // probability of the caption ""
   double compose = 0.35;               // probability that the arms come from another segment
+  double still = 0.3;                  // share of these whose legs stand, sit or kneel still
   double mirror = 0.5;
   double speed = 0.2;    // factors 1 - speed ... 1 + speed
   double stretch = 0.5;  // the slowest factor at which one whole action fills a longer sample
@@ -60,20 +68,32 @@ class TrainingSet {
 
   /// A sample that depends on the generator only:
   ///   - a segment, mirrored, faster or slower, going round its cycle where it has one, or a part of it;
+  ///   - an action in its own time and then what follows it, where the table says that;
   ///   - slower or faster, or backwards in time, where the caption can say so;
-  ///   - or, as in SINC, a segment about the legs with the arms of one about the arms, under either caption or both;
+  ///   - or, as in SINC, a segment about the legs with the arms of one about the arms, under either caption or both.
+  ///     The legs may be those of anybody who stands or sits still, under a caption that says nothing about arms;
   ///   - with the caption "" instead, now and then.
   TrainingSample draw(Philox rng, const SampleOptions& options) const;
 
  private:
   Motion variant(const CaptionedSegment& s, Index frames, bool mirrored, double tempo, Philox& rng,
                  const SampleOptions& options) const;
-  const CaptionedSegment& pick(const std::vector<std::size_t>& list, Philox& rng) const {
-    return segments_[list[rng.below(static_cast<std::uint32_t>(list.size()))]];
-  }
+  /// Segments of which one is drawn, the likelier the larger its weight.
+  struct Choice {
+    std::vector<std::size_t> segments{};
+    std::vector<double> until{};  // sums of weights
+
+    void add(std::size_t segment, double weight) {
+      segments.push_back(segment);
+      until.push_back((until.empty() ? 0 : until.back()) + weight);
+    }
+    bool empty() const { return segments.empty(); }
+  };
+  const CaptionedSegment& pick(const Choice& choice, Philox& rng) const;
+  void weigh();
 
   std::vector<CaptionedSegment> segments_;
-  std::vector<std::size_t> all_, bases_, overlays_;  // bases: nothing about the arms; overlays: only arms, head, spine
+  Choice all_{}, bases_{}, still_{}, overlays_{};  // bases: nothing about the arms; overlays: only arms, head, spine
 };
 
 /// The caption of steady walking that is played backwards in time: "forward" and "ahead" are "backwards".

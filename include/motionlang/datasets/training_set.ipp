@@ -3,14 +3,22 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>  // sqrt
 #include <map>
+#include <set>
+#include <tuple>    // tie
+#include <utility>  // pair
 
+#include <motionlang/datasets/caption_card.hpp>
 #include <motionlang/datasets/clip_lines.hpp>
 #include <motionlang/datasets/training_set.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/file/detail/content_hash.hpp>
+#include <motionlang/kinematics/blend.hpp>
+#include <motionlang/kinematics/floor_fix.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/overlay.hpp>
+#include <motionlang/kinematics/treadmill.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -94,6 +102,69 @@ inline std::optional<Loop> cycle_of(const Motion& motion) {
   return farthest < std::min(0.12, std::max(0.05, 0.7 * range)) ? loop : std::nullopt;
 }
 
+/// The motion with copies of its last frame at the end.
+inline Motion with_last_pose(Motion motion, Index copies) {
+  const auto pose = motion.rotations(motion.frames() - 1);
+  const std::vector<Quaternion<double>> last(pose.begin(), pose.end());
+  for (Index k = 0; k < copies; ++k) {
+    motion.root.push_back(motion.root.back());
+    motion.local.insert(motion.local.end(), last.begin(), last.end());
+  }
+  return motion;
+}
+
+/// The action with rounds of a cycle after it, and the last of these rounds.
+inline std::pair<Motion, Loop> with_rounds(const Motion& action, const Motion& cycle) {
+  constexpr Index blend = 6;  // frames
+  const Index round = cycle.frames() - 1;
+  const Motion rounds = go_round(cycle, {0, round}, 2 * round + 2);
+  Motion both = blend_into(action, rounds, std::min({blend, action.frames(), round}));
+  const Index first = both.frames() - 2 - round;
+  return {std::move(both), Loop{first, first + round}};
+}
+
+/// Throws io_error 403 if the cycle of a line does not end as it begins.
+inline void require_cycle(const ClipLine& line, const Motion& motion) {
+  constexpr double most = 0.08;  // metres
+  const auto poses = poses_in_place(motion);
+  const Index joints = motion.skeleton.size();
+  const double apart = pose_distance(poses.data(), poses.data() + (motion.frames() - 1) * joints, joints);
+  if (motion.frames() < 4 || apart > most)
+    raise_clip_line(line, concat_text("'", line.clip, "' is to repeat, but its ", counted(motion.frames(), "frame"),
+                                      " end ", std::round(apart * 1000) / 1000, " m from where they begin"));
+}
+
+/// The verb with which most commands among the captions begin; "" if there are no commands.
+inline std::string commonest_command(const std::vector<std::string>& captions) {
+  std::map<std::string, int> commands;
+  for (const std::string& c : captions) ++commands[commanded_verb(c)];
+  commands.erase("");
+  const auto fewer = [](const auto& x, const auto& y) { return x.second < y.second; };
+  return commands.empty() ? "" : std::max_element(commands.begin(), commands.end(), fewer)->first;
+}
+
+/// True if hips, knees, ankles and toes stay within 8 cm of where they are at first, and on the floor.
+inline bool legs_are_still(const Motion& motion) {
+  const auto positions = motion.positions();
+  const Index joints = motion.skeleton.size();
+  for (Index f = 0; f < motion.frames(); ++f) {
+    for (const Index j : {0, 4, 5, 7, 8, 10, 11}) {
+      if (norm(positions[static_cast<std::size_t>(f * joints + j)] - positions[static_cast<std::size_t>(j)]) > 0.08)
+        return false;
+    }
+  }
+  return stays_on_the_ground(motion);
+}
+
+/// Captions that do not say what arms and hands do.
+inline std::vector<std::string> without_arms(const std::vector<std::string>& captions) {
+  std::vector<std::string> out;
+  for (const std::string& c : captions) {
+    if (!has_word(c, {"arm", "hand", "elbow", "wrist", "fist", "finger", "hold", "wave", "waving"})) out.push_back(c);
+  }
+  return out;
+}
+
 inline BodyParts arm_parts() { return BodyParts{}.with(BodyPart::left_arm).with(BodyPart::right_arm); }
 
 }  // namespace detail
@@ -126,30 +197,67 @@ MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, 
                                          Progress progress) {
   const auto lines = read_captions(captions, data);
   std::map<std::string, Motion> clips;
+  const auto clip_of = [&](const ClipLine& line) -> const Motion& {
+    auto found = clips.find(line.clip);
+    if (found == clips.end()) found = clips.emplace(line.clip, resample(read_clip(data, line), training_fps)).first;
+    return found->second;
+  };
   for (std::size_t i = 0; i < lines.size(); ++i) {
     progress(static_cast<Index>(i), std::ssize(lines));
     const ClipLine& line = lines[i];
-    auto found = clips.find(line.clip);
-    if (found == clips.end()) {
-      found = clips.emplace(line.clip, resample(read_clip(data, line), training_fps)).first;
+    CaptionedSegment s{line.clip, segment_of(clip_of(line), line, line.repeat ? 1 : 8), line.parts, line.texts, {}};
+    s.action = s.motion.frames();
+    if (line.repeat) {
+      detail::require_cycle(line, s.motion);
+      s.loop = Loop{0, s.motion.frames() - 1};
+    } else if (line.hold) {
+      s.motion = detail::with_last_pose(s.motion, 10);
+      s.rest = Loop{s.action, s.motion.frames() - 1};
+    } else if (!line.then.empty()) {
+      const ClipLine& next = line.then.front();
+      detail::require_cycle(next, clip_of(next));
+      std::tie(s.motion, s.rest) = detail::with_rounds(s.motion, clip_of(next));
     }
-    const Motion& clip = found->second;
-    CaptionedSegment s{line.clip, segment_of(clip, line, 8), line.parts, line.texts, {}};
-    s.loop = detail::cycle_of(s.motion);
+    s.motion = ground_recording(s.motion, line.seated);
+    if (line.repeat) s.motion = off_treadmill(s.motion);
+    if (!s.loop && !s.rest) s.loop = detail::cycle_of(s.motion);
     s.grounded = detail::stays_on_the_ground(s.motion);
     segments_.push_back(std::move(s));
   }
+  weigh();
   for (std::size_t i = 0; i < segments_.size(); ++i) {
-    const BodyParts p = segments_[i].parts;
-    all_.push_back(i);
-    if ((p.bits & detail::arm_parts().bits) == 0 && p.has(BodyPart::legs)) bases_.push_back(i);
-    if ((p.bits & detail::arm_parts().bits) != 0 && !p.has(BodyPart::legs)) overlays_.push_back(i);
+    const CaptionedSegment& s = segments_[i];
+    const bool arms = (s.parts.bits & detail::arm_parts().bits) != 0, legs = s.parts.has(BodyPart::legs);
+    all_.add(i, s.weight);
+    if (!arms && legs) bases_.add(i, s.weight);
+    if (arms && !legs) overlays_.add(i, s.weight);
+    if (arms && legs && detail::legs_are_still(s.motion)) still_.add(i, s.weight);
   }
+}
+
+MOTIONLANG_BODY void TrainingSet::weigh() {
+  std::map<std::string, double> segments_with;  // a command that begins with this verb
+  for (const CaptionedSegment& s : segments_) {
+    std::set<std::string> verbs;
+    for (const std::string& c : s.captions) verbs.insert(commanded_verb(c));
+    for (const std::string& verb : verbs) ++segments_with[verb];
+  }
+  constexpr double common = 100, most = 4;
+  for (CaptionedSegment& s : segments_) {
+    const std::string verb = detail::commonest_command(s.captions);
+    s.weight = verb.empty() ? 1 : std::clamp(std::sqrt(common / segments_with[verb]), 1.0, most);
+  }
+}
+
+MOTIONLANG_BODY const CaptionedSegment& TrainingSet::pick(const Choice& choice, Philox& rng) const {
+  const double at = rng.uniform() * choice.until.back();
+  const auto found = std::upper_bound(choice.until.begin(), choice.until.end() - 1, at);
+  return segments_[choice.segments[static_cast<std::size_t>(found - choice.until.begin())]];
 }
 
 MOTIONLANG_BODY double TrainingSet::seconds() const {
   double total = 0;
-  for (const CaptionedSegment& s : segments_) total += s.motion.seconds();
+  for (const CaptionedSegment& s : segments_) total += s.seconds();
   return total;
 }
 
@@ -180,13 +288,15 @@ MOTIONLANG_BODY std::vector<std::string> TrainingSet::all_captions() const {
 MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index frames, bool mirrored, double tempo,
                                             Philox& rng, const SampleOptions& options) const {
   double factor = tempo * (1 + options.speed * (2 * rng.uniform() - 1));
-  if (!s.loop && s.grounded && tempo == 1) {  // an action takes longer where there is time for it
+  if (!s.loop && !s.rest && s.grounded && tempo == 1) {  // an action takes longer where there is time for it
     factor *= std::clamp(static_cast<double>(s.motion.frames()) / static_cast<double>(frames), options.stretch, 1.0);
   }
   const auto wanted = static_cast<Index>(static_cast<double>(frames) * factor) + 1;  // before the change of speed
   Motion m = s.motion;
   if (s.loop && m.frames() < wanted) m = go_round(m, *s.loop, wanted);
-  if (m.frames() > wanted && s.loop) {  // any part of a cyclic motion is that motion
+  if (s.rest) {  // the whole action in its own time, and what follows
+    m = m.frames() < wanted ? go_round(m, *s.rest, wanted) : crop(m, 0, std::max(wanted, s.action));
+  } else if (m.frames() > wanted && s.loop) {  // any part of a cyclic motion is that motion
     const auto first = static_cast<Index>(rng.below(static_cast<std::uint32_t>(m.frames() - wanted + 1)));
     m = crop(m, first, first + wanted);
   } else {  // otherwise the whole action, with up to a tenth cut off at the ends
@@ -205,14 +315,18 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
   // short lengths more often than long ones: most texts of a timeline last a few seconds
   const Index frames = options.shortest + static_cast<Index>(static_cast<double>(range) * std::pow(rng.uniform(), 3));
   const bool mirrored = rng.uniform() < options.mirror;
-  auto caption_of = [&](const CaptionedSegment& s) {
-    const auto& c = s.captions[rng.below(static_cast<std::uint32_t>(s.captions.size()))];
+  auto one_of = [&](const std::vector<std::string>& captions) -> std::string {
+    if (captions.empty()) return "";
+    const auto& c = captions[rng.below(static_cast<std::uint32_t>(captions.size()))];
     return mirrored ? mirrored_caption(c) : c;
   };
   TrainingSample sample;
   Motion motion;
+  const auto bases = [&]() -> const Choice& {
+    return !still_.empty() && rng.uniform() < options.still ? still_ : bases_;
+  };
   if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
-    const CaptionedSegment &base = pick(bases_, rng), &overlay = pick(overlays_, rng);
+    const CaptionedSegment &base = pick(bases(), rng), &overlay = pick(overlays_, rng);
     const auto with = variant(overlay, frames, mirrored, 1, rng, options);
     BodyParts parts = overlay.parts;
     if (mirrored) {
@@ -223,14 +337,14 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
     }
     motion = overlay_parts(variant(base, with.frames(), mirrored, 1, rng, options), with, parts);
     const double which = rng.uniform();
-    const std::string about_arms = caption_of(overlay), about_legs = caption_of(base);
-    sample.caption = which < 0.45   ? about_arms
-                     : which < 0.7  ? about_legs
-                     : which < 0.85 ? about_legs + " while " + about_arms
-                                    : about_arms + " and " + about_legs;
+    const std::string about_arms = one_of(overlay.captions), about_legs = one_of(detail::without_arms(base.captions));
+    sample.caption = which < 0.45 || about_legs.empty() ? about_arms
+                     : which < 0.7                      ? about_legs
+                     : which < 0.85                     ? about_legs + " while " + about_arms
+                                                        : about_arms + " and " + about_legs;
   } else {
     const CaptionedSegment& s = pick(all_, rng);
-    sample.caption = caption_of(s);
+    sample.caption = one_of(s.captions);
     double tempo = 1;
     if (s.grounded && rng.uniform() < options.tempo &&
         !detail::has_word(sample.caption, {"slow", "quick", "fast", "calm", "stand"})) {

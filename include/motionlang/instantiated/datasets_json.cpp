@@ -6,6 +6,7 @@
 #include <motionlang/datasets/babel.ipp>
 #include <motionlang/datasets/babel_motions.ipp>
 #include <motionlang/datasets/body_part_table.ipp>
+#include <motionlang/datasets/caption_card.ipp>
 #include <motionlang/datasets/clip_lines.ipp>
 #include <motionlang/datasets/described_motions.ipp>
 #include <motionlang/datasets/kit_recordings.ipp>

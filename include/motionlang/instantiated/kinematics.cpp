@@ -30,4 +30,5 @@
 #include <motionlang/kinematics/skeleton_tables.ipp>
 #include <motionlang/kinematics/smooth_motion.ipp>
 #include <motionlang/kinematics/standing_skeleton.ipp>
+#include <motionlang/kinematics/treadmill.ipp>
 #include <motionlang/kinematics/up_axis.ipp>

@@ -22,6 +22,7 @@ struct FloorFixOptions {
   double gravity = 9.81;                           // m/s^2
   double sigma = 0.05;                             // s; smoothness of the correction
   double foot_sinks = 0.02;                        // m; a foot that is less deep in the floor stays
+  double seated = 0;  // m; where the root is lower, the trunk rests on the floor and feet carry nothing; 0: nowhere
 };
 
 namespace detail {
@@ -35,7 +36,8 @@ inline double foot_over_floor(std::span<const Vec3<double>> pose, const Leg& leg
 }  // namespace detail
 
 /// (frames): how far the lowest part of the body is above the floor, by the heights at which it stands or rests.
-/// Negative: it is sunk in. Throws config_error 103 if the skeleton has no such legs.
+/// Negative: it is sunk in. Within 0.2 m above options.seated, feet count the less the lower the root is. Below they do
+/// not count. Throws config_error 103 if the skeleton has no such legs.
 std::vector<double> heights_over_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                                        const FloorFixOptions& options = {});
 
@@ -57,6 +59,12 @@ inline Motion fix_floor(const Motion& motion, std::span<const Leg> legs = smpl_l
                         const FloorFixOptions& options = {}) {
   return lift_sunken_feet(stand_on_floor(motion, legs, options), legs, options);
 }
+
+/// A recorded clip on the floor: moved up or down by what its lowest tenth is off, then fix_floor.
+/// seated  somebody sits, lies or does exercises on the floor: hips below 0.6 m come down to it, nothing flies
+/// Throws what fix_floor throws.
+Motion ground_recording(const Motion& motion, bool seated = false, std::span<const Leg> legs = smpl_legs,
+                        FloorFixOptions options = {});
 
 MOTIONLANG_NAMESPACE_END
 

@@ -2,7 +2,7 @@
 // Bodies of floor_fix.hpp.
 #pragma once
 
-#include <algorithm>  // clamp, max, min
+#include <algorithm>  // clamp, max, min, nth_element
 
 #include <motionlang/kinematics/floor_fix.hpp>
 #include <motionlang/kinematics/gaussian_smooth.hpp>
@@ -79,12 +79,15 @@ MOTIONLANG_BODY std::vector<double> heights_over_floor(const Motion& motion, std
   std::vector<double> heights;
   for (Index f = 0; f < motion.frames(); ++f) {
     const auto pose = detail::pose_of(positions, joints, f);
-    double lowest = pose.front().y - options.floor - options.body_rests;
+    double trunk = pose.front().y - options.floor - options.body_rests;
     for (std::size_t j = 0; j < pose.size(); ++j) {
-      if (!of_foot[j]) lowest = std::min(lowest, pose[j].y - options.floor - options.body_rests);
+      if (!of_foot[j]) trunk = std::min(trunk, pose[j].y - options.floor - options.body_rests);
     }
+    double lowest = trunk;
     for (const Leg& leg : legs) lowest = std::min(lowest, detail::foot_over_floor(pose, leg, options));
-    heights.push_back(lowest);
+    const double standing =
+        options.seated > 0 ? std::clamp((pose.front().y - options.floor - options.seated) / 0.2, 0.0, 1.0) : 1;
+    heights.push_back(trunk + standing * (lowest - trunk));
   }
   return heights;
 }
@@ -131,6 +134,18 @@ MOTIONLANG_BODY Motion lift_sunken_feet(const Motion& motion, std::span<const Le
     detail::move_foot(out, leg, lift);
   }
   return out;
+}
+
+MOTIONLANG_BODY Motion ground_recording(const Motion& motion, bool seated, std::span<const Leg> legs,
+                                        FloorFixOptions options) {
+  if (seated) options.seated = 0.6, options.longest_flight = 0.1;
+  auto heights = heights_over_floor(motion, legs, options);
+  if (heights.empty()) return motion;
+  const auto tenth = heights.begin() + std::ssize(heights) / 10;
+  std::nth_element(heights.begin(), tenth, heights.end());
+  Motion out = motion;
+  for (Vec3<double>& root : out.root) root.y -= *tenth;
+  return fix_floor(out, legs, options);
 }
 
 MOTIONLANG_NAMESPACE_END

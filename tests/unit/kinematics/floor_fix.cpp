@@ -83,9 +83,42 @@ TEST_CASE("who is sunk in is raised, and single feet are lifted") {
   CHECK(lowest(ml::lift_sunken_feet(moved_up(walk, -0.05))) > lowest(moved_up(walk, -0.05)) + 0.02);
 }
 
+TEST_CASE("recordings come to the floor as a whole, and stay in shape") {
+  const auto walk = synthetic::walk({.frames = 80});
+  for (const double off : {0.035, -0.03, 0.4}) {
+    const auto grounded = ml::ground_recording(moved_up(walk, off));
+    CHECK(synthetic::largest_distance(grounded, ml::ground_recording(walk)) < 1e-9);
+    auto heights = ml::heights_over_floor(grounded);
+    std::sort(heights.begin(), heights.end());
+    CHECK(std::abs(heights[8]) < 1e-9);
+  }
+}
+
+TEST_CASE("who sits on the floor sits on it, though longer legs keep the hips up") {
+  auto sit = synthetic::walk({.frames = 60});  // on the edge of a box of 30 cm
+  for (ml::Index f = 0; f < sit.frames(); ++f) {
+    const auto pose = sit.rotations(f);
+    for (auto& q : pose) q = ml::Quaternion<double>::identity();
+    pose[1] = pose[2] = synthetic::about_x(-1.57);
+    pose[4] = pose[5] = synthetic::about_x(1.57);
+    sit.root[static_cast<std::size_t>(f)] = {0, 0.45, 0};
+  }
+  CHECK(std::abs(highest(ml::ground_recording(sit))) < 0.05);
+  CHECK(ml::ground_recording(sit).root_at(30).y > 0.35);  // the feet carry it
+  const auto seated = ml::ground_recording(sit, true);
+  CHECK(seated.root_at(30).y < 0.15);
+  CHECK(lowest(seated) > -0.05);
+  const auto joints = seated.positions();
+  CHECK(joints[30 * 24 + 4].y > 0.3);  // knees are up
+  // who stands is not pulled down
+  const auto walk = synthetic::walk({.frames = 80});
+  CHECK(synthetic::largest_distance(ml::ground_recording(walk, true), ml::ground_recording(walk)) < 0.02);
+}
+
 TEST_CASE("a body without frames, skeletons without legs, options that are not times") {
   const auto walk = synthetic::walk({.frames = 10});
   CHECK(ml::fix_floor(ml::crop(walk, 0, 0)).frames() == 0);
+  CHECK(ml::ground_recording(ml::crop(walk, 0, 0)).frames() == 0);
   const std::array<ml::Leg, 1> none{{{{1, 4, 7}, 99}}};
   CHECK_ERROR(ml::stand_on_floor(walk, none), "[motionlang.config.103] heights_over_floor: toe 99");
   CHECK_ERROR(ml::lift_sunken_feet(walk, none), "[motionlang.config.103] lift_sunken_feet: toe 99");
