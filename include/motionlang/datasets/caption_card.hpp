@@ -32,6 +32,13 @@ struct CaptionCard {
 /// "walk" of "walk along"; "" of what commands nothing: "a person walks", "walking", "someone walks".
 std::string commanded_verb(std::string_view caption);
 
+namespace detail {
+
+/// Words in lower case, without commas.
+std::vector<std::string> lower_words(std::string_view text);
+
+}  // namespace detail
+
 /// Lines about whole clips count as segments of no length, since clips are not read.
 CaptionCard caption_card(const std::vector<ClipLine>& lines);
 

@@ -32,7 +32,7 @@ inline double seconds_of_union(std::vector<std::pair<double, double>> stretches)
   return sum;
 }
 
-inline std::vector<std::string> lower_words(std::string_view text) {
+MOTIONLANG_BODY std::vector<std::string> lower_words(std::string_view text) {
   std::vector<std::string> words(1);
   for (const char c : text) {
     if (c == ' ' || c == ',')

@@ -8,6 +8,7 @@
 #include <iterator>   // back_inserter
 #include <map>        // clips
 #include <mutex>      // progress of several threads
+#include <optional>   // motions that go on
 #include <set>        // texts
 #include <tuple>      // segments
 
@@ -18,6 +19,7 @@
 #include <motionlang/datasets/data_set_form.hpp>
 #include <motionlang/datasets/described_motions.hpp>
 #include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/datasets/segment_motion.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/file/npy.hpp>
 #include <motionlang/formats/motion_file.hpp>
@@ -93,6 +95,16 @@ inline std::string segment_id(const ClipLine& line) {
   return std::isinf(line.end) ? line.id : concat_text(line.id, "@", line.start, "-", line.end);
 }
 
+/// The motion of a line whose table says how it goes on, half a second longer than the least that is wanted; none of
+/// other lines.
+inline std::optional<Motion> longer_motion(const DataSources& sources, const DataConfig& config, const RowMaker& maker,
+                                           const ClipLine& line) {
+  if (!line.repeat && !line.hold && line.then.empty()) return std::nullopt;
+  const auto clip_of = [&](const ClipLine& of) { return resample(read_clip(sources.data, of), maker.fps); };
+  const auto frames = static_cast<Index>((config.min_seconds + 0.5) * maker.fps);
+  return lasting(segment_motion(line, clip_of, fewest_rows + 1), frames);
+}
+
 /// Clips of lines, each read once, on several threads.
 inline void add_clip_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSources& sources,
                            const DataConfig& config, const RowMaker& maker, Progress progress) {
@@ -121,7 +133,8 @@ inline void add_clip_lines(DescribedMotions& out, std::vector<ClipLine> lines, c
         ClipLine& line = lines[i];
         const std::string id = segment_id(line);
         if (std::isinf(line.end)) line.end = clip.seconds();
-        const double seconds = line.end - line.start;
+        const auto longer = longer_motion(sources, config, maker, line);
+        const double seconds = longer ? longer->seconds() : line.end - line.start;
         if (part < 2 && (seconds < config.min_seconds || seconds > config.max_seconds)) {
           why[i] = why_other_length(config);
           continue;
@@ -130,7 +143,7 @@ inline void add_clip_lines(DescribedMotions& out, std::vector<ClipLine> lines, c
           why[i] = why_few_frames;
           continue;
         }
-        const auto motion = segment_of(clip, line, fewest_rows + 1);
+        const auto motion = longer ? *longer : segment_of(clip, line, fewest_rows + 1);
         auto add = [&](const Motion& m, bool mirrored) {
           DescribedMotion d{(mirrored ? "M" : "") + id, line.clip, made_rows(maker, m), {}};
           const Index frames = std::ssize(d.rows) / maker.width;

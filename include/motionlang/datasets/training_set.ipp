@@ -6,19 +6,16 @@
 #include <cmath>  // sqrt
 #include <map>
 #include <set>
-#include <tuple>    // tie
-#include <utility>  // pair
+#include <utility>  // move
 
 #include <motionlang/datasets/caption_card.hpp>
 #include <motionlang/datasets/clip_lines.hpp>
+#include <motionlang/datasets/segment_motion.hpp>
 #include <motionlang/datasets/training_set.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/file/detail/content_hash.hpp>
-#include <motionlang/kinematics/blend.hpp>
-#include <motionlang/kinematics/floor_fix.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/overlay.hpp>
-#include <motionlang/kinematics/treadmill.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -75,13 +72,6 @@ inline Motion reversed_motion(const Motion& motion) {
   return out;
 }
 
-/// Mean distance of the joints of two frames, with places and headings removed.
-inline double pose_distance(const Vec3<double>* a, const Vec3<double>* b, Index joints) {
-  double sum = 0;
-  for (Index j = 0; j < joints; ++j) sum += norm(a[j] - b[j]);
-  return sum / static_cast<double>(joints);
-}
-
 /// The cycle of a clip that is nothing else: a quarter of a second round is there, and every pose of the clip is close
 /// to one of the cycle. Somebody who sits still and then rises, or bends and comes up again, also looks alike at two
 /// times, but any part of that is not the same action.
@@ -102,45 +92,25 @@ inline std::optional<Loop> cycle_of(const Motion& motion) {
   return farthest < std::min(0.12, std::max(0.05, 0.7 * range)) ? loop : std::nullopt;
 }
 
-/// The motion with copies of its last frame at the end.
-inline Motion with_last_pose(Motion motion, Index copies) {
-  const auto pose = motion.rotations(motion.frames() - 1);
-  const std::vector<Quaternion<double>> last(pose.begin(), pose.end());
-  for (Index k = 0; k < copies; ++k) {
-    motion.root.push_back(motion.root.back());
-    motion.local.insert(motion.local.end(), last.begin(), last.end());
-  }
-  return motion;
+/// The verb of a command, and the word after it where the verb says little: "do push-ups", "walk".
+inline std::string commanded_action(const std::string& caption) {
+  static const std::set<std::string> slight{"be",   "do",   "get",  "give", "go",      "have", "hold",
+                                            "keep", "make", "move", "put",  "perform", "stay", "take"};
+  const std::string verb = commanded_verb(caption);
+  if (!slight.contains(verb)) return verb;
+  const auto words = lower_words(caption);
+  const bool article = words.size() > 2 && (words[1] == "a" || words[1] == "an" || words[1] == "the");
+  const std::size_t next = article ? 2 : 1;
+  return next < words.size() ? verb + " " + words[next] : verb;
 }
 
-/// The action with rounds of a cycle after it, and the last of these rounds.
-inline std::pair<Motion, Loop> with_rounds(const Motion& action, const Motion& cycle) {
-  constexpr Index blend = 6;  // frames
-  const Index round = cycle.frames() - 1;
-  const Motion rounds = go_round(cycle, {0, round}, 2 * round + 2);
-  Motion both = blend_into(action, rounds, std::min({blend, action.frames(), round}));
-  const Index first = both.frames() - 2 - round;
-  return {std::move(both), Loop{first, first + round}};
-}
-
-/// Throws io_error 403 if the cycle of a line does not end as it begins.
-inline void require_cycle(const ClipLine& line, const Motion& motion) {
-  constexpr double most = 0.08;  // metres
-  const auto poses = poses_in_place(motion);
-  const Index joints = motion.skeleton.size();
-  const double apart = pose_distance(poses.data(), poses.data() + (motion.frames() - 1) * joints, joints);
-  if (motion.frames() < 4 || apart > most)
-    raise_clip_line(line, concat_text("'", line.clip, "' is to repeat, but its ", counted(motion.frames(), "frame"),
-                                      " end ", std::round(apart * 1000) / 1000, " m from where they begin"));
-}
-
-/// The verb with which most commands among the captions begin; "" if there are no commands.
-inline std::string commonest_command(const std::vector<std::string>& captions) {
-  std::map<std::string, int> commands;
-  for (const std::string& c : captions) ++commands[commanded_verb(c)];
-  commands.erase("");
+/// The action that most commands among the captions are about; "" if there are no commands.
+inline std::string commonest_action(const std::vector<std::string>& captions) {
+  std::map<std::string, int> actions;
+  for (const std::string& c : captions) ++actions[commanded_action(c)];
+  actions.erase("");
   const auto fewer = [](const auto& x, const auto& y) { return x.second < y.second; };
-  return commands.empty() ? "" : std::max_element(commands.begin(), commands.end(), fewer)->first;
+  return actions.empty() ? "" : std::max_element(actions.begin(), actions.end(), fewer)->first;
 }
 
 /// True if hips, knees, ankles and toes stay within 8 cm of where they are at first, and on the floor.
@@ -197,7 +167,7 @@ MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, 
                                          Progress progress) {
   const auto lines = read_captions(captions, data);
   std::map<std::string, Motion> clips;
-  const auto clip_of = [&](const ClipLine& line) -> const Motion& {
+  const auto clip_of = [&](const ClipLine& line) {
     auto found = clips.find(line.clip);
     if (found == clips.end()) found = clips.emplace(line.clip, resample(read_clip(data, line), training_fps)).first;
     return found->second;
@@ -205,21 +175,9 @@ MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, 
   for (std::size_t i = 0; i < lines.size(); ++i) {
     progress(static_cast<Index>(i), std::ssize(lines));
     const ClipLine& line = lines[i];
-    CaptionedSegment s{line.clip, segment_of(clip_of(line), line, line.repeat ? 1 : 8), line.parts, line.texts, {}};
-    s.action = s.motion.frames();
-    if (line.repeat) {
-      detail::require_cycle(line, s.motion);
-      s.loop = Loop{0, s.motion.frames() - 1};
-    } else if (line.hold) {
-      s.motion = detail::with_last_pose(s.motion, 10);
-      s.rest = Loop{s.action, s.motion.frames() - 1};
-    } else if (!line.then.empty()) {
-      const ClipLine& next = line.then.front();
-      detail::require_cycle(next, clip_of(next));
-      std::tie(s.motion, s.rest) = detail::with_rounds(s.motion, clip_of(next));
-    }
-    s.motion = ground_recording(s.motion, line.seated);
-    if (line.repeat) s.motion = off_treadmill(s.motion);
+    SegmentMotion found = segment_motion(line, clip_of, 8);
+    CaptionedSegment s{line.clip, std::move(found.motion), line.parts, line.texts, found.cycle};
+    s.rest = found.rest, s.action = found.action;
     if (!s.loop && !s.rest) s.loop = detail::cycle_of(s.motion);
     s.grounded = detail::stays_on_the_ground(s.motion);
     segments_.push_back(std::move(s));
@@ -230,22 +188,22 @@ MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, 
     const bool arms = (s.parts.bits & detail::arm_parts().bits) != 0, legs = s.parts.has(BodyPart::legs);
     all_.add(i, s.weight);
     if (!arms && legs) bases_.add(i, s.weight);
-    if (arms && !legs) overlays_.add(i, s.weight);
+    if ((arms || s.parts.has(BodyPart::head)) && !legs) overlays_.add(i, s.weight);
     if (arms && legs && detail::legs_are_still(s.motion)) still_.add(i, s.weight);
   }
 }
 
 MOTIONLANG_BODY void TrainingSet::weigh() {
-  std::map<std::string, double> segments_with;  // a command that begins with this verb
+  std::map<std::string, double> segments_about;
   for (const CaptionedSegment& s : segments_) {
-    std::set<std::string> verbs;
-    for (const std::string& c : s.captions) verbs.insert(commanded_verb(c));
-    for (const std::string& verb : verbs) ++segments_with[verb];
+    std::set<std::string> actions;
+    for (const std::string& c : s.captions) actions.insert(detail::commanded_action(c));
+    for (const std::string& action : actions) ++segments_about[action];
   }
   constexpr double common = 100, most = 4;
   for (CaptionedSegment& s : segments_) {
-    const std::string verb = detail::commonest_command(s.captions);
-    s.weight = verb.empty() ? 1 : std::clamp(std::sqrt(common / segments_with[verb]), 1.0, most);
+    const std::string action = detail::commonest_action(s.captions);
+    s.weight = action.empty() ? 1 : std::clamp(std::sqrt(common / segments_about[action]), 1.0, most);
   }
 }
 

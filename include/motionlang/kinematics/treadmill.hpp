@@ -10,13 +10,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct TreadmillOptions {
   double floor = 0;
-  double low = 0.04;      // m; a joint this near to the height at which it rests is carried by the floor
+  double low = 0.04;      // m; a joint that is this near to the height at which it rests touches the floor
   double slowest = 0.25;  // m/s; a floor that slides less does not slide
   double spot = 0.15;     // m; a root that ends farther from where it began walks already
 };
 
-/// Metres per second at which the floor slides under the body: the mean velocity of the joint that is nearest to it, over
-/// all frames in which one touches it. y is 0, and so are the others where nothing touches it.
+/// Metres per second at which the floor slides under the body: the mean velocity of the joint that is nearest to it,
+/// over all frames in which one touches it. y is 0, and so are the others where nothing touches it.
 /// Throws config_error 103 if the skeleton does not have the feet of SMPL.
 Vec3<double> floor_speed(const Motion& motion, const TreadmillOptions& options = {});
 
