@@ -40,6 +40,8 @@ struct TrainingSample {
 };
 
 inline constexpr double training_fps = 20;
+/// An action and what follows it are drawn with at most this many times the length of the action.
+inline constexpr Index longest_rest = 3;
 
 struct SampleOptions {
   Index shortest = 16, longest = 196;  // frames

@@ -253,7 +253,8 @@ MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index fra
   Motion m = s.motion;
   if (s.loop && m.frames() < wanted) m = go_round(m, *s.loop, wanted);
   if (s.rest) {  // the whole action in its own time, and what follows
-    m = m.frames() < wanted ? go_round(m, *s.rest, wanted) : crop(m, 0, std::max(wanted, s.action));
+    const Index until = std::clamp(wanted, s.action, longest_rest * s.action);
+    m = m.frames() < until ? go_round(m, *s.rest, until) : crop(m, 0, until);
   } else if (m.frames() > wanted && s.loop) {  // any part of a cyclic motion is that motion
     const auto first = static_cast<Index>(rng.below(static_cast<std::uint32_t>(m.frames() - wanted + 1)));
     m = crop(m, first, first + wanted);
