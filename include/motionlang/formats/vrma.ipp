@@ -75,7 +75,7 @@ inline std::vector<Vec3<double>> standing_positions(const StandingSkeleton& s) {
 }  // namespace detail
 
 MOTIONLANG_BODY Skeleton vrm_skeleton(const Skeleton& skeleton) {
-  const detail::StandingSkeleton from(skeleton, detect_skeleton_table(skeleton));
+  const auto from = detail::StandingSkeleton::of(skeleton, detect_skeleton_table(skeleton));
   const std::vector<Vec3<double>> places = detail::standing_positions(from);
   const auto place = [&](int joint) { return places[static_cast<std::size_t>(joint)]; };
   Skeleton out;

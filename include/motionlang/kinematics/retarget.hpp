@@ -30,7 +30,8 @@ struct RetargetReport {
 };
 std::string to_string(const RetargetReport& r);
 
-/// How one skeleton follows another; made once, used for every clip.
+/// How one skeleton follows another; made once, used for every clip. A mirror image, whose left side has the names of
+/// the right one, is mapped as it looks.
 class SkeletonMap {
  public:
   /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for

@@ -58,9 +58,10 @@ MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonT
     : source_(source), target_(target) {
   const std::string missing = source_table.missing(source);
   if (!missing.empty()) raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
-  report_.table = source_table.name;
-  report_.target_table = target_table.name;
-  const detail::StandingSkeleton from(source, source_table), to(target, target_table);
+  const auto from = detail::StandingSkeleton::of(source, source_table),
+             to = detail::StandingSkeleton::of(target, target_table);
+  report_.table = from.table.name;
+  report_.target_table = to.table.name;
   for (const detail::StandingSkeleton* s : {&from, &to}) {
     const std::string lies = s->lies();
     if (!lies.empty())

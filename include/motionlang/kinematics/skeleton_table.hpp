@@ -11,8 +11,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// "mixamorig1:" and, where colons were lost, "mixamorig".
 std::string_view bare_joint_name(std::string_view name);
 
+/// The beginning of the names of three quarters of the joints, up to a separator: "Character1_", "ValveBiped.Bip01_".
+/// "" if they have none in common.
+std::string common_name_prefix(const Skeleton& skeleton);
+
 /// The number of a joint by its name, or else by its bare name, or else by that without regard to capital letters
-/// ("Hips" is "hips": Unity and Godot write VRM's names so); -1.
+/// ("Hips" is "hips": Unity and Godot write VRM's names so) and to blanks ("L_Thigh" is "L Thigh"), or else by that
+/// without the common prefix; -1.
 int find_joint(const Skeleton& skeleton, std::string_view name);
 
 /// One joint of SMPL and the joint of the known skeleton whose orientation it takes.

@@ -2,6 +2,11 @@
 /// A skeleton as it stands in its T-pose, by the axes that its table states.
 #pragma once
 
+#include <optional>     // mirrored tables
+#include <string>       // roles
+#include <string_view>  // roles
+#include <vector>       // rotations
+
 #include <motionlang/geometry/quaternion.hpp>
 #include <motionlang/kinematics/skeleton_table.hpp>
 
@@ -19,6 +24,10 @@ bool is_axes(std::string_view axes);
 /// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
 Quaternion<double> axes_rotation(const MappedJoint& joint);
 
+/// The table of a mirror image, in which each side has the names of the other. Nothing of a table that states turns or
+/// other axes than "+x+y", which a mirror changes.
+std::optional<SkeletonTable> mirrored_table(const SkeletonTable& table);
+
 /// A skeleton as its table sees it, standing in its T-pose, turned by quarters of a circle about y until its left is
 /// nearest to +X. Where its limbs do not point to the sides or down, `bone` says where they point.
 class StandingSkeleton {
@@ -28,6 +37,8 @@ class StandingSkeleton {
   std::vector<Quaternion<double>> rotation;  // of each joint in the world
 
   StandingSkeleton(Skeleton s, SkeletonTable t);
+  /// The skeleton by its table, or by the mirrored table if it stands only by that, shoulders as well as hips.
+  static StandingSkeleton of(const Skeleton& s, const SkeletonTable& t);
 
   /// The reason why it does not stand and face forward: the head is not over the pelvis, the hips are not side by side,
   /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.

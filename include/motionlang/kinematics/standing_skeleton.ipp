@@ -36,6 +36,33 @@ MOTIONLANG_BODY Quaternion<double> axes_rotation(const MappedJoint& joint) {
   return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
 }
 
+MOTIONLANG_BODY std::optional<SkeletonTable> mirrored_table(const SkeletonTable& table) {
+  SkeletonTable out = table;
+  out.name += ", mirrored";
+  for (MappedJoint& m : out.joints) {
+    if (m.axes != "+x+y" || m.turn != Vec3<double>{}) return std::nullopt;
+    const bool left = m.target.starts_with("left_"), right = m.target.starts_with("right_");
+    if (!left && !right) continue;
+    const MappedJoint* other = table.find((left ? "right_" : "left_") + m.target.substr(left ? 5 : 6));
+    if (other == nullptr) return std::nullopt;
+    m.source = other->source, m.second = other->second, m.share = other->share;
+  }
+  return out;
+}
+
+MOTIONLANG_BODY StandingSkeleton StandingSkeleton::of(const Skeleton& s, const SkeletonTable& t) {
+  StandingSkeleton own(s, t);
+  if (own.lies().empty()) return own;
+  if (auto mirrored = mirrored_table(t)) {
+    StandingSkeleton other(s, std::move(*mirrored));
+    const int left = other.joint("left_shoulder"), right = other.joint("right_shoulder");
+    const auto x_of = [&](int j) { return other.position_[static_cast<std::size_t>(j)].x; };
+    const bool sides = left >= 0 && right >= 0 && x_of(left) > x_of(right);
+    if (sides && other.lies().empty()) return other;
+  }
+  return own;
+}
+
 MOTIONLANG_BODY StandingSkeleton::StandingSkeleton(Skeleton s, SkeletonTable t)
     : skeleton(std::move(s)), table(std::move(t)) {
   const auto joints = static_cast<std::size_t>(skeleton.size());

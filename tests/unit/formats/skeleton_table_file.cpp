@@ -57,8 +57,8 @@ TEST_CASE("a table in a file puts motions on a character of other names") {
   ml::Skeleton names = rigs::skeleton_of(ml::skeleton_table("Mixamo"));
   std::string text;
   for (const auto& row : ml::skeleton_table("Mixamo").joints) {
-    names.names[static_cast<std::size_t>(names[row.source])] = "my " + row.source;
-    text += row.target + "\tmy " + row.source + "\n";
+    names.names[static_cast<std::size_t>(names[row.source])] = "my" + row.source;
+    text += row.target + "\tmy" + row.source + "\n";
   }
   const auto glb = rigs::glb_of(names);
   CHECK_THROWS_WITH_AS(ml::GlbRig(glb, "my.glb"), Contains("`joints`"), ml::config_error);

@@ -336,6 +336,68 @@ TEST_CASE("names are compared without regard to capital letters where no joint h
   CHECK(ml::find_joint(two, "hip") == -1);
 }
 
+TEST_CASE("what most names begin with, up to a separator, is left out where no joint has the name without it") {
+  const auto prefix = [](const std::vector<std::string>& names) {
+    std::vector<int> parents(names.size(), 0);
+    parents.front() = -1;
+    return ml::common_name_prefix(
+        ml::Skeleton::from_arrays(names, parents, std::vector<ml::Vec3<double>>(names.size())));
+  };
+  CHECK(prefix({"Sword", "A_Hips", "A_Spine", "A_Head"}) == "A_");
+  CHECK(prefix({"Sword", "Shield", "A_Hips", "A_Spine", "A_Head"}).empty());
+  CHECK(prefix({"Bip01", "Bip01 Pelvis", "Bip01 L Thigh", "Bip01 R Thigh"}) == "Bip01 ");
+  CHECK(prefix({"A_B_Hips", "A_B_Spine", "A_Head", "A_C"}) == "A_");
+  CHECK(prefix({"LeftArm", "LeftHand", "LeftLeg", "LeftFoot"}).empty());
+  CHECK(prefix({"A_", "A_x", "A_xy"}).empty());
+  CHECK(prefix({"same_x", "same_xa", "same_xb", "same_xc"}) == "same_");
+  const auto robot = ml::Skeleton::from_joints({{"Robot_Hips", "", {}},
+                                                {"Robot_Head", "Robot_Hips", {}},
+                                                {"Head", "Robot_Hips", {}},
+                                                {"Robot_Toe", "Head", {}},
+                                                {"Robot_L_Hand", "Head", {}},
+                                                {"Robot_R_Hand", "Head", {}}});
+  CHECK(ml::find_joint(robot, "hips") == 0);
+  CHECK(ml::find_joint(robot, "Head") == 2);
+  CHECK(ml::find_joint(robot, "L Hand") == 4);
+  CHECK(ml::find_joint(robot, "Hand") == -1);
+
+  for (const char* numbers : {"_0", ".00"}) {  // of Sketchfab and of Blender
+    ml::Skeleton mixamo = rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:");
+    const int spine = mixamo.find("mixamorig:Spine2");
+    for (std::size_t j = 0; j < mixamo.names.size(); ++j) mixamo.names[j] += numbers + std::to_string(j);
+    CHECK(ml::detect_skeleton_table(mixamo).name == "Mixamo");
+    CHECK(ml::find_joint(mixamo, "Spine2") == spine);
+    CHECK(ml::find_joint(mixamo, "Spine9") == -1);
+  }
+}
+
+TEST_CASE("a mirror image follows and leads by what its sides are, not by their names") {
+  const auto walk = synthetic::walk({.frames = 12, .turn = 0.5});
+  const auto& smpl = ml::smpl24_skeleton();
+  ml::Motion mirrored = walk;  // x -> -x; names stay
+  for (auto* places : {&mirrored.skeleton.offsets, &mirrored.root}) {
+    for (auto& p : *places) p.x = -p.x;
+  }
+  for (auto& q : mirrored.local) q = {q.w, q.x, -q.y, -q.z};
+  const ml::SkeletonMap map(mirrored.skeleton);
+  CHECK(map.report().table == "SMPL, mirrored");
+  const auto seen = ml::retarget(mirrored, map, {.floor = false});
+  const auto p = mirrored.positions(), q = seen.positions();
+  for (std::size_t f = 0; f < 12; ++f) {
+    for (int j = 0; j < 24; ++j) {
+      std::string name = smpl.name(j);
+      if (name.starts_with("left_"))
+        name = "right_" + name.substr(5);
+      else if (name.starts_with("right_"))
+        name = "left_" + name.substr(6);
+      CHECK(norm(q[f * 24 + static_cast<std::size_t>(j)] - p[f * 24 + static_cast<std::size_t>(smpl[name])]) < 1e-6);
+    }
+  }
+  const auto back = ml::retarget(seen, mirrored.skeleton, {.floor = false});
+  CHECK(synthetic::largest_distance(mirrored, back) < 1e-6);
+  CHECK(!ml::detail::mirrored_table(ml::skeleton_table("LaFAN1")));  // axes of its own
+}
+
 TEST_CASE("the path is scaled by the legs and the feet stand on the floor") {
   auto walk = synthetic::walk({.frames = 60});
   for (auto& offset : walk.skeleton.offsets) offset = 2.0 * offset;
@@ -490,7 +552,9 @@ TEST_CASE("to every rig and back: A-poses, figures that face elsewhere, other un
         Rig{"Mixamo", half / 2, 1, {}, "mixamorig"}, Rig{"Mixamo", 0, 1, {}, ""}, Rig{"Quaternius", 0, 1, a_pose, ""},
         Rig{"Unreal 4", -half / 2, 100, a_pose, ""}, Rig{"Unreal 5", 0, 1, a_pose, ""}, Rig{"VRM", half, 1, {}, ""},
         Rig{"VRM without upper chest", 0, 1, a_pose, "hero:"}, Rig{"VRoid", half, 1, a_pose, ""},
-        Rig{"KayKit", 0, 0.5, {}, ""}, Rig{"SMPL add-on", 0, 1, a_pose, ""}}) {
+        Rig{"KayKit", 0, 0.5, {}, ""}, Rig{"SMPL add-on", 0, 1, a_pose, ""}, Rig{"Mixamo", 0, 1, {}, "Character1_"},
+        Rig{"Biped", 0, 1, a_pose, "Bip01 "}, Rig{"Biped", 0, 100, {}, "ValveBiped.Bip01_"},
+        Rig{"Biped with two links in the spine", 0, 1, {}, "Bip001_"}}) {
     CAPTURE(rig.table);
     CAPTURE(rig.prefix);
     const ml::Skeleton skeleton =
