@@ -86,11 +86,18 @@ int made(T** result, const char* name, const F& f) noexcept {
 
 ml::MotionReadOptions read_options(const motionlang_read_options* given_options) {
   const motionlang_read_options o = given_options == nullptr ? motionlang_default_read_options() : *given_options;
-  if (o.up != 0 && o.up != 'y' && o.up != 'z')
-    ml::raise<ml::config_error>(103, "motionlang_read_options: up is ", o.up, ", not 0, 'y' or 'z'");
+  constexpr struct {
+    int letter;
+    ml::UpAxis axis;
+  } ups[] = {{0, ml::UpAxis::found},     {'y', ml::UpAxis::y},       {'z', ml::UpAxis::z},      {'x', ml::UpAxis::x},
+             {-'y', ml::UpAxis::y_down}, {-'z', ml::UpAxis::z_down}, {-'x', ml::UpAxis::x_down}};
+  const auto* const up = std::find_if(std::begin(ups), std::end(ups), [&](const auto& u) { return u.letter == o.up; });
+  if (up == std::end(ups))
+    ml::raise<ml::config_error>(103, "motionlang_read_options: up is ", o.up,
+                                ", not 0, 'x', 'y', 'z' or the negative of a letter");
   ml::MotionReadOptions out{.scale = o.scale, .rate = o.rate, .drop_lead_in = o.drop_lead_in != 0};
   if (o.fps != 0) out.fps = o.fps;
-  if (o.up != 0) out.up = o.up == 'y' ? ml::UpAxis::y : ml::UpAxis::z;
+  out.up = up->axis;
   if (o.asf != nullptr) out.asf = o.asf;
   if (o.joints != nullptr) out.joints = o.joints;
   return out;

@@ -6,6 +6,8 @@
 /// channel replaces that coordinate of the OFFSET.
 #pragma once
 
+#include <functional>   // tables
+#include <optional>     // tables
 #include <string>       // names
 #include <string_view>  // order of rotations
 #include <vector>       // joints
@@ -13,12 +15,15 @@
 #include <motionlang/formats/bvh_text.hpp>
 #include <motionlang/geometry/euler.hpp>
 #include <motionlang/kinematics/motion.hpp>
+#include <motionlang/kinematics/skeleton_table.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct BvhReadOptions {
   double scale = 0.01;  // metres per unit of the file; 0.01: the file is in centimetres
   int root = 0;         // which ROOT of a file with several
+  /// Knows bodies by their joints, as the root of the motion is that of the body; none: the built-in tables.
+  std::function<std::optional<SkeletonTable>(const Skeleton&)> find_table{};
 };
 
 struct BvhWriteOptions {
@@ -40,10 +45,10 @@ Motion to_motion(const Bvh& file, const BvhReadOptions& options = {});
 int bvh_roots(const Bvh& file);
 /// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
 /// leaves this out. Throws config_error 101 (number of the root).
-std::vector<std::string> stretched_joints(const Bvh& file, int root = 0);
+std::vector<std::string> stretched_joints(const Bvh& file, const BvhReadOptions& options = {});
 /// Names of what hangs beside the body under a root: bones for inverse kinematics, props, cameras. Throws config_error
 /// 101 (number of the root).
-std::vector<std::string> joints_beside_body(const Bvh& file, int root = 0);
+std::vector<std::string> joints_beside_body(const Bvh& file, const BvhReadOptions& options = {});
 /// Throws io_error 401 and as parse_bvh, to_motion.
 Motion read_bvh_motion(const FilePath& path, const BvhReadOptions& options = {});
 

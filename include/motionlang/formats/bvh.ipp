@@ -152,18 +152,19 @@ struct BvhBody {
   std::vector<BvhJoint> beside{};    // no part of the body: bones for inverse kinematics, props, cameras
 };
 
-inline BvhBody bvh_body(std::vector<BvhJoint> all, const BvhTable& table) {
+inline BvhBody bvh_body(const Bvh& file, const BvhReadOptions& options, const BvhTable& table) {
+  std::vector<BvhJoint> all = bvh_joints(file, options.root);
   Skeleton skeleton;
   for (const BvhJoint& j : all) {
     skeleton.names.push_back(j.node->name);
     skeleton.parents.push_back(j.parent);
     skeleton.offsets.push_back(j.node->offset);
   }
-  const SkeletonTable* table_of_names = find_skeleton_table(skeleton);
-  int root = 0;
-  if (table_of_names != nullptr) {
-    root = body_root(skeleton, *table_of_names);
-  } else {
+  std::optional<SkeletonTable> own_table;
+  if (options.find_table) own_table = options.find_table(skeleton);
+  const SkeletonTable* table_of_names = own_table ? &*own_table : find_skeleton_table(skeleton);
+  int root = table_of_names == nullptr ? -1 : body_root(skeleton, *table_of_names);
+  if (root < 0) {
     std::vector<JointMovement> movements;
     movements.reserve(all.size());
     for (const BvhJoint& j : all) movements.push_back({way_of(j, table), turns(j, table)});
@@ -213,7 +214,7 @@ inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJo
 MOTIONLANG_BODY Motion to_motion(const Bvh& file, const BvhReadOptions& options) {
   if (!(options.scale > 0)) raise<config_error>(101, file.name, ": scale ", options.scale);
   const detail::BvhTable table(file);
-  const detail::BvhBody body = detail::bvh_body(detail::bvh_joints(file, options.root), table);
+  const detail::BvhBody body = detail::bvh_body(file, options, table);
   const std::vector<detail::BvhJoint>& joints = body.joints;
   const auto frames = static_cast<std::size_t>(file.frames);
   if (frames > detail::max_text_rotations(2 * file.values.size()) / joints.size()) {
@@ -259,9 +260,9 @@ MOTIONLANG_BODY int bvh_roots(const Bvh& file) {
       std::count_if(file.nodes.begin(), file.nodes.end(), [](const BvhNode& n) { return n.parent == -1; }));
 }
 
-MOTIONLANG_BODY std::vector<std::string> stretched_joints(const Bvh& file, int root) {
+MOTIONLANG_BODY std::vector<std::string> stretched_joints(const Bvh& file, const BvhReadOptions& options) {
   const detail::BvhTable table(file);
-  const detail::BvhBody body = detail::bvh_body(detail::bvh_joints(file, root), table);
+  const detail::BvhBody body = detail::bvh_body(file, options, table);
   std::vector<std::string> names;
   for (const detail::BvhJoint& j : std::span(body.joints).subspan(1)) {
     if (detail::moves(j, table)) names.push_back(j.node->name);
@@ -269,11 +270,10 @@ MOTIONLANG_BODY std::vector<std::string> stretched_joints(const Bvh& file, int r
   return names;
 }
 
-MOTIONLANG_BODY std::vector<std::string> joints_beside_body(const Bvh& file, int root) {
+MOTIONLANG_BODY std::vector<std::string> joints_beside_body(const Bvh& file, const BvhReadOptions& options) {
   const detail::BvhTable table(file);
   std::vector<std::string> names;
-  for (const detail::BvhJoint& j : detail::bvh_body(detail::bvh_joints(file, root), table).beside)
-    names.push_back(j.node->name);
+  for (const detail::BvhJoint& j : detail::bvh_body(file, options, table).beside) names.push_back(j.node->name);
   return names;
 }
 

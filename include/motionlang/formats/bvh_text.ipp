@@ -3,7 +3,7 @@
 #pragma once
 
 #include <algorithm>  // count, min
-#include <cmath>      // isfinite
+#include <cmath>      // isfinite, pow, round
 
 #include <motionlang/core/standard_library.hpp>
 #include <motionlang/core/text_encoding.hpp>
@@ -102,9 +102,30 @@ class BvhParser {
     bvh_.frames = scan_.count<Index>("the number of frames");
     scan_.expect("frame");
     label("time");
+    const std::string printed(scan_.peek());
     bvh_.frame_time = scan_.number("the frame time");
     if (!(bvh_.frame_time > 0)) scan_.fail(403, "the frame time is ", bvh_.frame_time, " seconds");
+    if (const double rate = rounded_rate(printed, bvh_.frame_time); rate > 0) {
+      note("the frame time ", printed, " s is read as that of ", rate, " frames per second");
+      bvh_.frame_time = 1 / rate;
+    }
+    constexpr double slow = 5;
+    if (bvh_.frame_time > slow)
+      note("a frame takes ", bvh_.frame_time, " s, as if the rate stood where the frame time should");
     rows(static_cast<std::size_t>(bvh_.frames), static_cast<std::size_t>(bvh_.channels()));
+  }
+  /// The usual number of frames per second that a time of three to five decimals is rounded from: 60 for 0.0167. 0 if
+  /// there is none, or if the time is that of a whole number.
+  static double rounded_rate(std::string_view printed, double time) {
+    const std::size_t point = printed.find_first_of(".,");
+    const std::size_t decimals = point == printed.npos ? 0 : printed.size() - point - 1;
+    const bool exact = std::abs(1 / time - std::round(1 / time)) < 1e-6 / time;
+    if (decimals < 3 || decimals > 5 || printed.find_first_of("eE") != printed.npos || exact) return 0;
+    const double half = 0.5 * std::pow(10.0, -static_cast<double>(decimals));
+    for (const double rate : {24.0, 30.0, 60.0, 120.0, 240.0}) {
+      if (std::abs(1 / rate - time) <= 1.0001 * half) return rate;
+    }
+    return 0;
   }
   /// Some programs write a row more or less than they declare, or something else behind the table. Where every row is a
   /// line, it is clear what belongs to it: the rest is left out, with a note.
@@ -121,7 +142,7 @@ class BvhParser {
           whole = false;
           continue;
         }
-        bvh_.values.push_back(scan_.number("a value of the motion"));
+        bvh_.values.push_back(value(row, columns));
         if (c == 0 && !scan_.began_line()) are_lines = false;
       }
       if (whole) ++row;
@@ -139,6 +160,34 @@ class BvhParser {
     if (row != frames) note("it has ", counted(row, "whole frame"), ", not the ", declared);
     bvh_.frames = static_cast<Index>(row);
     bvh_.values.resize(row * columns);
+    fill_gaps(columns);
+  }
+  /// A number, or where a recording has gaps, no number: that of the frame before, and in the first frame 0.
+  double value(std::size_t row, std::size_t columns) {
+    const std::string_view w = scan_.peek();
+    const std::string_view sign = w.starts_with('-') || w.starts_with('+') ? w.substr(0, 1) : w.substr(0, 0);
+    const std::string_view word = w.substr(sign.size());
+    const bool gap = same_word(word, "nan") || same_word(word.substr(0, 4), "nan(") ||  // of C, and of Microsoft
+                     same_word(word, "1.#qnan") || same_word(word, "1.#ind");
+    if (!gap) return scan_.number("a value of the motion");
+    scan_.word("a value of the motion");
+    gaps_.push_back(bvh_.values.size());
+    return row == 0 ? 0 : bvh_.values[bvh_.values.size() - columns];
+  }
+  /// Gaps from the first frame on get the first number behind them.
+  void fill_gaps(std::size_t columns) {
+    while (!gaps_.empty() && gaps_.back() >= bvh_.values.size()) gaps_.pop_back();  // of a row that is cut off
+    if (gaps_.empty()) return;
+    std::vector<bool> gap(bvh_.values.size(), false);
+    for (const std::size_t at : gaps_) gap[at] = true;
+    for (std::size_t c = 0; c < columns; ++c) {
+      std::size_t first = c;
+      while (first < gap.size() && gap[first]) first += columns;
+      if (first >= gap.size()) continue;
+      for (std::size_t at = c; at < first; at += columns) bvh_.values[at] = bvh_.values[first];
+    }
+    note(counted(gaps_.size(), "value"), gaps_.size() == 1 ? " is" : " are",
+         " not a number: that of the frame before stands in");
   }
   /// True if the text ends with the word that follows, which may be half a number; moves behind it then.
   bool is_cut_off() {
@@ -167,9 +216,10 @@ class BvhParser {
 
   TextScanner scan_;
   Bvh bvh_;
-  std::vector<bool> has_offset_;  // of the nodes that are open
-  std::size_t latin1_ = 0;        // names in another encoding than UTF-8
-  std::string joined_{};          // the first name of several words
+  std::vector<bool> has_offset_;     // of the nodes that are open
+  std::size_t latin1_ = 0;           // names in another encoding than UTF-8
+  std::string joined_{};             // the first name of several words
+  std::vector<std::size_t> gaps_{};  // values that are not numbers
 };
 
 }  // namespace detail

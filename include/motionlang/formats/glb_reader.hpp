@@ -46,11 +46,16 @@ struct GlbLoss {
 /// A GLB file in memory, from which several motions can be taken.
 class GlbFile {
  public:
+  /// Says which joint of a skeleton is which; nothing if that is not known.
+  using FindTable = detail::GltfFigures::FindTable;
+
   /// skin    the only one whose joints count; none: the figures of the file
+  /// find_table  knows bodies by their joints; none: the built-in tables
   /// Throws  io_error 401 to 405; config_error 103 for a skin that is not there, 107 where the JSON has a value of the
   ///         wrong kind
-  static GlbFile open(const FilePath& path, std::optional<Index> skin = {});
-  GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin = {});
+  static GlbFile open(const FilePath& path, std::optional<Index> skin = {}, const FindTable& find_table = {});
+  GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin = {},
+          const FindTable& find_table = {});
 
   /// Figures, one at least. The functions below throw config_error 103 for an unknown number.
   Index figures() const { return std::ssize(figures_); }
@@ -73,7 +78,7 @@ class GlbFile {
   std::vector<std::string> stretched_joints(Index animation, Index figure = 0) const;
   /// Names of nodes that animations move, of no figure: cameras, props, control bones.
   std::vector<std::string> moving_others() const;
-  /// Sentences about keys that glTF does not allow and how they are read: "animation 'walk' begins at -0.2 s: ..."
+  /// Sentences about what glTF does not allow and how it is read: "animation 'walk' begins at -0.2 s: ..."
   std::vector<std::string> repairs() const;
 
   /// Frames per second at which motion() takes an animation. Where its keys are at whole frames of one rate of 10 to
@@ -97,7 +102,7 @@ class GlbFile {
   Motion motion(std::string_view animation, std::optional<double> fps = {}) const;
 
  private:
-  GlbFile(const detail::GltfDocument& document, std::optional<Index> skin);
+  GlbFile(const detail::GltfDocument& document, std::optional<Index> skin, const FindTable& find_table);
 
   static std::vector<detail::GltfAnimation> load(const detail::GltfDocument& document);
 
@@ -116,6 +121,7 @@ class GlbFile {
   std::vector<std::pair<Index, Index>> pairs() const;
 
   std::string file_;
+  std::vector<std::string> repairs_;  // of the nodes
   std::vector<detail::GltfNode> nodes_;
   std::vector<detail::GltfAnimation> animations_;
   std::vector<detail::GltfSkeleton> figures_;

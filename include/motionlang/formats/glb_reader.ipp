@@ -94,18 +94,21 @@ class GltfSampler {
 
 }  // namespace detail
 
-MOTIONLANG_BODY GlbFile GlbFile::open(const FilePath& path, std::optional<Index> skin) {
-  return GlbFile(MappedFile::open(path)->bytes(), path.string(), skin);
+MOTIONLANG_BODY GlbFile GlbFile::open(const FilePath& path, std::optional<Index> skin, const FindTable& find_table) {
+  return GlbFile(MappedFile::open(path)->bytes(), path.string(), skin, find_table);
 }
 
-MOTIONLANG_BODY GlbFile::GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin)
-    : GlbFile(detail::GltfDocument(bytes, std::move(name)), skin) {}
+MOTIONLANG_BODY GlbFile::GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin,
+                                 const FindTable& find_table)
+    : GlbFile(detail::GltfDocument(bytes, std::move(name)), skin, find_table ? find_table : detail::known_table) {}
 
-MOTIONLANG_BODY GlbFile::GlbFile(const detail::GltfDocument& document, std::optional<Index> skin)
+MOTIONLANG_BODY GlbFile::GlbFile(const detail::GltfDocument& document, std::optional<Index> skin,
+                                 const FindTable& find_table)
     : file_(document.file()),
+      repairs_(document.repairs()),
       nodes_(document.nodes()),
       animations_(load(document)),
-      figures_(detail::GltfFigures(document, animations_, skin, detail::known_table).figures) {
+      figures_(detail::GltfFigures(document, animations_, skin, find_table).figures) {
   for (const detail::GltfSkeleton& figure : figures_) {
     moving_of_.push_back(figure.moving_nodes());
     moving_.insert(moving_.end(), moving_of_.back().begin(), moving_of_.back().end());
@@ -184,7 +187,7 @@ MOTIONLANG_BODY std::vector<std::string> GlbFile::moving_others() const {
 }
 
 MOTIONLANG_BODY std::vector<std::string> GlbFile::repairs() const {
-  std::vector<std::string> out;
+  std::vector<std::string> out = repairs_;
   for (const detail::GltfAnimation& a : animations_) {
     for (const std::string& repair : a.repairs()) out.push_back(concat_text("animation '", a.name(), "' ", repair));
   }

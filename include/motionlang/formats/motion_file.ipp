@@ -2,7 +2,7 @@
 // Bodies of motion_file.hpp.
 #pragma once
 
-#include <algorithm>   // any_of
+#include <algorithm>   // all_of, any_of
 #include <cmath>       // round
 #include <filesystem>  // the skeleton beside a file
 #include <memory>      // mapped files
@@ -140,19 +140,29 @@ inline void note_animations(const GlbFile& file, const std::string& name, std::s
     *notes += concat_text(name, ": the walk is lost: joints that are left out carry the body\n");
 }
 
+/// The table of joints that the options name, for skeletons that have these joints; without one the built-in tables.
+inline GlbFile::FindTable find_table_of(const MotionReadOptions& options) {
+  if (options.joints.empty()) return {};
+  return [text = read_file(options.joints), name = options.joints](const Skeleton& s) {
+    std::optional<SkeletonTable> table;
+    guard<error>([&] { table = parse_skeleton_table(text, s, name); }, [](const error& e) { return e.id() == 103; });
+    return table;
+  };
+}
+
 inline std::vector<Motion> every_animation(std::span<const std::byte> bytes, const std::string& name,
-                                           std::optional<double> fps, std::string* notes) {
-  const GlbFile file(bytes, name);
+                                           const MotionReadOptions& options, std::string* notes) {
+  const GlbFile file(bytes, name, {}, find_table_of(options));
   std::vector<GlbLoss> losses;
-  std::vector<Motion> motions = file.motions(fps, &losses);
+  std::vector<Motion> motions = file.motions(options.fps, &losses);
   if (motions.empty()) raise<config_error>(103, name, ": no animation");
   note_animations(file, name, losses, notes);
   return motions;
 }
 
 /// One motion of each ROOT, with its name. Beside a body, a ROOT with a few joints is a prop or a camera.
-inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const std::string& name, double scale,
-                                      std::string* notes) {
+inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const std::string& name,
+                                      const MotionReadOptions& options, std::string* notes) {
   constexpr int few = 8;
   const Bvh file = parse_bvh(as_text(bytes), name);
   const auto tell = [&](const auto&... text) {
@@ -161,21 +171,25 @@ inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const st
   for (const std::string& note : file.notes) tell(note);
   std::vector<Motion> motions;
   motions.reserve(static_cast<std::size_t>(bvh_roots(file)));
-  for (int root = 0; root < bvh_roots(file); ++root) motions.push_back(to_motion(file, {.scale = scale, .root = root}));
-  const auto is_body = [](const Motion& m) { return find_skeleton_table(m.skeleton) != nullptr; };
+  BvhReadOptions read{.scale = options.scale, .find_table = find_table_of(options)};
+  for (read.root = 0; read.root < bvh_roots(file); ++read.root) motions.push_back(to_motion(file, read));
+  const auto is_body = [&](const Motion& m) {
+    return read.find_table ? read.find_table(m.skeleton).has_value() : find_skeleton_table(m.skeleton) != nullptr;
+  };
   const bool has_body = motions.size() > 1 && std::any_of(motions.begin(), motions.end(), is_body);
   std::vector<Motion> kept;
   for (int root = 0; root < std::ssize(motions); ++root) {
     Motion& m = motions[static_cast<std::size_t>(root)];
+    read.root = root;
     m.name = m.skeleton.name(0);
     if (has_body && m.skeleton.size() < few && !is_body(m)) {
       tell("left out is ROOT '", m.name, "' with ", counted(m.skeleton.size(), "joint"), ", which is not a body");
       continue;
     }
-    if (const auto beside = joints_beside_body(file, root); !beside.empty())
+    if (const auto beside = joints_beside_body(file, read); !beside.empty())
       tell("left out ", beside.size() == 1 ? "is " : "are ", listed_joints(beside), " beside '", m.name,
            "', the root of the body");
-    const std::vector<std::string> stretched = stretched_joints(file, root);
+    const std::vector<std::string> stretched = stretched_joints(file, read);
     note_stretched(name, stretched, "mean length", notes);
     for (const std::string& joint : stretched) {
       const int j = m.skeleton.find(joint);
@@ -205,12 +219,36 @@ inline void require_read_kind(const std::string& name) {
                         kind, "'", about_fbx(kind));
 }
 
-/// A page that a server sent in place of a file.
-inline void refuse_page(std::span<const std::byte> bytes, const std::string& name) {
-  std::string start(trim(as_text(bytes.first(std::min<std::size_t>(bytes.size(), 64)))));
+/// Refuses what another program or a server put in place of a motion.
+inline void refuse_other_content(std::span<const std::byte> bytes, const std::string& name) {
+  if (bytes.empty()) raise<io_error>(402, name, ": the file is empty");
+  const std::string_view text = as_text(bytes.first(std::min<std::size_t>(bytes.size(), 64)));
+  std::string start(trim(text));
   for (char& c : start) c = lower(c);
   if (start.starts_with("<!doctype html") || start.starts_with("<html"))
     raise<io_error>(403, name, " is not a motion but a page (HTML), as servers send where there is no such file");
+  if (start.starts_with("<?xml") || start.starts_with("<error>"))
+    raise<io_error>(403, name, " is not a motion but XML, as servers send where there is no such file");
+  constexpr std::size_t looked_at = 4096;
+  const auto head = bytes.first(std::min(bytes.size(), looked_at));
+  if (std::all_of(head.begin(), head.end(), [](std::byte b) { return b == std::byte{}; }))
+    raise<io_error>(403, name, ": the file begins with zeros, as after a copy that was broken off");
+  struct Mark {
+    std::string_view begin, what, of;  // of: the kinds that begin so themselves
+  };
+  constexpr Mark marks[] = {{"PK\3\4", "a ZIP archive: unpack it first", ".npz"},
+                            {"\x1F\x8B", "compressed by gzip: unpack it first", ""},
+                            {"7z\xBC\xAF", "a 7z archive: unpack it first", ""},
+                            {"Rar!", "a RAR archive: unpack it first", ""},
+                            {"\x93NUMPY", "an .npy file: name it so", ".npy"},
+                            {"glTF", "a GLB file: name it .glb", ".glb .vrm .vrma .gltf"},
+                            {"HIERARCHY", "a BVH file: name it .bvh", ".bvh"}};
+  const std::string kind = file_kind(name);
+  for (const Mark& mark : marks) {
+    if (text.starts_with(mark.begin) && mark.of.find(kind) == mark.of.npos)
+      raise<io_error>(403, name, " is ", mark.what);
+  }
+  if (text.starts_with("Kaydara FBX")) raise<io_error>(403, name, " is an FBX file", about_fbx(".fbx"));
 }
 
 /// load_bytes()  the bytes of the file, after all that can be refused without them
@@ -222,7 +260,7 @@ std::vector<Motion> motions_of_file(const std::string& name, const MotionReadOpt
   const auto load = [&] {
     const std::span<const std::byte> bytes = load_bytes();
     refuse_lfs_pointer(bytes, name);
-    refuse_page(bytes, name);
+    refuse_other_content(bytes, name);
     return bytes;
   };
   if (kind == ".amc") {
@@ -236,11 +274,11 @@ std::vector<Motion> motions_of_file(const std::string& name, const MotionReadOpt
     return motions;
   }
   const std::span<const std::byte> bytes = load();
-  if (kind == ".bvh") return every_root(bytes, name, options.scale, notes);
+  if (kind == ".bvh") return every_root(bytes, name, options, notes);
   if (kind == ".npz")
     return {amass_motion(amass_sequence(ZipArchive(bytes, name), options.rate), FilePath(name).stem())};
   if (kind == ".npy") return motions_of_npy(bytes, name, {options.rate, options.up});
-  return every_animation(bytes, name, options.fps, notes);
+  return every_animation(bytes, name, options, notes);
 }
 
 inline void note_lead_in(const std::string& file, Index frames, const std::string& whose, std::string* notes) {

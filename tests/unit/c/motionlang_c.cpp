@@ -280,7 +280,24 @@ TEST_CASE("every format is read and written, from files and from memory") {
   CHECK(motionlang_fps(motionlang_motions_at(again.motions, 1)) == 10);
   CHECK(motionlang_motions_at(again.motions, 2) == nullptr);
 
-  options.up = 'x';
+  float height[2] = {};  // of the head over the pelvis, and of the pelvis over the head with -Y up
+  for (const int up : {0, -'y'}) {
+    Several turned;
+    options.up = up;
+    REQUIRE(motionlang_read_motions(glb.c_str(), &options, &turned.motions) == 0);
+    const motionlang_motion* m = motionlang_motions_at(turned.motions, 0);
+    std::vector<float> places(static_cast<std::size_t>(3 * motionlang_frames(m) * motionlang_joints(m)));
+    REQUIRE(motionlang_positions(m, places.data(), std::ssize(places)) == 0);
+    height[up == 0 ? 0 : 1] = places[3 * 15 + 1] - places[1];
+  }
+  CHECK(height[0] > 0.3);
+  CHECK(height[1] == doctest::Approx(-height[0]));
+  for (const int up : {+'x', +'y', +'z', -'x', -'z'}) {
+    options.up = up;
+    CHECK(motionlang_read_motions(glb.c_str(), &options, &again.motions) == 0);
+    motionlang_free_motions(std::exchange(again.motions, nullptr));
+  }
+  options.up = 'w';
   CHECK(motionlang_read_motions(glb.c_str(), &options, &again.motions) == 103);
   CHECK(motionlang_read_motions(nullptr, nullptr, &again.motions) == 101);
   CHECK(motionlang_parse_motions(nullptr, 3, "a.bvh", nullptr, &again.motions) == 101);

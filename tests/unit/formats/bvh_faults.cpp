@@ -16,6 +16,7 @@
 #include <motionlang/formats/glb_reader.hpp>
 #include <motionlang/formats/glb_writer.hpp>
 #include <motionlang/formats/motion_file.hpp>
+#include <motionlang/kinematics/on_smpl.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
 #include <motionlang/kinematics/up_axis.hpp>
 
@@ -141,7 +142,8 @@ class RandomFile {
 
 /// A figure with the names of a table that walks under nodes that move as well, with other joints beside it.
 RandomFile walk_among_others(const ml::SkeletonTable& table, ml::Philox& draw) {
-  const ml::Skeleton figure = rigs::skeleton_of(table, 0, 100);
+  ml::Skeleton figure = rigs::skeleton_of(table, 0, 100);
+  for (std::string& name : figure.names) std::replace(name.begin(), name.end(), ' ', '_');  // as in "L Thigh"
   const auto number = [&](double size) { return size * (2 * draw.uniform() - 1); };
   const auto pick = [&](std::size_t n) { return static_cast<std::size_t>(draw.uniform() * static_cast<double>(n)); };
   const auto rotations = [&] { return std::array{"ZXY", "ZYX", "XYZ", "YXZ", "XZY", "YZX"}[pick(6)]; };
@@ -432,6 +434,122 @@ TEST_CASE("a Git LFS pointer and a page in place of a file are called that, what
   }
   ml::write_file(folder / "model.safetensors", pointer);
   CHECK_THROWS_WITH_AS(ml::read_file(folder / "model.safetensors"), Contains("[motionlang.io.401]"), ml::io_error);
+}
+
+TEST_CASE("another kind of content, or none, is reported") {
+  const TemporaryFolder folder;
+  const auto zip = std::string("PK\3\4") + std::string(30, 'x');
+  const std::pair<std::string, const char*> contents[] = {
+      {zip, " is a ZIP archive: unpack it first"},
+      {"\x1F\x8B\b more", " is compressed by gzip: unpack it first"},
+      {"7z\xBC\xAF' more", " is a 7z archive"},
+      {"Rar!\x1A", " is a RAR archive"},
+      {"Kaydara FBX Binary  ", " is an FBX file: Blender makes"},
+      {"<?xml version='1.0'?><Error/>", " is not a motion but XML"},
+      {std::string(100, '\0'), ": the file begins with zeros"},
+      {"", ": the file is empty"},
+  };
+  for (const auto& [content, said] : contents) {
+    CAPTURE(said);
+    const auto bytes = std::as_bytes(std::span(content));
+    for (const char* name : {"a.bvh", "a.glb", "a.vrma"})
+      CHECK_THROWS_WITH_AS(ml::parse_motions(bytes, name), Contains((name + std::string(said)).c_str()), ml::io_error);
+  }
+  const std::string bvh = "HIERARCHY ROOT a { OFFSET 0 0 0 } MOTION Frames: 0 Frame Time: 1", glb = "glTF more";
+  CHECK_THROWS_WITH_AS(ml::parse_motions(std::as_bytes(std::span(bvh)), "a.glb"), Contains("is a BVH file"),
+                       ml::io_error);
+  CHECK_THROWS_WITH_AS(ml::parse_motions(std::as_bytes(std::span(glb)), "a.bvh"), Contains("is a GLB file"),
+                       ml::io_error);
+  CHECK(ml::parse_motions(std::as_bytes(std::span(bvh)), "a.bvh").size() == 1);
+}
+
+TEST_CASE("BVH: gaps of a recording, which are not numbers, are filled from the frame before") {
+  const std::string text =
+      "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 3 Xposition Yposition Zposition } MOTION Frames: 4 Frame Time: 0.1\n";
+  const ml::Bvh file = ml::parse_bvh(text + "1 nan 3\n-nan(ind) NaN 6\n7 8 1.#QNAN\nnan(snan) -1.#IND 9\n", "f.bvh");
+  CHECK(file.values == std::vector<double>{1, 8, 3, 1, 8, 6, 7, 8, 6, 7, 8, 9});
+  REQUIRE(file.notes.size() == 1);
+  CHECK(file.notes[0] == "6 values are not a number: that of the frame before stands in");
+  CHECK(ml::parse_bvh(text + "1 nan 1\n2 nan 1\n3 nan 1\n4 nan 1\n").values ==
+        std::vector<double>{1, 0, 1, 2, 0, 1, 3, 0, 1, 4, 0, 1});
+  const ml::Bvh cut = ml::parse_bvh(text + "1 2 3\n4 nan 6\n7 8 9\nnan nan");  // of which the last row is none
+  CHECK(cut.frames == 3);
+  CHECK(cut.values == std::vector<double>{1, 2, 3, 4, 2, 6, 7, 8, 9});
+  CHECK_THROWS_WITH_AS(ml::parse_bvh(text + "1 2 nanometre\n"), Contains("expected a value of the motion"),
+                       ml::io_error);
+}
+
+TEST_CASE("BVH: frame times of few decimals are those of a usual rate, and a rate in their place has a note") {
+  const auto read = [](const std::string& time) {
+    return ml::parse_bvh("HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition } MOTION Frames: 2 Frame Time: " + time +
+                         "\n1\n2\n");
+  };
+  const std::pair<const char*, double> rates[] = {{"0.0333", 30},
+                                                  {"0.033", 30},
+                                                  {"0.0167", 60},
+                                                  {"0.017", 60},
+                                                  {"0.042", 24},
+                                                  {"0.0417", 24},
+                                                  {"0.00833", 120},
+                                                  {"0,0333", 30},
+                                                  {"0.0041", 1 / 0.0041},
+                                                  {"0.034", 1 / 0.034},
+                                                  {"0.041708", 1 / 0.041708}};
+  for (const auto& [time, rate] : rates) {
+    CAPTURE(time);
+    const ml::Bvh file = read(time);
+    CHECK(ml::to_motion(file).fps == Approx(rate).epsilon(1e-12));
+    const bool note = rate == std::round(rate);
+    CHECK(std::any_of(file.notes.begin(), file.notes.end(),
+                      [](const std::string& n) { return n.find("is read as that of") != n.npos; }) == note);
+  }
+  for (const char* exact : {"0.008", "0.04", "0.025", "0.01", "0.0333333", "0.008333", "1e-2"}) {
+    CAPTURE(exact);
+    CHECK(read(exact).notes.empty());
+    CHECK(read(exact).frame_time == std::stod(exact));
+  }
+  REQUIRE(read("30").notes.size() == 1);
+  CHECK(read("30").notes[0] == "a frame takes 30 s, as if the rate stood where the frame time should");
+}
+
+TEST_CASE("a table of joints in a file says where the body begins, in BVH and in GLB") {
+  const TemporaryFolder folder;
+  ml::Skeleton body = rigs::skeleton_of(ml::skeleton_table("Mixamo"));
+  std::string table;
+  for (const auto& row : ml::skeleton_table("Mixamo").joints) {
+    if (body.find(row.source) < 0) continue;
+    body.names[static_cast<std::size_t>(body[row.source])] = "my" + row.source;
+    table += row.target + "\tmy" + row.source + "\n";
+  }
+  body.names.push_back("prop"), body.parents.push_back(0), body.offsets.push_back({1, 0, 0});
+  ml::Motion motion{body, 30, {}, {}, "m"};
+  for (int f = 0; f < 5; ++f) {
+    motion.root.push_back({0.1 * f, 0, 0});
+    motion.local.resize(motion.local.size() + body.names.size(), ml::Quaternion<double>::identity());
+    motion.local.back() = ml::normalized(ml::Quaternion<double>{1, 0, 0.1 * f, 0});
+    motion.local[motion.local.size() - body.names.size()] = ml::normalized(ml::Quaternion<double>{1, 0, 0.05 * f, 0});
+  }
+  ml::write_file(folder / "table.txt", table);
+  for (const char* file : {"m.bvh", "m.glb"}) {
+    CAPTURE(file);
+    ml::write_motion(folder / file, motion);
+    CHECK(ml::read_motion(folder / file).skeleton.names.front() == "root_on_floor");
+    CHECK_THROWS_WITH_AS(ml::on_smpl(ml::read_motion(folder / file)), Contains("no table fits"), ml::config_error);
+    std::string notes;
+    const ml::Motion read = ml::read_motion(folder / file, {.joints = (folder / "table.txt").string()}, &notes);
+    CHECK(read.skeleton.names.front() == "pelvis");
+    CHECK(notes.find("prop") != notes.npos);
+    ml::JointTransforms<double> world;
+    motion.world(4, world);
+    const auto at = [&](const char* name) { return world.position[static_cast<std::size_t>(body[name])]; };
+    const auto hips = 0.5 * (at("myLeftUpLeg") + at("myRightUpLeg"));
+    const auto seen = read.positions();
+    const auto& smpl = read.skeleton;
+    const std::size_t row = 4 * smpl.names.size();
+    check_equal(0.5 * (seen[row + static_cast<std::size_t>(smpl["left_hip"])] +
+                       seen[row + static_cast<std::size_t>(smpl["right_hip"])]),
+                hips);
+  }
 }
 
 TEST_CASE("BVH: another axis up is found and turned, whatever axis it is") {

@@ -21,7 +21,8 @@ struct GlbChunks {
 
 /// Throws  io_error 402 if the file ends too early, 403 if it is malformed, 404 for another version
 inline GlbChunks parse_glb_chunks(std::span<const std::byte> bytes, std::string_view file) {
-  const std::string_view all = as_text(bytes);
+  std::string_view all = as_text(bytes);
+  if (all.starts_with("\xEF\xBB\xBF")) all.remove_prefix(3);  // byte order mark
   if (all.substr(0, all.find_first_not_of(" \t\r\n") + 1).ends_with('{')) return {all, parse_json(all, file), {}};
   const auto number = [&](std::uint64_t at) { return load<std::uint32_t>(bytes, at, file, "GLB header"); };
   if (number(0) != glb_magic) raise<io_error>(403, file, ": not a GLB file (byte 0)");

@@ -77,9 +77,9 @@ MOTIONLANG_BODY GltfAnimation::GltfAnimation(SharedAccessors& keys, Index number
     if (path != "translation" && path != "rotation" && path != "scale") continue;  // weights: not of a skeleton
     auto& place = path == "rotation" ? rotations_ : path == "scale" ? scales_ : translations_;
     const JsonView sampler = samplers[channels[i]["sampler"].as<Index>()];
-    if (!place.emplace(node, channel(keys, sampler, path == "rotation" ? 4 : 3)).second) {
-      raise<io_error>(403, target.path(), ": a second channel for the ", path, " of node ", node);
-    }
+    if (!place.emplace(node, channel(keys, sampler, path == "rotation" ? 4 : 3)).second)
+      repair(concat_text("has several channels for the ", path, " of '", document.node(node).name,
+                         "': the first of them counts"));
   }
   begin_at_0();
 }
@@ -246,7 +246,7 @@ MOTIONLANG_BODY void GltfAnimation::repair(const std::string& sentence) {
 }
 
 MOTIONLANG_BODY void GltfAnimation::sort_keys(GltfChannel& c) {
-  const std::size_t width = c.values->size() / c.times->size();
+  const std::size_t width = c.components * (c.mode == GltfChannel::cubic ? 3 : 1);
   std::vector<std::size_t> order(c.times->size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -296,12 +296,18 @@ MOTIONLANG_BODY GltfChannel GltfAnimation::channel(SharedAccessors& keys, const 
   }
   c.times = keys.values(sampler["input"].as<Index>(), 1);
   c.values = keys.values(sampler["output"].as<Index>(), components);
-  const std::vector<double>& t = *c.times;
-  const std::size_t expected = t.size() * components * (c.mode == GltfChannel::cubic ? 3 : 1);
-  if (t.empty() || c.values->size() != expected) {
-    raise<io_error>(403, sampler.path(), ": ", counted(t.size(), "time"), " and ", counted(c.values->size(), "number"),
-                    ", expected ", expected);
+  const std::size_t width = components * (c.mode == GltfChannel::cubic ? 3 : 1), expected = c.times->size() * width,
+                    whole = std::min(c.times->size(), c.values->size() / width);
+  if (whole == 0)
+    raise<io_error>(403, sampler.path(), ": ", counted(c.times->size(), "time"), " and ",
+                    counted(c.values->size(), "number"), ", expected ", expected);
+  if (c.values->size() != expected) {
+    repair(concat_text("has ", counted(c.times->size(), "time"), " for ", counted(c.values->size() / width, "key"),
+                       ": the first of them count"));
+    c.times = std::make_shared<const std::vector<double>>(c.times->begin(),
+                                                          c.times->begin() + static_cast<std::ptrdiff_t>(whole));
   }
+  const std::vector<double>& t = *c.times;
   bool equal = false, sorted = true;
   for (std::size_t i = 1; i < t.size(); ++i) {
     if (t[i] == t[i - 1]) equal = true;

@@ -26,6 +26,7 @@ inline const char* is_packed(const JsonView& object, std::initializer_list<const
   return nullptr;
 }
 
+/// The JSON of a buffer may lack its length: then it is all that the file has of it.
 /// Only those required extensions matter that pack data which is read here; others concern meshes and
 /// materials.
 class GltfDocument {
@@ -55,11 +56,13 @@ class GltfDocument {
                       "gltf-transform");
     }
     const std::span<const std::byte> data = decoded ? std::span(decoded_[static_cast<std::size_t>(i)]) : chunks_.binary;
-    return slice(data, 0, b["byteLength"].as<std::uint64_t>(), b.path(), "buffer");
+    return slice(data, 0, b.value_or("byteLength", std::uint64_t{data.size()}), b.path(), "buffer");
   }
   /// The elements of a top-level array; none if it is missing.
   Index count(const std::string& array) const { return root().contains(array) ? root()[array].size() : 0; }
   JsonView element(const std::string& array, Index i) const { return root()[array][i]; }
+  /// Sentences about what glTF does not allow in the nodes, and how it is read.
+  const std::vector<std::string>& repairs() const { return repairs_; }
 
   const std::vector<GltfNode>& nodes() const { return nodes_; }
   const GltfNode& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
@@ -232,9 +235,14 @@ class GltfDocument {
     if (v.size() != 3 || !std::isfinite(v[0] + v[1] + v[2])) raise<io_error>(403, node.path(), ": ", key);
     return {v[0], v[1], v[2]};
   }
-  Quaternion<double> quaternion(const JsonView& node) const {
+  Quaternion<double> quaternion(const JsonView& node, const std::string& name) {
     const auto v = node.value_or("rotation", std::vector<double>{0, 0, 0, 1});
     const double squared = std::inner_product(v.begin(), v.end(), v.begin(), 0.0);
+    if (v.size() == 4 && squared == 0) {
+      if (repairs_.empty())
+        repairs_.push_back(concat_text("node '", name, "' has a rotation of zeros: it is read as no rotation"));
+      return Quaternion<double>::identity();
+    }
     if (v.size() != 4 || !(squared > 1e-6 && squared < 1e6)) raise<io_error>(403, node.path(), ": rotation");
     return normalized(Quaternion<double>{v[3], v[0], v[1], v[2]});
   }
@@ -262,9 +270,9 @@ class GltfDocument {
       const JsonView n = element("nodes", static_cast<Index>(i));
       nodes_[i].name = n.value_or("name", "");
       if (nodes_[i].name.empty()) nodes_[i].name = concat_text("node_", i);
-      nodes_[i].rest = n.contains("matrix")
-                           ? decomposed(n)
-                           : GltfTransform{vector(n, "translation", {}), quaternion(n), vector(n, "scale", {1, 1, 1})};
+      nodes_[i].rest = n.contains("matrix") ? decomposed(n)
+                                            : GltfTransform{vector(n, "translation", {}), quaternion(n, nodes_[i].name),
+                                                            vector(n, "scale", {1, 1, 1})};
       nodes_[i].is_thing = n.contains("mesh") || n.contains("camera") ||
                            (n.contains("extensions") && n["extensions"].contains("KHR_lights_punctual"));
       for (Index c = 0; n.contains("children") && c < n["children"].size(); ++c) {
@@ -332,6 +340,7 @@ class GltfDocument {
   std::vector<std::vector<std::byte>> decoded_;  // of the buffers in base64
   std::vector<GltfNode> nodes_;
   std::vector<int> order_;
+  std::vector<std::string> repairs_;
 };
 
 /// All nodes in the world at rest. Throws io_error 403 for a node that is infinitely far away.
