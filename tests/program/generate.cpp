@@ -324,9 +324,14 @@ TEST_CASE("convert and generate put motions on a character") {
   REQUIRE_MESSAGE(alone.code == 0, alone.text);
   CHECK_MESSAGE(contains(alone.text, "all joints follow"), alone.text);  // it is on the character's skeleton now
   CHECK(ml::GlbFile::open(w / "alone.glb").animation_names() == std::vector<std::string>{"idle", "walk"});
-  CHECK(
-      contains(w.run({"convert", "walk.bvh", "walk.npz", "--rig", "rig.glb"}).text, "is written to .glb, not '.npz'"));
+  CHECK(contains(w.run({"convert", "walk.bvh", "walk.npz", "--rig", "rig.glb"}).text,
+                 "is written to .glb and .html, not '.npz'"));
   CHECK(!std::filesystem::exists(w / "walk.npz"));
+  const auto page = w.run({"view", "walk.bvh", "page.html", "--rig", "rig.glb"});
+  REQUIRE_MESSAGE(page.code == 0, page.text);
+  CHECK_MESSAGE(contains(page.text, "page.html on rig.glb\nSMPL -> Mixamo: 24 of"), page.text);
+  REQUIRE(w.run({"convert", "walk.bvh", "same.html", "--rig", "rig.glb"}).code == 0);
+  CHECK(w.files(".").at("same.html") == w.files(".").at("page.html"));
 
   // The same as .gltf, whose data are in it: as the character, and as the motion.
   ml::write_file(w / "rig.gltf", rigs::gltf_of(ml::MappedFile::open(w / "rig.glb")->bytes()));

@@ -190,17 +190,22 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
     } else if (o->out.empty()) {
       o->out = ml::beside_motion(o->in, extension).string();
     }
+    if (!o->rig.file.empty()) o->rig.joints = std::exchange(o->read.joints, {});
     const std::string kind = kind_of(o->out);
     if (o->as.empty() && kind != extension && !(extension == ".svg" && kind == ".png"))
       throw CLI::ValidationError("output", o->out + " ends in '" + kind + "', not in '" + extension +
                                                (extension == ".svg" ? "' or '.png" : "") + "'; other formats: convert");
     run(*o);
   });
-  if (extension == ".html")
-    add_body(*c, *o);
-  else
+  if (extension == ".html") {
+    CLI::Option* body = add_body(*c, *o);
+    c->add_option("--rig", o->rig.file, "Character (.glb or .vrm with a skin) that shows the motion, in one colour")
+        ->check(CLI::ExistingFile)
+        ->excludes(body);
+  } else {
     c->add_option("--as", o->as, "Format of the results of a folder. The default is .svg")
         ->check(CLI::IsMember({".svg", ".png"}));
+  }
 }
 
 }  // namespace
@@ -242,7 +247,8 @@ void add_convert(CLI::App& app) {
   c->add_option("--units", o->scale, "Units per metre of a BVH result")->check(positive())->capture_default_str();
   CLI::Option* rig =
       c->add_option("--rig", o->rig.file,
-                    "Character (.glb or .vrm with a skin). The result is this file with the motion added")
+                    "Character (.glb or .vrm with a skin). A .glb result is this file with the motion added, an .html "
+                    "result is a page that shows it in one colour")
           ->check(CLI::ExistingFile);
   CLI::Option* body = add_body(*c, *o)->excludes(rig);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Leave out the animations that the character already has")

@@ -7,6 +7,7 @@
 #include <motionlang/formats/skeleton_table_file.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/view/convert_motions.hpp>
+#include <motionlang/view/rig_viewer.hpp>
 
 #include <CLI/CLI.hpp>
 
@@ -95,11 +96,15 @@ RigWriter rig_writer(const RigOptions& options) {
     find_table = [&](const ml::Skeleton& s) { return ml::read_skeleton_table(options.joints, s); };
   return [rig = ml::GlbRig::open(options.file, find_table), options](const std::filesystem::path& path,
                                                                      std::span<const ml::Motion> motions) {
-    if (kind_of(path) != ".glb")
-      ml::raise<usage_error>(103, path.string(), ": a character (--rig) is written to .glb, not '", kind_of(path), "'");
+    if (kind_of(path) != ".glb" && kind_of(path) != ".html")
+      ml::raise<usage_error>(103, path.string(), ": a character (--rig) is written to .glb and .html, not '",
+                             kind_of(path), "'");
     if (motions.empty()) ml::raise<ml::config_error>(103, path.string(), ": no motion");
     const ml::MotionsOnRig on_rig = ml::motions_on_rig(rig, motions);
-    ml::write_glb(path, rig, on_rig.motions, {.keep_animations = !options.drop_animations});
+    if (kind_of(path) == ".html")
+      ml::write_rig_viewer(path, rig, on_rig.motions);
+    else
+      ml::write_glb(path, rig, on_rig.motions, {.keep_animations = !options.drop_animations});
     return ml::concat_text(
         path.string(), " on ", options.file, "\n",
         on_rig.report ? to_string(*on_rig.report) : "all joints follow: it is the motion's own skeleton", "\n");

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstddef>     // byte
+#include <cstdint>     // joints of vertices
 #include <functional>  // which joint is which
 #include <memory>      // the file
 #include <optional>    // report
@@ -15,6 +16,7 @@
 #include <string>      // names
 #include <vector>      // joints
 
+#include <motionlang/formats/detail/skinned_mesh.hpp>
 #include <motionlang/formats/glb_reader.hpp>
 #include <motionlang/formats/glb_writer.hpp>
 #include <motionlang/kinematics/retarget.hpp>
@@ -51,6 +53,11 @@ class GlbRig {
   ///         throws; io_error 405 from 4 GiB on
   std::vector<std::byte> with(std::span<const Motion> motions, const GlbRigOptions& options = {}) const;
 
+  /// The surface of the character while its skeleton rests: meshes with skins, and what is fixed to joints. Morph
+  /// targets and materials are left out. Vertices of packed meshes are missing.
+  /// Throws  io_error 402 to 405 for damaged meshes; 404 if there is no triangle, or if all are packed
+  detail::SkinnedMesh<std::uint16_t> mesh() const;
+
  private:
   /// Throws config_error 103 that says why no table fits.
   [[noreturn]] void refuse(const FindTable& find_table) const;
@@ -65,9 +72,10 @@ class GlbRig {
   std::shared_ptr<const detail::GltfDocument> document_;
   SkeletonTable table_;
   Skeleton skeleton_;
-  std::vector<int> nodes_;             // of the joints
-  std::vector<Matrix3<double>> axes_;  // of the joints in the world at rest; left-handed in a mirror image
-  detail::GltfPlace above_;            // the pelvis' parent in the world at rest
+  std::vector<int> nodes_;                // of the joints
+  std::vector<Quaternion<double>> lean_;  // of the joints, from the rest of the nodes to that of the skeleton
+  std::vector<Matrix3<double>> axes_;     // of the joints in the world at rest; left-handed in a mirror image
+  detail::GltfPlace above_;               // the pelvis' parent in the world at rest
 };
 
 /// Motions on the skeleton of a character, which those that are not on it yet are retargeted to.

@@ -17,6 +17,7 @@
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/formats/features_npy.hpp>
+#include <motionlang/formats/vrma.hpp>
 #include <motionlang/geometry/box.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
@@ -63,6 +64,18 @@ inline std::string changed_names(const std::filesystem::path& path, const Skelet
       concat_text(path.string(), ": ",
                   changed == 1 ? "the name of 1 joint is" : concat_text("the names of ", changed, " joints are"),
                   " not as a BVH file can hold: '", skeleton.names[first], "' is '", names[first], "' in it\n");
+  return printable(line, "\n");
+}
+
+/// A line about joints that VRM has no bones for, if there are some.
+inline std::string missing_bones(const std::filesystem::path& path, const Skeleton& skeleton) {
+  const Skeleton bones = vrm_skeleton(skeleton);
+  if (bones.names == skeleton.names) return {};
+  const std::vector<std::string> left_out = SkeletonMap(skeleton, bones).report().unused;
+  if (left_out.empty()) return {};
+  const std::string line = concat_text(
+      path.string(), ": ", counted(bones.size(), "bone"), "; VRM has none for '", left_out.front(), "'",
+      left_out.size() > 1 ? concat_text(" and ", counted(left_out.size() - 1, "other joint")) : std::string(), "\n");
   return printable(line, "\n");
 }
 
@@ -240,7 +253,9 @@ class OneConversion {
 }  // namespace detail
 
 MOTIONLANG_BODY std::string line_about_motion(const std::filesystem::path& path, const Motion& motion) {
-  const std::string changed = file_kind(path) == ".bvh" ? detail::changed_names(path, motion.skeleton) : "";
+  const std::string kind = file_kind(path), changed = kind == ".bvh"    ? detail::changed_names(path, motion.skeleton)
+                                                      : kind == ".vrma" ? detail::missing_bones(path, motion.skeleton)
+                                                                        : "";
   return concat_text(path.string(), ": ", counted(motion.frames(), "frame"), " at ",
                      detail::rate_and_time(motion.fps, motion.seconds()), ", ",
                      counted(motion.skeleton.size(), "joint"), "\n", changed);

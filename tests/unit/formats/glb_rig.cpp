@@ -52,6 +52,68 @@ TEST_CASE("the file that is written moves as the retargeted motion does") {
   CHECK(synthetic::largest_distance(got, again) < 1e-5);
 }
 
+TEST_CASE("the surface of a character stands as its skeleton does, whatever pose the nodes have") {
+  const auto bytes = rigs::glb_of(mixamo());
+  const auto rest = mixamo().rest_positions();
+  const auto chunks = ml::detail::parse_glb_chunks(bytes, "rig");
+  const auto changed = [&](auto change) {
+    ordered_json d = document_of(bytes);
+    change(d);
+    return ml::detail::glb_file(d.dump(), {chunks.binary.begin(), chunks.binary.end()});
+  };
+  const auto node_of = [](ordered_json& d, const std::string& name) -> ordered_json& {
+    for (ordered_json& node : d["nodes"]) {
+      if (node["name"] == "mixamorig:" + name) return node;
+    }
+    throw name;
+  };
+  const auto bent = changed([&](ordered_json& d) {  // arms hang and the trunk leans; the binds keep the T-pose
+    for (const char* name : {"LeftArm", "RightArm", "Spine"}) {
+      ordered_json& r = node_of(d, name)["rotation"];
+      const ml::Quaternion<double> q{r[3].get<double>(), r[0].get<double>(), r[1].get<double>(), r[2].get<double>()};
+      const auto turned = q * synthetic::about_x(name[0] == 'S' ? 0.3 : 1.2);
+      r = {turned.x, turned.y, turned.z, turned.w};
+    }
+  });
+  for (const auto* file : {&bytes, &bent}) {
+    const ml::GlbRig rig = rig_of(*file);
+    const auto mesh = rig.mesh();
+    REQUIRE(mesh.positions.size() == 3 * rest.size());
+    CHECK(mesh.normals.size() == mesh.positions.size());
+    CHECK(mesh.triangles.size() == mesh.positions.size());
+    for (std::size_t j = 0; j < rest.size(); ++j) {
+      const int own = rig.skeleton().find(mixamo().names[j]);
+      CHECK(mesh.joints[12 * j] == std::max(own, 0));  // the root on the floor goes with the hips
+      CHECK(mesh.weights[12 * j] == 65535);
+      const ml::Vec3<double> seen = ml::vec_cast<double>(mesh.positions[3 * j]);
+      if (own >= 0) CHECK(norm(seen - (rest[j] + ml::Vec3{-0.04, 0.0, 0.0})) < 2e-5);
+    }
+  }
+  const auto armed = changed([&](ordered_json& d) {  // a sword in the hand, of the same mesh, and a house
+    const auto sword = d["nodes"].size();
+    d["nodes"].push_back({{"name", "sword"}, {"mesh", 0}, {"scale", {0.01, 0.01, 0.01}}});
+    d["nodes"].push_back({{"name", "house"}, {"mesh", 0}});
+    node_of(d, "RightHand")["children"].push_back(sword);
+  });
+  const ml::GlbRig rig = rig_of(armed);
+  const auto mesh = rig.mesh();
+  REQUIRE(mesh.positions.size() == 6 * rest.size());
+  const auto first = 3 * rest.size();
+  for (std::size_t v = first; v < mesh.positions.size(); ++v)
+    CHECK(mesh.joints[4 * v] == rig.skeleton()["mixamorig:RightHand"]);
+  const double size = norm(ml::vec_cast<double>(mesh.positions[first] - mesh.positions[first + 1]));
+  CHECK(size == doctest::Approx(0.08 * 1e-4));  // under the armature, which is in centimetres
+
+  CHECK_THROWS_WITH_AS(rig_of(changed([](ordered_json& d) {
+                         d["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["bufferView"] = 0;
+                       })).mesh(),
+                       doctest::Contains("its meshes are packed"), ml::io_error);
+  CHECK_THROWS_WITH_AS(rig_of(changed([](ordered_json& d) { d["nodes"].back().erase("mesh"); })).mesh(),
+                       doctest::Contains("no mesh moves with the joints"), ml::io_error);
+  CHECK_THROWS_WITH_AS(rig_of(changed([](ordered_json& d) { d["skins"][0]["joints"] = {2}; })).mesh(),
+                       doctest::Contains(" of 1"), ml::io_error);
+}
+
 TEST_CASE("all that was in the file stays") {
   const auto bytes = rigs::glb_of(mixamo());
   const auto rig = rig_of(bytes);

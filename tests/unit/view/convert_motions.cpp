@@ -38,6 +38,13 @@ TEST_CASE("a file becomes another, edited on the way, with a line about it") {
   CHECK(contains(notes.results, "rows.npy: 59 rows of 263 numbers at 20 per second, 2.95 s\n"));
   CHECK_THROWS_AS(ml::convert_motions(w / "walk.bvh", w / "rows.bvh", {.features = "guoh3d"}), ml::option_error);
 
+  notes = {};
+  ml::convert_motions(w / "walk.bvh", w / "walk.vrma", {}, &notes);
+  CHECK(contains(notes.results, "walk.vrma: 22 bones; VRM has none for 'left_hand' and 1 other joint\n"));
+  notes = {};
+  ml::convert_motions(w / "walk.vrma", w / "again.vrma", {}, &notes);
+  CHECK(!contains(notes.results, "VRM has none"));
+
   const auto still = [](const ml::Motion& m) { return ml::motion_features("guoh3d").skeleton() == m.skeleton ? m : m; };
   ml::convert_motions(w / "walk.bvh", w / "same.bvh", {.denoise = still});
   CHECK(ml::read_file(w / "same.bvh") == ml::read_file(w / "walk.bvh"));

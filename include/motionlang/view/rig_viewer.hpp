@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+/// A page that shows motions on the user's character, a GLB or VRM file, in one colour. The page contains the surface at
+/// rest: whoever may not pass the character on may not pass the page on.
+///
+///     const GlbRig rig = GlbRig::open("character.vrm");
+///     write_rig_viewer("walk.html", rig, std::span(&motion, 1));
+#pragma once
+
+#include <span>    // motions
+#include <string>  // the page
+
+#include <motionlang/formats/glb_rig.hpp>
+#include <motionlang/view/viewer.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// motions  are retargeted unless they are on the character's skeleton
+/// Throws   what viewer_html, motions_on_rig and GlbRig::mesh throw
+std::string rig_viewer_html(const GlbRig& rig, std::span<const Motion> motions, const ViewerOptions& options = {});
+/// Throws io_error 401, and what rig_viewer_html throws.
+void write_rig_viewer(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,
+                      const ViewerOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/view/rig_viewer.ipp>
+#endif
