@@ -39,8 +39,23 @@ void check_motions(std::span<const std::byte> bytes) {
   }
 }
 
+void check_mesh(const ml::GlbRig& rig) {
+  const auto mesh = rig.mesh();
+  const std::size_t vertices = mesh.positions.size();
+  check(mesh.normals.size() == vertices && mesh.joints.size() == 4 * vertices && mesh.weights.size() == 4 * vertices,
+        "size of the surface");
+  for (const auto joint : mesh.joints) check(joint < rig.skeleton().size(), "joints of vertices");
+  for (const auto v : mesh.triangles) check(v < vertices, "corners of triangles");
+  for (std::size_t v = 0; v < vertices; ++v) {
+    int sum = 0;
+    for (std::size_t k = 0; k < 4; ++k) sum += mesh.weights[4 * v + k];
+    check(sum == 65535, "weights of a vertex");
+  }
+}
+
 void check_rig(std::span<const std::byte> bytes) {
   const ml::GlbRig rig(bytes, "fuzz.glb");
+  refusing([&] { check_mesh(rig); });
   ml::Motion still{rig.skeleton(), 20, {rig.skeleton().offset(0)}, {}, "still"};
   still.local.assign(rig.skeleton().names.size(), ml::Quaternion<double>::identity());
   for (const bool keep : {true, false}) {
