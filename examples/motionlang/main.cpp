@@ -69,6 +69,7 @@ int main(int argc, char** argv) {
   program::add_embed(app);
   program::add_describe(app);
   program::add_pack(app);
+  program::add_word_vectors(app);
   try {
     require_known_subcommand(app, argc, argv);
     app.parse(argc, argv);

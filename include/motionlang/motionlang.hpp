@@ -220,6 +220,7 @@
 #include <motionlang/text/clip_text.hpp>
 #include <motionlang/text/clip_tokenizer.hpp>
 #include <motionlang/text/glove.hpp>
+#include <motionlang/text/heard_words.hpp>
 #include <motionlang/text/joined_labels.hpp>
 #include <motionlang/text/known_words.hpp>
 #include <motionlang/text/mirror_caption.hpp>
@@ -230,8 +231,10 @@
 #include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/tokenizer.hpp>
 #include <motionlang/text/unicode.hpp>
+#include <motionlang/text/word_forms.hpp>
 #include <motionlang/text/word_piece.hpp>
 #include <motionlang/text/word_piece_tokens.hpp>
+#include <motionlang/text/word_vectors.hpp>
 
 #include <motionlang/compose/baselines.hpp>
 #include <motionlang/compose/body_part_answers.hpp>

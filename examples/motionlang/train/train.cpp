@@ -6,6 +6,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/train/stmc_training.hpp>
 #include <motionlang/train/stmc_training_notes.hpp>
+#include <motionlang/weights/word_vector_file.hpp>
 
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"
@@ -22,7 +23,7 @@ struct TrainOptions {
   std::string data, captions;
   ml::StmcTrainingConfig config;
   ml::TrainingOptions run;
-  std::string license, provenance, commit, denoiser;
+  std::string license, provenance, commit, denoiser, vectors;
   MachineOptions machine;
 };
 
@@ -34,7 +35,8 @@ void run(const TrainOptions& o) {
     return ml::TrainingSet(o.captions, o.data, bar);
   }();
   std::printf("%s, %.1f minutes\n", ml::counted(data.segments().size(), "segment").c_str(), data.seconds() / 60);
-  ml::Trainer trainer(ml::StmcTraining<ml::Autodiff<ml::EigenBackend<float>>>(o.config, data));
+  ml::Trainer trainer(ml::StmcTraining<ml::Autodiff<ml::EigenBackend<float>>>(
+      o.config, data, o.vectors.empty() ? ml::WordVectors() : ml::read_word_vectors(o.vectors)));
   TrainingDisplay display;
   trainer.run(o.run, display.callbacks([&] {
     if (!o.denoiser.empty()) trainer.task().take_denoiser(o.denoiser);
@@ -82,6 +84,10 @@ void add_train(CLI::App& app) {
       ->check(in_range(1, 256))
       ->capture_default_str();
   c->add_option("--vocabulary", o->config.vocabulary, "Word pieces to learn")->check(positive())->capture_default_str();
+  c->add_option("--word-vectors", o->vectors,
+                "Vectors of words beyond those of the captions, from `motionlang word-vectors`. Every word that the "
+                "captions say twice then is one piece")
+      ->check(CLI::ExistingFile);
   c->add_option("--dropout", o->config.model.denoiser.dropout, "Dropout of the denoiser")
       ->check(in_range(0, 0.9))
       ->capture_default_str();

@@ -29,6 +29,8 @@ class JsonMembers {
   bool has(const std::string& key) const { return parts_.contains(key); }
   /// Throws config_error 103 if there is no such member, io_error 403 with line and column if its value is malformed.
   nlohmann::json load(const std::string& key) const;
+  /// The members of a member that is an object itself. Throws what load and open throw.
+  JsonMembers members(const std::string& key) const;
   /// Where a member stands, for the messages of a JsonView of it: "annotations.json: 00001".
   std::string place(const std::string& key) const { return name_ + ": " + key; }
 
@@ -38,6 +40,7 @@ class JsonMembers {
   };
 
   JsonMembers(std::string_view text, std::string name, std::shared_ptr<const void> owner);
+  const Part& part(const std::string& key) const;
 
   void add_member();
   /// To the place behind a value: brackets are counted and strings stepped over. What stands between them is for the

@@ -17,10 +17,20 @@ MOTIONLANG_BODY JsonMembers JsonMembers::from_text(std::string text, std::string
   return JsonMembers(*kept, std::move(name), kept);
 }
 
-MOTIONLANG_BODY nlohmann::json JsonMembers::load(const std::string& key) const {
+MOTIONLANG_BODY const JsonMembers::Part& JsonMembers::part(const std::string& key) const {
   const auto found = parts_.find(key);
   if (found == parts_.end()) raise<config_error>(103, name_, ": has no member '", key, "'");
-  return detail::parse_json_part(text_, found->second.begin, found->second.size, name_);
+  return found->second;
+}
+
+MOTIONLANG_BODY nlohmann::json JsonMembers::load(const std::string& key) const {
+  const Part& p = part(key);
+  return detail::parse_json_part(text_, p.begin, p.size, name_);
+}
+
+MOTIONLANG_BODY JsonMembers JsonMembers::members(const std::string& key) const {
+  const Part& p = part(key);
+  return JsonMembers(text_.substr(p.begin, p.size), place(key), owner_);
 }
 
 MOTIONLANG_BODY JsonMembers::JsonMembers(std::string_view text, std::string name, std::shared_ptr<const void> owner)

@@ -4,6 +4,7 @@
 #include <motionlang/text/bert_tokenizer.ipp>
 #include <motionlang/text/clip_tokenizer.ipp>
 #include <motionlang/text/glove.ipp>
+#include <motionlang/text/heard_words.ipp>
 #include <motionlang/text/joined_labels.ipp>
 #include <motionlang/text/known_words.ipp>
 #include <motionlang/text/mirror_caption.ipp>
@@ -11,3 +12,4 @@
 #include <motionlang/text/tokenizer.ipp>
 #include <motionlang/text/unicode.ipp>
 #include <motionlang/text/word_piece.ipp>
+#include <motionlang/text/word_vectors.ipp>

@@ -5,3 +5,4 @@
 #include <motionlang/weights/stmc_file.ipp>
 #include <motionlang/weights/stmc_record.ipp>
 #include <motionlang/weights/tokenizer_files.ipp>
+#include <motionlang/weights/word_vector_file.ipp>

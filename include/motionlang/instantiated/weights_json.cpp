@@ -24,3 +24,4 @@
 #include <motionlang/weights/trained_model.ipp>
 #include <motionlang/weights/vae_run.ipp>
 #include <motionlang/weights/weight_file.ipp>
+#include <motionlang/weights/word_vector_source.ipp>

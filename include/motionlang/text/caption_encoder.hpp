@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 /// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come
-/// with a motion model and be trained together with it.
+/// with a motion model and be trained together with it. With word vectors it also hears words that no caption of its
+/// training says.
 #pragma once
 
 #include <motionlang/nn/embedding.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
 #include <motionlang/nn/transformer_encoder.hpp>
+#include <motionlang/text/heard_words.hpp>
 #include <motionlang/text/text_encoder.hpp>
-#include <motionlang/text/word_piece.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -18,26 +19,32 @@ struct CaptionEncoderConfig {
   Index layers = 2;
   Index out = 128;
   double dropout = 0.1;
-  Index longest = 64;  // word pieces of a caption, with begin and end
+  Index longest = 64;         // word pieces of a caption, with begin and end
+  double hidden_words = 0.3;  // training: the chance that a word with a vector is known by that alone
 };
 
-/// Pieces -> embedding + positions -> pre-norm transformer -> norm -> the row of [CLS] -> linear.
+/// Pieces -> embedding (+ projected word vectors) + positions -> pre-norm transformer -> norm -> the row of [CLS] ->
+/// linear.
 template <Backend B>
 struct CaptionEncoder {
   Embedding<B> embedding;
   TransformerEncoder<B> encoder;
   LayerNorm<B> norm;
   Linear<B> projection;
+  std::optional<LinearMap<B>> vector_projection;  // (width, vectors.width()); none without vectors
   PositionTable<B> positions;
   WordPiece tokenizer;
+  WordVectors vectors;
+  double hidden_words = 0;
 
   static constexpr auto fields() {
     using M = CaptionEncoder;
     return motionlang::fields("embedding", &M::embedding, "encoder", &M::encoder, "norm", &M::norm, "projection",
-                              &M::projection, "positions", &M::positions, "tokenizer", &M::tokenizer);
+                              &M::projection, "vector_projection", &M::vector_projection, "positions", &M::positions,
+                              "tokenizer", &M::tokenizer, "vectors", &M::vectors, "hidden_words", &M::hidden_words);
   }
   CaptionEncoder() = default;
-  CaptionEncoder(const CaptionEncoderConfig& c, WordPiece pieces, Rng auto& rng)
+  CaptionEncoder(const CaptionEncoderConfig& c, WordPiece pieces, Rng auto& rng, WordVectors words = {})
       : embedding(pieces.size(), c.width, rng, 0.5),
         encoder({.d_model = c.width,
                  .heads = c.heads,
@@ -49,19 +56,26 @@ struct CaptionEncoder {
         norm(c.width),
         projection(c.width, c.out, rng),
         positions(c.longest, c.width),
-        tokenizer(std::move(pieces)) {}
+        tokenizer(std::move(pieces)),
+        vectors(std::move(words)),
+        hidden_words(c.hidden_words) {
+    if (!vectors.empty()) vector_projection.emplace(vectors.width(), c.width, rng);
+  }
 
   /// (texts, out)
   Tensor<B, 2> operator()(std::span<const std::string> texts, const Context& context = {}) const {
     const ModuleScope scope(*this);
-    std::vector<Index> ids, lengths, first;
-    for (const std::string& t : texts) {
-      const auto pieces = tokenizer.encode(t, positions.rows().size(0));
-      first.push_back(static_cast<Index>(ids.size()));
-      ids.insert(ids.end(), pieces.begin(), pieces.end());
-      lengths.push_back(static_cast<Index>(pieces.size()));
+    HeardWords words = heard_words(tokenizer, vectors, texts, positions.rows().size(0));
+    if (context.dropout && vector_projection) {
+      auto rng = context.next_mask();
+      hide_words(words, hidden_words, rng);
     }
-    const auto tokens = add_positions(Sequences<B>(embedding(ids), Offsets(lengths)), positions.rows());
+    auto rows = embedding(words.ids);
+    if (vector_projection) rows = rows + (*vector_projection)(word_rows<B>(words, vectors));
+    const Offsets offsets(words.lengths);
+    std::vector<Index> first;
+    for (Index s = 0; s < offsets.count(); ++s) first.push_back(offsets.begin(s));
+    const auto tokens = add_positions(Sequences<B>(std::move(rows), offsets), positions.rows());
     return projection(norm(gather(encoder(tokens, context).rows, first)));
   }
   template <Backend C>

@@ -57,8 +57,7 @@ class GloVe {
   /// the table.
   std::vector<TaggedWord> tokens(std::string_view text) const;
   /// An approximation to what was done with spaCy: hyphens are deleted, words are lower-cased, those with digits are
-  /// skipped; -s, -es, -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the
-  /// lists of `motion_tag` only.
+  /// skipped; unknown words become a known form (text/word_forms.hpp). Tags come from the lists of `motion_tag` only.
   std::vector<TaggedWord> caption_tokens(std::string_view text) const;
 
   /// Rows of width + 15 numbers: sos, the words, eos.
@@ -81,8 +80,6 @@ class GloVe {
   }
 
  private:
-  std::string known_form(const std::string& word) const;
-
   std::vector<float> vectors_;
   Index width_;
   std::unordered_map<std::string, std::size_t> row_;

@@ -6,6 +6,7 @@
 #include <array>      // tags
 
 #include <motionlang/text/glove.hpp>
+#include <motionlang/text/word_forms.hpp>
 #include <motionlang/text/word_piece.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -109,24 +110,12 @@ MOTIONLANG_BODY std::vector<TaggedWord> GloVe::tokens(std::string_view text) con
 MOTIONLANG_BODY std::vector<TaggedWord> GloVe::caption_tokens(std::string_view text) const {
   std::string joined(text);
   std::erase(joined, '-');
+  const auto has_row = [this](const std::string& word) { return contains(word); };
   std::vector<TaggedWord> out;
   for (const std::string& word : WordPiece::words(joined)) {
-    if (word.find_first_of("0123456789") == word.npos) out.push_back({known_form(word), "OTHER"});
+    if (word.find_first_of("0123456789") == word.npos) out.push_back({known_form(word, has_row), "OTHER"});
   }
   return out;
-}
-
-MOTIONLANG_BODY std::string GloVe::known_form(const std::string& word) const {
-  if (contains(word)) return word;
-  for (const std::string_view end : {"ing", "ed", "es", "s"}) {
-    if (!word.ends_with(end) || word.size() < end.size() + 2) continue;
-    std::string stem = word.substr(0, word.size() - end.size());
-    if (contains(stem)) return stem;
-    if (contains(stem + "e")) return stem + "e";
-    if (stem.back() == stem[stem.size() - 2] && contains(stem.substr(0, stem.size() - 1)))
-      return stem.substr(0, stem.size() - 1);
-  }
-  return word;
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <memory>       // piece -> id
+#include <optional>     // words of several pieces
 #include <span>         // texts
 #include <string>       // pieces
 #include <string_view>  // lookups
@@ -35,6 +36,10 @@ class WordPiece {
   /// Source  the WordPiece criterion as described for BERT (Schuster and Nakajima 2012)
   static WordPiece learn(std::span<const std::string> texts, Index size, Index least = 2);
 
+  /// All letters and digits of the texts, and each word that they say at least `least` times. Encoders with vectors of
+  /// words (text/word_vectors.hpp) know the other words by those.
+  static WordPiece of_words(std::span<const std::string> texts, Index least = 2);
+
   const std::vector<std::string>& vocabulary() const { return pieces_; }
   Index size() const { return static_cast<Index>(pieces_.size()); }
 
@@ -42,12 +47,15 @@ class WordPiece {
   /// cannot be split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
   std::vector<Index> encode(std::string_view text, Index longest = 64) const;
 
+  /// The id of a word that is one piece.
+  std::optional<Index> find(const std::string& word) const;
+  /// Adds the pieces of a word to ids.
+  void append_word(std::vector<Index>& ids, const std::string& word) const;
+
   /// Lower-case runs of letters and digits.
   static std::vector<std::string> words(std::string_view text);
 
  private:
-  void append_word(std::vector<Index>& ids, const std::string& word) const;
-
   std::vector<std::string> pieces_;
   std::shared_ptr<const detail::WordPieceIds> ids_;  // of the pieces; copies share it
 };

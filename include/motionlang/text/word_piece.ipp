@@ -4,6 +4,7 @@
 
 #include <algorithm>      // max
 #include <map>            // word counts, in a fixed order
+#include <set>            // pieces in order
 #include <unordered_map>  // piece -> id
 
 #include <motionlang/core/text_lines.hpp>
@@ -37,11 +38,31 @@ MOTIONLANG_BODY WordPiece::WordPiece(std::vector<std::string> vocabulary, std::s
   ids_ = std::move(ids);
 }
 
-MOTIONLANG_BODY WordPiece WordPiece::learn(std::span<const std::string> texts, Index size, Index least) {
+namespace detail {
+/// How often texts say each word.
+inline std::map<std::string, Index> word_counts(std::span<const std::string> texts) {
   std::map<std::string, Index> counts;
   for (const std::string& t : texts) {
-    for (const std::string& w : words(t)) ++counts[w];
+    for (const std::string& w : WordPiece::words(t)) ++counts[w];
   }
+  return counts;
+}
+}  // namespace detail
+
+MOTIONLANG_BODY WordPiece WordPiece::of_words(std::span<const std::string> texts, Index least) {
+  std::vector<std::string> vocabulary{"[CLS]", "[SEP]", "[UNK]"};
+  std::set<std::string> letters, whole;
+  for (const auto& [word, count] : detail::word_counts(texts)) {
+    for (std::size_t i = 0; i < word.size(); ++i) letters.insert((i == 0 ? "" : "##") + word.substr(i, 1));
+    if (count >= least && word.size() > 1) whole.insert(word);
+  }
+  vocabulary.insert(vocabulary.end(), letters.begin(), letters.end());
+  vocabulary.insert(vocabulary.end(), whole.begin(), whole.end());
+  return WordPiece(std::move(vocabulary));
+}
+
+MOTIONLANG_BODY WordPiece WordPiece::learn(std::span<const std::string> texts, Index size, Index least) {
+  const auto counts = detail::word_counts(texts);
   struct Word {
     std::vector<std::string> pieces;
     Index count;
@@ -107,6 +128,12 @@ MOTIONLANG_BODY std::vector<std::string> WordPiece::words(std::string_view text)
     inside = part;
   }
   return out;
+}
+
+MOTIONLANG_BODY std::optional<Index> WordPiece::find(const std::string& word) const {
+  if (ids_ == nullptr) return std::nullopt;
+  const auto found = ids_->ids.find(word);
+  return found == ids_->ids.end() ? std::nullopt : std::optional(found->second);
 }
 
 MOTIONLANG_BODY void WordPiece::append_word(std::vector<Index>& ids, const std::string& word) const {

@@ -19,6 +19,7 @@
 #include <motionlang/diffusion/schedule.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/features/statistics.hpp>
+#include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/loss/foot_velocity.hpp>
 #include <motionlang/loss/reconstruction.hpp>
 #include <motionlang/nn/linear.hpp>
@@ -109,8 +110,9 @@ class StmcTraining {
   using B = typename A::inner;
 
   /// For a run that begins anew: learns the vocabulary, measures mean and deviation of the features, draws the weights.
-  /// `data` has to outlive the training.
-  StmcTraining(const StmcTrainingConfig& config, const TrainingSet& data);
+  /// `data` has to outlive the training. With vectors of words, each word that captions say twice gets an embedding of
+  /// its own, and `config.vocabulary` does not count.
+  StmcTraining(const StmcTrainingConfig& config, const TrainingSet& data, const WordVectors& vectors = {});
 
   /// Teaches the text encoder alone what captions mean: the mean of every feature of their motions over each quarter of
   /// the time, and its deviation. Without it the denoiser learns to move long before it learns to listen. For a run
@@ -141,12 +143,13 @@ class StmcTraining {
 };
 
 template <AutodiffBackend A>
-StmcTraining<A>::StmcTraining(const StmcTrainingConfig& config, const TrainingSet& data)
+StmcTraining<A>::StmcTraining(const StmcTrainingConfig& config, const TrainingSet& data, const WordVectors& vectors)
     : config_(config), data_(&data), diffusion_(CosineSchedule{.steps = config_.model.diffusion_steps}) {
   config_.model = detail::completed(config_);
   const auto captions = data.all_captions();
-  learner_.average = make_stmc<B>(config_.model, WordPiece::learn(captions, config_.vocabulary),
-                                  Philox{.seed = config_.seed}.split("init"));
+  learner_.average = make_stmc<B>(
+      config_.model, vectors.empty() ? WordPiece::learn(captions, config_.vocabulary) : WordPiece::of_words(captions),
+      Philox{.seed = config_.seed}.split("init"), vectors);
   learner_.average.motion_normalizer = detail::measure<B>(data, config_);
   learner_.model = convert_stmc<A>(learner_.average);
   learner_.ema = config_.ema;
@@ -269,6 +272,8 @@ std::map<std::string, std::string> StmcTraining<A>::settings() const {
   auto out = stmc_metadata(config_.model, learner_.average.text_encoder.tokenizer);
   out["model"] = "stmc training";
   out.erase("sampling");  // decides nothing here
+  if (const WordVectors& vectors = learner_.average.text_encoder.vectors; !vectors.empty())
+    out["word_vectors"] = detail::hexadecimal(detail::content_hash(std::as_bytes(vectors.codes())));
   out.merge(detail::stmc_settings(config_, data_->fingerprint()));
   return out;
 }

@@ -3,12 +3,14 @@
 ///
 /// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be
 ///             sampled: guidance and sampling ("ddpm 20": sampler and steps, all without a number); and, for people:
-///             license, provenance, data, command, commit. Nothing in the file is executed.
+///             license, provenance, data, command, commit. Nothing in the file is executed. Word vectors are stored as
+///             in weights/word_vector_file.hpp, behind text_encoder.vectors.
 #pragma once
 
 #include <motionlang/core/standard_library.hpp>  // numbers in the metadata
 #include <motionlang/systems/stmc.ipp>
 #include <motionlang/weights/module_file.hpp>
+#include <motionlang/weights/word_vector_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -50,6 +52,8 @@ Index metadata_size(const Metadata& metadata, const std::string& key, Index larg
                     Index smallest = 1);
 
 WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
+/// Begins the names of the tensors of word vectors, which are constants.
+inline constexpr const char* vector_tensors = "text_encoder.vectors.";
 /// The entries of users about a model or a record. Throws config_error 102 for a key that is there already.
 void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 
@@ -63,11 +67,11 @@ StmcModelConfig stmc_config(const SafetensorsFile& file);
 
 /// A model of the given sizes. `rng` draws the parameters; NoInit leaves them zero.
 template <Backend B>
-Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
+Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng, WordVectors vectors = {}) {
   auto denoiser_rng = rng.split("denoiser");
   auto text_rng = rng.split("text");
   return {.denoiser = MdmSmplDenoiser<B>(c.denoiser, denoiser_rng),
-          .text_encoder = CaptionEncoder<B>(c.text, std::move(tokenizer), text_rng),
+          .text_encoder = CaptionEncoder<B>(c.text, std::move(tokenizer), text_rng, std::move(vectors)),
           .motion_normalizer = Normalizer<B>::identity(c.denoiser.nfeats),
           .text_normalizer = Normalizer<B>::identity(c.denoiser.tx_dim),
           .diffusion = GaussianDiffusion(CosineSchedule{.steps = c.diffusion_steps}),
@@ -89,8 +93,10 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   const StmcModelConfig c = stmc_config(file);
   WordPiece tokenizer = detail::metadata_vocabulary(file.metadata(), file.name());
   check_sizes(file, c, tokenizer.size());
-  Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
-  load_module(model, file, "", LoadFor::inference);
+  Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{}, stored_word_vectors(file, detail::vector_tensors));
+  KeyReport report = load_module_partly(model, file, "", LoadFor::inference);
+  std::erase_if(report.unexpected, [](const std::string& name) { return name.starts_with(detail::vector_tensors); });
+  if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);
   return model;
 }
 /// The same from a file. Published models and folders: load_stmc(path, options) of weights/stmc_checkpoint.hpp.
@@ -107,8 +113,10 @@ void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig
   TensorStore store;
   store.add_module(model, "", dtype);
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
+  auto tensors = store.views();
+  store_word_vectors(tensors, metadata, model.text_encoder.vectors, detail::vector_tensors);
   detail::add_metadata(metadata, about, "model", path.string());
-  write_safetensors(path, store.views(), metadata);
+  write_safetensors(path, tensors, metadata);
 }
 
 MOTIONLANG_NAMESPACE_END
