@@ -45,7 +45,7 @@ TEST_CASE("where a model is, and of which system") {
 
   CHECK_NOTHROW(ml::require_no_sources(mdm, {}));
   CHECK_ERROR(ml::require_no_sources({"model", ""}, {.statistics = "."}),
-              "[motionlang.config.102] model: text_encoder");
+              "[motionlang.config.102] model: `text_encoder`");
 }
 
 TEST_CASE("the file of a folder") {
