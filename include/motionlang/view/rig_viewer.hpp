@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A page that shows motions on the user's character, a GLB or VRM file, in one colour. The page contains the surface at
-/// rest: whoever may not pass the character on may not pass the page on.
+/// A page that shows motions on the user's character, a GLB or VRM file, in one colour. The page contains the surface
+/// at rest: whoever may not pass the character on may not pass the page on.
 ///
 ///     const GlbRig rig = GlbRig::open("character.vrm");
 ///     write_rig_viewer("walk.html", rig, std::span(&motion, 1));
@@ -13,6 +13,16 @@
 #include <motionlang/view/viewer.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The turn about Y, by quarters of a circle, after which a character faces +Z at rest. The page looks at a figure from
+/// there in the beginning, and characters of VRM 0.x face -Z.
+Quaternion<double> turn_to_front(const GlbRig& rig);
+/// The same motion of a skeleton whose rest pose is turned.
+Motion with_turned_rest(Motion m, const Quaternion<double>& turn);
+
+}  // namespace detail
 
 /// motions  are retargeted unless they are on the character's skeleton
 /// Throws   what viewer_html, motions_on_rig and GlbRig::mesh throw

@@ -15,9 +15,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The turn about Y, by quarters of a circle, after which a character faces +Z at rest. The page looks at a figure from
-/// there in the beginning, and characters of VRM 0.x face -Z.
-inline Quaternion<double> turn_to_front(const GlbRig& rig) {
+MOTIONLANG_BODY Quaternion<double> turn_to_front(const GlbRig& rig) {
   const auto standing = StandingSkeleton::of(rig.skeleton(), rig.table());
   const auto rest = rig.skeleton().rest_positions();
   const auto place = [&](const char* role) { return rest[static_cast<std::size_t>(standing.joint(role))]; };
@@ -26,8 +24,7 @@ inline Quaternion<double> turn_to_front(const GlbRig& rig) {
   const double quarters = std::round(std::atan2(-across.z, across.x) / quarter);
   return from_axis_angle(Vec3<double>{0, 1, 0}, -quarters * quarter);
 }
-/// The same motion of a skeleton whose rest pose is turned.
-inline Motion with_turned_rest(Motion m, const Quaternion<double>& turn) {
+MOTIONLANG_BODY Motion with_turned_rest(Motion m, const Quaternion<double>& turn) {
   for (auto* bones : {&m.skeleton.offsets, &m.skeleton.ends}) {
     for (Vec3<double>& o : *bones) o = rotate(turn, o);
   }

@@ -1,6 +1,9 @@
 // A page with a character: it has the surface and the skeleton of the rig, and motions on them.
 #include <doctest/doctest.h>
 
+#include <numbers>
+
+#include <motionlang/geometry/so3.hpp>
 #include <motionlang/view/rig_viewer.hpp>
 
 #include "../../support/rigs.hpp"
