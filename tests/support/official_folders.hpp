@@ -229,7 +229,7 @@ inline ml::PublishedStmc<B> expected(const std::string& system, const Sizes& s) 
                                  : linear,
           .layout = stmc ? ml::smplrifke_layout() : ml::guoh3dfeats_layout(),
           .guidance = system == "motiondiffuse" ? 1.0 : 2.5,
-          .sampling = {.noise_scale = stmc ? ml::NoiseScale::posterior_variance : ml::NoiseScale::posterior_std}};
+          .sampling = stmc ? ml::published_stmc_sampling : ml::SamplingOptions{}};
 }
 
 }  // namespace official

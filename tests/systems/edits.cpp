@@ -193,6 +193,16 @@ TEST_CASE("a record in a file: the same run, refused for another model") {
   CHECK(numbers(ml::regenerate(model, read, edited)) == numbers(ml::regenerate(model, record, edited)));
   CHECK(ml::SafetensorsFile::open(folder / "run").metadata().at("cut_texts") == "1");
 
+  for (const auto& sampling : {ml::SamplingOptions{}, ml::published_stmc_sampling}) {
+    ml::StmcRecord<B> of_factor;
+    ml::generate_recorded(model, timelines, ml::Philox{.seed = 4},
+                          {.overlap = 4, .steps = 3, .sampling = sampling, .hidden = ml::HiddenTexts::ignore},
+                          of_factor);
+    ml::save_stmc_record(folder / "factor", of_factor, model);
+    auto again = ml::load_stmc_record<B>(ml::SafetensorsFile::open(folder / "factor"), model);
+    CHECK(numbers(ml::regenerate(model, again, edited)) == numbers(ml::regenerate(model, of_factor, edited)));
+  }
+
   ml::regenerate(model, record, timelines, {.within = 0});
   ml::save_stmc_record(folder / "limited", record, model);
   CHECK_FALSE(ml::load_stmc_record<B>(ml::SafetensorsFile::open(folder / "limited"), model).exact);

@@ -48,10 +48,13 @@ struct SamplingOptions {
   enum class Sampler { ddpm, ddim };
   Sampler sampler = Sampler::ddpm;
   double eta = 0;  // of ddim
-  /// As in STMC's released code. The noise of thesis eq. 6.2 is NoiseScale::posterior_std.
-  NoiseScale noise_scale = NoiseScale::posterior_variance;
+  /// As thesis eq. 6.2 has it: N(mu, Sigma) is mu + sqrt(Sigma) noise.
+  NoiseScale noise_scale = NoiseScale::posterior_std;
   bool clip = false;
 };
+/// As STMC's released code samples MDM-SMPL, and all of its published results: the factor of the noise is Sigma itself.
+/// Differs from thesis eq. 6.2: as Sigma is below 1, motions have less noise than the distribution says.
+inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseScale::posterior_variance};
 std::string_view to_string(SamplingOptions::Sampler sampler);
 /// "ddpm" or "ddim". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");

@@ -161,7 +161,7 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const CheckpointOpti
           .diffusion = about.diffusion(),
           .layout = about.layout(),
           .guidance = about.system == "motiondiffuse" ? 1.0 : 2.5,
-          .sampling = {.noise_scale = stmc ? NoiseScale::posterior_variance : NoiseScale::posterior_std},
+          .sampling = stmc ? published_stmc_sampling : SamplingOptions{},
           .fps = about.fps};
 }
 template <Backend B>

@@ -122,7 +122,8 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const Recor
                                              .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
-  if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;
+  const bool published = word("noise_scale") != "posterior_std";
+  out.options.sampling->noise_scale = published ? NoiseScale::posterior_variance : NoiseScale::posterior_std;
   const Index timelines = metadata_size(m, "timelines", latest_time, name);
   const BodyPartition body = record_body(file);
   for (Index i = 0; i < timelines; ++i) {

@@ -100,6 +100,12 @@ TEST_CASE("the published noise rule gives another motion with the same ends") {
   CHECK(distance(ml::sample_ancestral(process, start, knows, noise, published), goal) < 1e-12);
 }
 
+TEST_CASE("options of a whole run have the noise of the thesis; the published one has a name") {
+  CHECK(ml::SamplingOptions{}.noise_scale == ml::NoiseScale::posterior_std);
+  CHECK(ml::published_stmc_sampling.noise_scale == ml::NoiseScale::posterior_variance);
+  CHECK(ml::published_stmc_sampling.sampler == ml::SamplingOptions{}.sampler);
+}
+
 TEST_CASE("clean estimates can be clipped and replaced") {
   const auto large = [](const Matrix&, Index) { return goal * 100.0; };
   const auto x = ml::sample_ancestral(process, start, large, noise, {.clip = true});
