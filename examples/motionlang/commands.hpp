@@ -21,6 +21,7 @@ inline std::string command_line;
 void add_generate(CLI::App& app);
 void add_info(CLI::App& app);
 void add_check(CLI::App& app);
+void add_mtt(CLI::App& app);
 void add_train(CLI::App& app);
 void add_train_tmr(CLI::App& app);
 void add_train_temos(CLI::App& app);

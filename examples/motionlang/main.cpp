@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   app.footer(footer);
   program::add_generate(app);
   program::add_check(app);
+  program::add_mtt(app);
   program::add_info(app);
   program::add_train(app);
 #ifdef MOTIONLANG_TRAINING

@@ -15,8 +15,10 @@ using usage_error = motionlang::option_error;
 /// A message of the library in the words of the command line: `text_encoder`, a field of some options, becomes
 /// --text-encoder.
 inline std::string with_options(std::string message) {
-  constexpr std::pair<std::string_view, std::string_view> others[] = {
-      {"validation", "babel-validation"}, {"regressor", "joint-regressor"}, {"layers", "bert-layer"}};
+  constexpr std::pair<std::string_view, std::string_view> others[] = {{"validation", "babel-validation"},
+                                                                      {"regressor", "joint-regressor"},
+                                                                      {"layers", "bert-layer"},
+                                                                      {"noise_scale", "noise-factor"}};
   for (std::size_t at = 0; (at = message.find('`', at)) != message.npos;) {
     const std::size_t end = message.find('`', at + 1);
     if (end == message.npos) break;

@@ -21,11 +21,12 @@ TEST_CASE("help names every command and option, and the exit codes") {
                            "strip", "view", "describe", "Exit codes: 0 ", "1 ", "2 ", "3 ", "130 "})
     CHECK_MESSAGE(contains(all.text, word), word);
   const std::map<std::string, std::vector<std::string>> options{
-      {"generate", {"--timeline",  "--model",   "--out",         "--seed",    "--steps",           "--sampler",
-                    "--guidance",  "--overlap", "--noise",       "--rig",     "--drop-animations", "--in-turn",
-                    "--cut-texts", "--smooth",  "--fix-feet",    "--backend", "--threads",         "--preset",
-                    "--record",    "--reuse",   "--keep-beyond", "--keep",    "--keep-seconds",    "--keep-parts",
-                    "--samples",   "--towards"}},
+      {"generate", {"--timeline",  "--model",   "--out",         "--seed",        "--steps",           "--sampler",
+                    "--guidance",  "--overlap", "--noise",       "--rig",         "--drop-animations", "--in-turn",
+                    "--cut-texts", "--smooth",  "--fix-feet",    "--backend",     "--threads",         "--preset",
+                    "--record",    "--reuse",   "--keep-beyond", "--keep",        "--keep-seconds",    "--keep-parts",
+                    "--samples",   "--towards", "--mode",        "--noise-factor"}},
+      {"mtt", {"--texts", "--out", "--seed", "--count"}},
       {"check", {"timeline", "--fps", "--overlap", "--model", "--cut-texts", "--in-turn"}},
       {"info", {"file", "--features"}},
       {"convert",

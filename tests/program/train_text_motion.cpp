@@ -144,7 +144,8 @@ TEST_CASE(
     CHECK(motion.skeleton.size() == 24);
     const auto steps = generate(name, {"--text", "a person turns left", "--steps", "5"});
     CHECK(steps.code == 2);
-    CHECK_MESSAGE(contains(steps.text, "--steps, --sampler and --guidance are for diffusion models"), steps.text);
+    CHECK_MESSAGE(contains(steps.text, "--steps, --sampler, --noise-factor and --guidance are for diffusion models"),
+                  steps.text);
   }
   REQUIRE(generate("train-actor", {"--action", "walk", "--seconds", "0.8", "--out", "made"}).code == 0);
   REQUIRE(generate("train-actor", {"--action", "1", "--seconds", "0.8", "--out", "made"}).code == 0);

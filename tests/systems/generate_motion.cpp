@@ -10,6 +10,7 @@
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../support/check_error.hpp"
+#include "../support/compositions.hpp"
 #include "../support/small_denoisers.hpp"
 #include "../support/small_model.hpp"
 #include "../support/synthetic_motion.hpp"
@@ -72,6 +73,46 @@ TEST_CASE("texts are cut, motions sampled, smoothed and put on their feet") {
   CHECK(any->words() == std::vector<std::string>{"walk"});
   CHECK(any->length_of("walk forward").pieces > 0);
   CHECK_ERROR(ml::generate_motion(*any, timeline, {.fact = 1}), "this is a diffusion model, which draws none");
+}
+
+TEST_CASE("modes: STMC's baselines, of which texts are not cut") {
+  const auto stmc = model();
+  const Timeline timeline = small::several_tracks();
+  const ml::GenerateOptions raw{.seed = 3, .smooth = false, .fix_feet = false, .fix_floor = false};
+  const auto made = [&](ml::StmcMode mode) {
+    ml::GenerateOptions how = raw;
+    how.mode = mode;
+    return ml::generate_motion(stmc, timeline, how);
+  };
+  const ml::StmcOptions options{.hidden = ml::HiddenTexts::ignore};
+  const auto expected = [&](compositions::Composition how, const Timeline& of) {
+    const auto features = compositions::generate(how, stmc, std::span(&of, 1), ml::Philox{.seed = 3}, options);
+    return ml::stmc_motion(features.front(), stmc.fps);
+  };
+  using Mode = ml::StmcMode;
+  CHECK(same(made(Mode::sinc), expected(compositions::Composition::sinc, timeline)));
+  CHECK(same(made(Mode::sinc_lerp), expected(compositions::Composition::sinc_lerp, timeline)));
+  for (const ml::StmcMode mode : {Mode::single_track, Mode::one_text})
+    CHECK(same(made(mode), expected(compositions::Composition::stmc, ml::timeline_of_mode(mode, timeline, stmc.fps))));
+  CHECK_FALSE(same(made(Mode::sinc), made(Mode::sinc_lerp)));
+  CHECK_FALSE(same(made(Mode::stmc), made(Mode::sinc_lerp)));
+  for (const ml::GenerateOptions& o : {ml::GenerateOptions{.mode = Mode::sinc, .record = "r"},
+                                       ml::GenerateOptions{.mode = Mode::one_text, .overlay_arms = true}})
+    CHECK_THROWS_WITH_AS(ml::generate_motion(stmc, timeline, o),
+                         doctest::Contains("excludes `keep`, `record`, `reuse` and"), ml::option_error);
+}
+
+TEST_CASE("the factor of the noise: what the model asks for, or what the caller does") {
+  auto stmc = model();
+  const Timeline timeline = small::one_track();
+  const auto made = [&](std::optional<ml::NoiseScale> scale) {
+    return ml::generate_motion(stmc, timeline, {.seed = 3, .noise_scale = scale});
+  };
+  const ml::Motion paper = made({}), published = made(ml::NoiseScale::posterior_variance);
+  CHECK(same(made(ml::NoiseScale::posterior_std), paper));
+  CHECK_FALSE(same(published, paper));
+  stmc.sampling = ml::published_stmc_sampling;
+  CHECK(same(made({}), published));
 }
 
 TEST_CASE("arms that the collage loses move as their texts make them alone") {

@@ -39,6 +39,7 @@ struct GenerateCommand {
   ml::ModelSources sources;
   ml::GenerateOptions settings;
   std::string sampler, noise;  // "": the model's own, the seed's
+  std::string mode = "stmc", noise_factor;
   std::string preset = "model";
   std::string reuse;  // a folder or a file
   bool record = false;
@@ -165,7 +166,11 @@ ml::GenerateOptions settings_of(const GenerateCommand& o, const std::string& nam
   settings.notes = &notes;
   settings.keep = kept_clip(o);
   settings.noise = o.noise;
+  settings.mode = ml::parse_stmc_mode(o.mode);
   if (!o.sampler.empty()) settings.sampler = ml::parse_sampler(o.sampler);
+  if (!o.noise_factor.empty())
+    settings.noise_scale =
+        o.noise_factor == "paper" ? ml::NoiseScale::posterior_std : ml::published_stmc_sampling.noise_scale;
   if (o.preset == "fast") ml::use_fast_preset(settings);
   if (o.preset == "full") ml::use_full_preset(settings);
   if (!o.reuse.empty()) settings.reuse = ml::find_record(o.reuse);
@@ -301,6 +306,12 @@ void add_generate(CLI::App& app) {
           ->excludes(steps)
           ->excludes(sampler)
           ->capture_default_str();
+  const auto noise_factor =
+      c->add_option("--noise-factor", o->noise_factor,
+                    "Factor of the noise in a step of ddpm. paper: the standard deviation, square root of Sigma; "
+                    "published: Sigma itself, as STMC's released program has it. The default is what the weights ask "
+                    "for")
+          ->check(CLI::IsMember({"paper", "published"}));
   const auto guidance = c->add_option("--guidance", o->settings.guidance,
                                       "Weight of the text; 1 means no guidance. The default is the model's own")
                             ->check(in_range(0, 100));
@@ -308,8 +319,17 @@ void add_generate(CLI::App& app) {
                 "Scale of the latent noise, for ACTOR, TEMOS, TMR, SINC and TEACH: above 1 for more variety, 0 for the "
                 "mean motion. The default is 1, as in training")
       ->check(in_range(0, 100));
+  const auto mode =
+      c->add_option("--mode", o->mode,
+                    "STMC, or a baseline of its paper, for diffusion models of texts. sinc: each text is sampled "
+                    "alone, and body parts are stitched once, with hard cuts; sinc-lerp: the same, interpolated around "
+                    "cuts; single-track: the texts of each moment in one sentence (DiffCollage); one-text: all in one "
+                    "sentence. Baselines do not cut texts")
+          ->check(CLI::IsMember({"stmc", "sinc", "sinc-lerp", "single-track", "one-text"}))
+          ->capture_default_str();
   const auto overlap =
-      c->add_option("--overlap", o->settings.overlap, "Seconds that neighbouring texts share around a cut")
+      c->add_option("--overlap", o->settings.overlap,
+                    "Seconds that neighbouring texts share around a cut, or that sinc-lerp interpolates")
           ->check(not_negative())
           ->capture_default_str();
   const auto noise =
@@ -326,7 +346,8 @@ void add_generate(CLI::App& app) {
            "Folder or file of a run with --record. Only what the edited timeline changes is computed; seed, steps, "
            "sampler, guidance, overlap and cuts are those of that run. The program prints what was reused")
           ->check(CLI::ExistingPath);
-  for (CLI::Option* option : {seed, steps, sampler, preset, guidance, overlap, noise}) reuse->excludes(option);
+  for (CLI::Option* option : {seed, steps, sampler, preset, guidance, noise_factor, mode, overlap, noise})
+    reuse->excludes(option);
   c->add_option("--keep-beyond", o->settings.keep_beyond,
                 "Keep frames that are further than this many seconds from an edit. This is an approximation, since the "
                 "model would change them")

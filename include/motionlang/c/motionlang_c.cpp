@@ -173,6 +173,7 @@ ml::GenerateOptions generate_options(const motionlang_options& o) {
   if (o.all_steps != 0) out.steps = 0;
   if (o.guidance != 0) out.guidance = o.guidance;
   if (o.sampler != nullptr) out.sampler = ml::parse_sampler(o.sampler);
+  if (o.mode != nullptr) out.mode = ml::parse_stmc_mode(o.mode);
   if (o.noise != nullptr) out.noise = o.noise;
   if (o.record != nullptr) out.record = o.record;
   if (o.reuse != nullptr) out.reuse = o.reuse;

@@ -81,6 +81,7 @@ typedef struct motionlang_options {
   const char* keep_parts; /* of keep: body parts, "legs, left arm"; the legs carry the path on the floor; NULL: all */
   int32_t fix_floor;      /* 1: the floor carries the body: no hovering, no sinking, flights are arcs */
   int32_t overlay_arms;   /* 1: an arm that loses its text moves as the text alone moves it; a second pass */
+  const char* mode;       /* "stmc", or a baseline: "sinc", "sinc-lerp", "single-track", "one-text"; NULL: "stmc" */
 } motionlang_options;
 /* The defaults of the program `motionlang generate`: seed 0, the model's steps, cut texts, smooth, fixed feet and
  * floor. */

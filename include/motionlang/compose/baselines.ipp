@@ -4,8 +4,16 @@
 
 #include <motionlang/compose/baselines.hpp>
 #include <motionlang/compose/intervals.hpp>
+#include <motionlang/core/error.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::array<std::string_view, stmc_modes.size()> stmc_mode_names{"stmc", "sinc", "sinc-lerp",
+                                                                                 "single-track", "one-text"};
+
+}  // namespace detail
 
 MOTIONLANG_BODY TimelineInSeconds single_track(const TimelineInSeconds& timeline) {
   TimelineInSeconds out{{}, timeline.body};
@@ -36,6 +44,23 @@ MOTIONLANG_BODY TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
   }
   joined.end = std::min(timeline.end() - first, longest);
   return {{std::move(joined)}, timeline.body};
+}
+
+MOTIONLANG_BODY std::string_view to_string(StmcMode mode) {
+  return detail::stmc_mode_names[static_cast<std::size_t>(mode)];
+}
+
+MOTIONLANG_BODY StmcMode parse_stmc_mode(std::string_view name, std::string_view where) {
+  for (const StmcMode mode : stmc_modes) {
+    if (name == to_string(mode)) return mode;
+  }
+  raise<config_error>(103, where, " '", name, "' is not one of ", join_text(detail::stmc_mode_names));
+}
+
+MOTIONLANG_BODY Timeline timeline_of_mode(StmcMode mode, const Timeline& timeline, double fps) {
+  if (mode == StmcMode::single_track) return to_frames(single_track(to_seconds(timeline, fps)), fps);
+  if (mode == StmcMode::one_text) return to_frames(one_text(to_seconds(timeline, fps)), fps);
+  return timeline;
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -3,7 +3,7 @@
 /// itself is not part of this library; with its 60 texts, the 500 timelines come out byte for byte.
 ///
 ///     const auto texts = parse_mtt_texts("gallop in a ring # legs\nflick a switch # right arm\n...");
-///     const std::string file = write_timelines(mtt_timelines(texts));
+///     const MttFiles files = mtt_files(mtt_timelines(texts));     // MTT, and its two baselines
 ///
 /// Each timeline has three intervals: two back to back on one track, one on a second track beside them, with other body
 /// parts than those it meets.
@@ -44,6 +44,19 @@ struct MttOptions {
 
 /// Throws config_error 101 if the texts and weights give no pair, 102 if they leave none for the second track
 std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> texts, const MttOptions& options = {});
+
+/// The contents of the files of timelines (timeline_text.hpp), as published.
+struct MttFiles {
+  std::string multi_track;   // MTT.txt
+  std::string single_track;  // the same texts on one track, for DiffCollage (baselines.hpp)
+  std::string one_text;      // one sentence for each timeline (baselines.hpp)
+};
+/// Throws timeline_error 510 if a text contains '#' or a line end.
+MttFiles mtt_files(std::span<const TimelineInSeconds> timelines);
+
+/// The numbers of the texts of a timeline, interval by interval, in the list that they were drawn from. Throws
+/// config_error 102 for a text that the list lacks.
+std::vector<Index> mtt_labels(std::span<const MttText> texts, const TimelineInSeconds& timeline);
 
 MOTIONLANG_NAMESPACE_END
 

@@ -2,12 +2,14 @@
 // Bodies of mtt_timelines.hpp.
 #pragma once
 
-#include <cmath>     // trunc
-#include <optional>  // timelines
+#include <algorithm>  // find_if
+#include <cmath>      // trunc
+#include <optional>   // timelines
 
 #include <motionlang/compose/baselines.hpp>
 #include <motionlang/compose/detail/timeline_line.hpp>
 #include <motionlang/compose/mtt_timelines.hpp>
+#include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/core/python_random.hpp>
 #include <motionlang/core/rounding.hpp>
 
@@ -97,6 +99,26 @@ MOTIONLANG_BODY std::vector<TimelineInSeconds> mtt_timelines(std::span<const Mtt
     } else if (++misses > 100'000) {  // the published loop would not end
       raise<config_error>(102, "mtt_timelines: of ", counted(texts.size(), "text"), " none fits beside two others");
     }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY MttFiles mtt_files(std::span<const TimelineInSeconds> timelines) {
+  std::vector<TimelineInSeconds> single, one;
+  for (const TimelineInSeconds& t : timelines) {
+    single.push_back(single_track(t));
+    one.push_back(one_text(t));
+  }
+  return {write_timelines(timelines), write_timelines(single), write_timelines(one)};
+}
+
+MOTIONLANG_BODY std::vector<Index> mtt_labels(std::span<const MttText> texts, const TimelineInSeconds& timeline) {
+  std::vector<Index> out;
+  for (const IntervalInSeconds& i : timeline.intervals) {
+    const auto found = std::find_if(texts.begin(), texts.end(), [&](const MttText& t) { return t.text == i.text; });
+    if (found == texts.end())
+      raise<config_error>(102, "mtt_labels: '", i.text, "' is not among the ", counted(texts.size(), "text"));
+    out.push_back(found - texts.begin());
   }
   return out;
 }

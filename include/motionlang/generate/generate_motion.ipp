@@ -11,6 +11,7 @@
 #include <motionlang/generate/detail/kept_clip.hpp>
 #include <motionlang/generate/generate_motion.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/systems/sinc_baseline.hpp>
 #include <motionlang/systems/stmc_keep.hpp>
 #include <motionlang/weights/stmc_record.hpp>
 
@@ -42,6 +43,7 @@ class GenerateRun {
     how_.steps = o_.steps;
     how_.sampling = model_.sampling;
     if (o_.sampler) how_.sampling->sampler = *o_.sampler;
+    if (o_.noise_scale) how_.sampling->noise_scale = *o_.noise_scale;
     if (o_.keep) keep_on_model();
   }
 
@@ -123,6 +125,7 @@ class GenerateRun {
     const std::vector<Timeline> texts = cut(timelines, o_.cut_texts);
     const Philox& rng = how.rng;
     if (o_.keep) return around(texts, how);
+    if (o_.mode == StmcMode::sinc || o_.mode == StmcMode::sinc_lerp) return stitched_once(texts, how);
     if (!o_.noise.string().empty()) return model_.generate_from(texts, noise_of_file<B>(o_.noise), how.options);
     if (o_.record.string().empty()) return model_.generate(texts, rng, how.options);
     StmcRecord<B> record;
@@ -133,8 +136,19 @@ class GenerateRun {
 
   std::vector<Timeline> cut(std::span<const Timeline> timelines, bool wanted) const {
     std::vector<Timeline> out;
-    for (const Timeline& t : timelines) out.push_back(wanted ? cut_texts(t, model_.fps) : t);
+    for (const Timeline& t : timelines) {
+      const bool stmc = o_.mode == StmcMode::stmc;
+      out.push_back(!stmc ? timeline_of_mode(o_.mode, t, model_.fps) : wanted ? cut_texts(t, model_.fps) : t);
+    }
     return out;
+  }
+
+  /// By SINC: every text is sampled alone.
+  Features stitched_once(std::span<const Timeline> texts, const Sampling& how) const {
+    const SincCuts cuts = o_.mode == StmcMode::sinc ? SincCuts::hard : SincCuts::interpolated;
+    if (o_.noise.string().empty()) return sinc_baseline(model_, texts, how.rng, how.options, cuts);
+    return sinc_baseline_from(model_, plan_timelines(texts, sinc_plan_options(model_, how.options)),
+                              noise_of_file<B>(o_.noise), how.options, cuts);
   }
 
   /// The clip that is kept, on the joints and at the rate of the model, and its features.

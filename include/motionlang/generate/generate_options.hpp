@@ -13,6 +13,7 @@
 #include <utility>   // pairs of times
 #include <vector>    // motions
 
+#include <motionlang/compose/baselines.hpp>
 #include <motionlang/core/option_error.hpp>
 #include <motionlang/diffusion/sampler.hpp>
 #include <motionlang/file/file_path.hpp>
@@ -42,16 +43,18 @@ struct GenerateOptions {
   std::uint64_t seed = 0;                             // same seed, same motion, on any number of threads
   std::optional<Index> steps{};                       // of denoising, 0: all; the default is the model's
   std::optional<SamplingOptions::Sampler> sampler{};  // the default is the model's
+  std::optional<NoiseScale> noise_scale{};            // of ddpm; the default is the model's
   std::optional<double> guidance{};                   // weight of the text, 1: none; the default is the model's
-  std::optional<double> fact{};  // scales the latent noise: 0 gives the mean motion; the default is 1
-  double overlap = 0.5;          // seconds that neighbouring texts share around a cut
-  bool cut_texts = true;         // where they lend body parts or regain them, and where they are too long
-  bool smooth = true;            // removes jitter, and jerks where texts meet
-  bool fix_feet = true;          // keeps standing feet from sliding
-  bool fix_floor = true;         // the floor carries the body: no hovering, no sinking, flights are arcs
-  bool overlay_arms = false;     // an arm that loses its text moves as the text alone moves it; a second pass
-  FilePath noise = "";           // file with noise/000 (initial), noise/001, ... instead of the seed
-  FilePath record = "";          // file to write, which a later run can reuse
+  std::optional<double> fact{};    // scales the latent noise: 0 gives the mean motion; the default is 1
+  StmcMode mode = StmcMode::stmc;  // or a baseline, which never cuts texts
+  double overlap = 0.5;            // seconds that neighbouring texts share around a cut
+  bool cut_texts = true;           // where they lend body parts or regain them, and where they are too long
+  bool smooth = true;              // removes jitter, and jerks where texts meet
+  bool fix_feet = true;            // keeps standing feet from sliding
+  bool fix_floor = true;           // the floor carries the body: no hovering, no sinking, flights are arcs
+  bool overlay_arms = false;       // an arm that loses its text moves as the text alone moves it; a second pass
+  FilePath noise = "";             // file with noise/000 (initial), noise/001, ... instead of the seed
+  FilePath record = "";            // file to write, which a later run can reuse
   FilePath reuse = "";  // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run
   std::optional<double> keep_beyond{};  // of reuse: frames further from the edit, in seconds, stay
   std::optional<KeptClip> keep{};       // of every timeline

@@ -13,6 +13,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 MOTIONLANG_BODY void check_options(const MotionModel& model, const GenerateOptions& o) {
   const auto is_given = [](const FilePath& file) { return !file.string().empty(); };
   if (!model.takes_timelines()) {
+    if (o.mode != StmcMode::stmc)
+      raise<option_error>(102, "`mode` is for diffusion models of texts (STMC, MDM, MotionDiffuse); this is ",
+                          model.system());
     if (is_given(o.noise)) raise<option_error>(102, "`noise` is for diffusion models of texts; this one takes a seed");
     if (is_given(o.record) || is_given(o.reuse))
       raise<option_error>(
@@ -21,9 +24,9 @@ MOTIONLANG_BODY void check_options(const MotionModel& model, const GenerateOptio
       raise<option_error>(
           102, "`keep` is for diffusion models of texts (STMC, MDM, MotionDiffuse); this one makes whole motions");
   }
-  if (model.steps() == 0 && (o.steps || o.guidance || o.sampler))
-    raise<option_error>(102,
-                        "`steps`, `sampler` and `guidance` are for diffusion models; this one takes no such steps");
+  if (model.steps() == 0 && (o.steps || o.guidance || o.sampler || o.noise_scale))
+    raise<option_error>(
+        102, "`steps`, `sampler`, `noise_scale` and `guidance` are for diffusion models; this one takes no such steps");
   if (model.steps() > 0) detail::require_steps(o, model.steps());
   if (o.fact && !model.draws_latents())
     raise<option_error>(102, "`fact` is for models that draw a latent (ACTOR, TEMOS, TMR, SINC, TEACH); this is ",

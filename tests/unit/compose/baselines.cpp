@@ -3,6 +3,8 @@
 
 #include <motionlang/compose/baselines.hpp>
 
+#include "../../support/check_error.hpp"
+
 namespace ml = motionlang;
 using enum ml::BodyPart;
 using ml::BodyParts, ml::TimelineInSeconds;
@@ -27,4 +29,21 @@ TEST_CASE("one sentence for everything, at most 9.8 seconds") {
   CHECK(ml::one_text(crossing) == TimelineInSeconds{{{"walk and then wave while sit", 0, 9.8, both}}});
   CHECK(ml::one_text({{{"walk", 1, 3, only_legs}}}) == TimelineInSeconds{{{"walk", 0, 2, only_legs}}});
   CHECK(ml::one_text({}).intervals.empty());
+}
+
+TEST_CASE("modes have names, and timelines of their own") {
+  for (const ml::StmcMode mode : ml::stmc_modes) CHECK(ml::parse_stmc_mode(ml::to_string(mode)) == mode);
+  CHECK(ml::to_string(ml::StmcMode::sinc_lerp) == "sinc-lerp");
+  CHECK_ERROR(ml::parse_stmc_mode("best"),
+              "[motionlang.config.103] mode 'best' is not one of stmc, sinc, sinc-lerp, single-track, one-text");
+  const ml::Timeline frames = ml::to_frames(crossing, 20);
+  for (const auto mode : {ml::StmcMode::stmc, ml::StmcMode::sinc, ml::StmcMode::sinc_lerp})
+    CHECK(ml::timeline_of_mode(mode, frames, 20) == frames);
+  CHECK(ml::timeline_of_mode(ml::StmcMode::single_track, frames, 20) == ml::to_frames(ml::single_track(crossing), 20));
+  CHECK(ml::timeline_of_mode(ml::StmcMode::one_text, frames, 20).intervals.front().end == 196);
+  // cuts of 12.5 frames per second that no decimal number of seconds has exactly
+  const ml::Timeline odd{{{"walk", 0, 7, only_legs}, {"wave", 3, 11, only_arm}}};
+  const auto single = ml::timeline_of_mode(ml::StmcMode::single_track, odd, 12.5);
+  REQUIRE(single.intervals.size() == 3);
+  CHECK((single.intervals[1].start == 3 && single.intervals[1].end == 7 && single.intervals[2].end == 11));
 }

@@ -1,6 +1,9 @@
 // Timelines drawn from a list of texts.
 #include <motionlang/compose/mtt_timelines.hpp>
 
+#include <motionlang/compose/baselines.hpp>
+#include <motionlang/compose/timeline_text.hpp>
+
 #include "../../support/check_error.hpp"
 
 namespace ml = motionlang;
@@ -52,4 +55,32 @@ TEST_CASE("mtt_timelines: lists that give none") {
   const auto legs = ml::parse_mtt_texts("walk # legs\nrun # legs\nhop # legs\n");
   CHECK_ERROR(ml::mtt_timelines(legs, {}), "[motionlang.config.102]");
   CHECK(ml::mtt_timelines(legs, {.count = 0}).empty());
+}
+
+TEST_CASE("mtt_files: the timelines, and those of the baselines as they are made from the written file") {
+  const auto timelines = ml::mtt_timelines(texts, {.count = 40});
+  const ml::MttFiles files = ml::mtt_files(timelines);
+  CHECK(files.multi_track == ml::write_timelines(timelines));
+  const auto read = ml::parse_timelines_in_seconds(files.multi_track, {.as_published = true});
+  REQUIRE(read.size() == 40);
+  std::vector<ml::TimelineInSeconds> single, one;
+  for (const auto& t : read) single.push_back(ml::single_track(t)), one.push_back(ml::one_text(t));
+  CHECK(files.single_track == ml::write_timelines(single));
+  CHECK(files.one_text == ml::write_timelines(one));
+  CHECK(files.one_text.find(" and then ") != std::string::npos);
+  const auto by_hand = ml::mtt_files(std::vector<ml::TimelineInSeconds>{
+      {{{"walk", 0, 6, texts[0].parts}, {"hop", 6, 11, texts[5].parts}, {"wave", 4.5, 7.25, texts[1].parts}}}});
+  CHECK(by_hand.single_track ==
+        "walk # 0.0 # 4.5 # legs\nwalk while wave # 4.5 # 6.0 # legs # right arm\n"
+        "hop while wave # 6.0 # 7.25 # legs # right arm # spine\nhop # 7.25 # 11.0 # legs # spine\n\n");
+  CHECK(by_hand.one_text == "walk and then hop while wave # 0.0 # 9.8 # legs # right arm # spine\n\n");
+}
+
+TEST_CASE("mtt_labels: the number of the text of each interval") {
+  const auto timeline = ml::mtt_timelines(texts, {.count = 1}).front();
+  const auto labels = ml::mtt_labels(texts, timeline);
+  REQUIRE(labels.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i)
+    CHECK(texts[static_cast<std::size_t>(labels[i])].text == timeline.intervals[i].text);
+  CHECK_ERROR(ml::mtt_labels(texts, {{{"fly", 0, 1, {}}}}), "[motionlang.config.102] mtt_labels: 'fly' is not among");
 }

@@ -37,7 +37,9 @@ TEST_CASE("options that a model does not take are refused before anything is mad
   for (const ml::GenerateOptions& o :
        {ml::GenerateOptions{.noise = "n"}, ml::GenerateOptions{.record = "r"}, ml::GenerateOptions{.reuse = "r"},
         ml::GenerateOptions{.keep = ml::KeptClip{}}, ml::GenerateOptions{.steps = 3},
-        ml::GenerateOptions{.sampler = Sampler::ddim}, ml::GenerateOptions{.guidance = 2}})
+        ml::GenerateOptions{.sampler = Sampler::ddim}, ml::GenerateOptions{.guidance = 2},
+        ml::GenerateOptions{.noise_scale = ml::NoiseScale::posterior_std},
+        ml::GenerateOptions{.mode = ml::StmcMode::sinc}})
     CHECK((refused(plain, o) == 102 && refused(latent, o) == 102 && refused(diffusion, o) == 0));
   CHECK(refused(diffusion, {.steps = 10}) == 0);
   CHECK(refused(diffusion, {.steps = 11}) == 105);

@@ -23,6 +23,8 @@ MOTIONLANG_BODY void require_one_source(const GenerateOptions& o) {
   const bool noise = !o.noise.string().empty(), record = !o.record.string().empty(), reuse = !o.reuse.string().empty();
   if (o.keep && (noise || record || reuse)) raise<option_error>(102, "keep excludes noise, record and reuse");
   if (noise && (record || reuse)) raise<option_error>(102, "noise excludes record and reuse");
+  if (o.mode != StmcMode::stmc && (o.keep || record || reuse || o.overlay_arms))
+    raise<option_error>(102, "`mode` ", to_string(o.mode), " excludes `keep`, `record`, `reuse` and `overlay_arms`");
   if (o.keep_beyond && !reuse) raise<option_error>(102, "keep_beyond needs reuse");
 }
 
