@@ -1,5 +1,6 @@
 #include "evaluate.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <map>
@@ -15,12 +16,32 @@ namespace program {
 
 namespace {
 
+struct MeasuredSystem {
+  std::string name;
+  bool ours;
+};
+/// That of a model. A .safetensors file, alone or in a folder without a config.json, is an STMC of ours.
+MeasuredSystem system_of(const std::filesystem::path& model) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(model)) return {"stmc", true};
+  const std::string found = ml::system_of_run(model);
+  if (!found.empty() && found != "motionlang") return {found, false};
+  const auto is_weights = [](const auto& entry) { return entry.path().extension() == ".safetensors"; };
+  if (!fs::exists(model / "config.json") && std::ranges::any_of(fs::directory_iterator(model), is_weights))
+    return {"stmc", true};
+  return {ml::read_model_folder(model).system, true};
+}
+
+bool is_diffusion(const std::string& system) {
+  return system == "stmc" || system == "mdm" || system == "motiondiffuse";
+}
+
 void run(const EvaluationOptions& o) {
   const auto begin = std::chrono::steady_clock::now();
   o.machine.apply();
-  const std::string found = ml::system_of_run(o.model);
-  const bool ours = found.empty() || found == "motionlang";
-  const std::string system = ours ? ml::read_model_folder(o.model).system : found;
+  const auto [system, ours] = system_of(o.model);
+  if (!is_diffusion(system) && o.data.empty())
+    ml::raise<usage_error>(102, o.model.string(), ": --data is needed to measure ", system);
   if (system != "tmr" && o.synthesis)
     ml::raise<usage_error>(102, o.model.string(), ": --synthesis measures tmr, not ", system);
   if (system == "tmr" && o.moments > 0)
@@ -41,10 +62,12 @@ void run(const EvaluationOptions& o) {
     evaluate_teach(o);
   else if (system == "tm2t")
     evaluate_tm2t(o);
+  else if (is_diffusion(system))
+    evaluate_stmc(o);
   else
     ml::raise<ml::config_error>(103, o.model.string(), ": a model of '", system,
-                                "'; evaluate measures tmr, temos, actor, sinc, teach and tm2t, also as published, and "
-                                "classifier");
+                                "'; evaluate measures stmc, mdm, motiondiffuse, tmr, temos, actor, sinc, teach and "
+                                "tm2t, also as published, and classifier");
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
   std::printf("%.1f s\n", time.count());
 }
@@ -55,13 +78,16 @@ void add_evaluate(CLI::App& app) {
   const auto o = std::make_shared<EvaluationOptions>();
   CLI::App* c = app.add_subcommand(
       "evaluate",
-      "Measures a TMR, TEMOS, ACTOR, SINC, TEACH, TM2T or classifier of actions, and prints the tables of its paper");
+      "Measures a STMC (MDM, MotionDiffuse), TMR, TEMOS, ACTOR, SINC, TEACH, TM2T or classifier of actions, and prints "
+      "the tables of its paper");
   c->add_option("model", o->model,
-                "Folder of the model: trained here, or published (TMR, TEMOS, ACTOR, SINC, TEACH, M2T_..., or T2M_... "
-                "with --evaluator)")
+                "Folder of the model: trained here, or published (STMC, MDM, MotionDiffuse, TMR, TEMOS, ACTOR, SINC, "
+                "TEACH, M2T_..., or T2M_... with --evaluator). STMC of ours: its .safetensors file, too")
       ->required()
+      ->check(CLI::ExistingPath);
+  c->add_option("--data", o->data,
+                "Folder of the motions, as for training. STMC: folder of the motions that --recorded names")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--data", o->data, "Folder of the motions, as for training")->required()->check(CLI::ExistingDirectory);
   c->add_option("--captions", o->captions, "Table of captions, as for training")->check(CLI::ExistingFile);
   c->add_option("--labels", o->labels,
                 "ACTOR, classifier: table of labels, as for training. Not needed if --annotations has labels")
@@ -199,10 +225,51 @@ void add_evaluate(CLI::App& app) {
                 "Folder for film strips. TEMOS, SINC, TEACH: generated motions (mean of the latent) beside recorded "
                 "ones, for different texts. ACTOR: one for each action");
   c->add_option("--count", o->count, "Number of film strips")->capture_default_str();
+  c->add_option("--texts", o->texts,
+                "STMC: file with a line for each text: 'text # body part # ...', as for mtt. Timelines are drawn from "
+                "it, and crops are ranked among its texts")
+      ->check(CLI::ExistingFile);
+  c->add_option("--timelines", o->timelines, "STMC: file of timelines instead, such as MTT.txt")
+      ->check(CLI::ExistingFile);
+  c->add_option("--first", o->first, "STMC: number of timelines to measure, from the first on. The default is all 500")
+      ->check(in_range(1, 1000000));
+  c->add_option("--recorded", o->recorded,
+                "STMC: file with a line 'path # start # end' for each text: the motion below --data that shows it, and "
+                "from when to when, in seconds. Without it M2M, FID+ and the row of recorded motions are left out")
+      ->check(CLI::ExistingFile);
+  c->add_option("--tmr", o->tmr,
+                "STMC: folder of the TMR that judges, with HumanML3D's features: trained here or published. The "
+                "default is the bundled one")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--tmr-text-encoder", o->tmr_text_encoder, "STMC: text encoder of that TMR, if it has none of its own")
+      ->check(CLI::ExistingPath);
+  c->add_option("--modes", o->modes,
+                "STMC: methods to measure, as --mode of generate names them. The default is all five (table 6.1)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"stmc", "sinc", "sinc-lerp", "single-track", "one-text"}));
+  c->add_option("--overlap", o->overlap, "STMC: seconds that neighbouring texts share around a cut, of these methods")
+      ->check(not_negative())
+      ->capture_default_str();
+  c->add_option(
+       "--overlaps", o->overlaps,
+       "STMC: also measure it with these overlaps (table 6.2: 0.25,0.4,0.5,0.6,0.75,1,1.25). 0 is without extension "
+       "and transitions")
+      ->delimiter(',')
+      ->check(not_negative());
+  c->add_option("--steps", o->steps, "STMC: number of denoising steps, as for generate")->check(not_negative());
+  c->add_option("--guidance", o->guidance, "STMC: weight of the text, as for generate")->check(in_range(0, 100));
+  c->add_option("--noise-factor", o->noise_factor, "STMC: factor of the noise, as for generate")
+      ->check(CLI::IsMember({"paper", "published"}));
+  c->add_option("--batch", o->batch, "STMC: number of timelines that are sampled together")
+      ->check(in_range(1, 100000))
+      ->capture_default_str();
+  c->add_option("--table", o->table, "STMC: form of the tables")
+      ->check(CLI::IsMember({"text", "markdown", "latex", "csv"}))
+      ->capture_default_str();
   c->add_option("--seed", o->seed, "Seed of the generated motions")->check(seed_number())->capture_default_str();
   o->machine.add_to(*c);
   c->callback([o] {
-    o->model = ml::found_model_folder(o->model);
+    if (std::filesystem::is_directory(o->model)) o->model = ml::found_model_folder(o->model);
     run(*o);
   });
 }

@@ -1,7 +1,8 @@
-// motionlang evaluate: what a trained ACTOR, TEMOS, TMR, SINC, TEACH or TM2T is worth.
+// motionlang evaluate: what a trained STMC, ACTOR, TEMOS, TMR, SINC, TEACH or TM2T is worth.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include <motionlang/compose/teach_join.hpp>
 #include <motionlang/text/joined_labels.hpp>
@@ -21,7 +22,7 @@ using EvaluationBackend = ml::EigenBackend<float>;
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
       strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts,
-      temos, independent, joint, keys, tags, evaluator, bert;
+      temos, independent, joint, keys, tags, evaluator, bert, texts, timelines, recorded, tmr, tmr_text_encoder;
   bool synthesis = false;  // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
@@ -37,6 +38,16 @@ struct EvaluationOptions {
   ml::Alignment alignment = ml::Alignment::full;             // of the second action, of TEACH
   ml::Index slerp_window = 8;                                // frames between both that are interpolated
   ml::Index bert_layer = 0;                                  // of BERTScore; 0: the last one
+  // Of STMC:
+  std::optional<ml::Index> first{};  // timelines that are measured, from the first on
+  std::vector<std::string> modes{};  // rows of methods; none: all
+  double overlap = 0.5;              // of these, seconds
+  std::vector<double> overlaps{};    // rows of overlaps
+  ml::Index batch = 50;              // timelines that are sampled together
+  std::optional<ml::Index> steps{};  // the model's own
+  std::optional<double> guidance{};  // the model's own
+  std::string noise_factor;          // "": the model's own
+  std::string table = "text";
   std::uint64_t seed = 0;
   MachineOptions machine;
 };
@@ -61,6 +72,8 @@ void evaluate_classifier(const EvaluationOptions& o);
 /// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L, CIDEr and BERTScore. With an
 /// evaluator motions of texts: R-precision, FID, distance from the texts, diversity and multimodality.
 void evaluate_tm2t(const EvaluationOptions& o);
+/// Motions of timelines by STMC and its baselines, over any diffusion model of texts, judged by TMR.
+void evaluate_stmc(const EvaluationOptions& o);
 /// Where in long motions, made of several clips one after the other, a text happens: the share of stretches that TMR
 /// finds.
 void evaluate_moments(const EvaluationOptions& o);

@@ -39,6 +39,9 @@ class MotionModel {
   virtual Index steps() const { return 0; }
   /// True if it goes through STMC: texts at the same time, body parts, noise, record, reuse and keep.
   virtual bool takes_timelines() const { return false; }
+  /// The most frames that it makes of one text, with what it shares with its neighbours; 0: it has no such limit, or
+  /// says it only when it makes them.
+  virtual Index longest_crop() const { return 0; }
   /// True if its texts are names or numbers of actions.
   virtual bool takes_actions() const { return false; }
   /// True if its motions come from latents with noise in them.

@@ -18,6 +18,7 @@ class StmcMotionModel final : public MotionModel {
   std::string system() const override { return "a diffusion model"; }
   Index steps() const override { return model_.diffusion.steps(); }
   bool takes_timelines() const override { return true; }
+  Index longest_crop() const override { return model_.denoiser.traits().longest(); }
   std::vector<std::string> words() const override { return words_; }
   TextLength length_of(const std::string& text) const override {
     const CaptionEncoder<B>* encoder = captions();
@@ -34,7 +35,7 @@ class StmcMotionModel final : public MotionModel {
   const CaptionEncoder<B>* captions() const {
     if constexpr (std::same_as<E, CaptionEncoder<B>>)
       return &model_.text_encoder;
-    else if constexpr (requires { model_.text_encoder.captions; })
+    else if constexpr (requires { model_.text_encoder.captions.has_value(); })
       return model_.text_encoder.captions ? &*model_.text_encoder.captions : nullptr;
     else
       return nullptr;

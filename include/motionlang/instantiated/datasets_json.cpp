@@ -11,4 +11,5 @@
 #include <motionlang/datasets/described_motions.ipp>
 #include <motionlang/datasets/kit_recordings.ipp>
 #include <motionlang/datasets/label_sentences.ipp>
+#include <motionlang/datasets/mtt_motions.ipp>
 #include <motionlang/datasets/segment_motion.ipp>

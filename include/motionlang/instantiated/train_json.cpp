@@ -6,6 +6,7 @@
 #include <motionlang/train/epoch_task.ipp>
 #include <motionlang/train/measured_items.ipp>
 #include <motionlang/train/moment_evaluation.ipp>
+#include <motionlang/train/mtt_evaluation.ipp>
 #include <motionlang/train/presets.ipp>
 #include <motionlang/train/recognition.ipp>
 #include <motionlang/train/retrieval_evaluation.ipp>

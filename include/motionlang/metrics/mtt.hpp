@@ -20,6 +20,7 @@
 #include <algorithm>  // sort, unique
 #include <array>      // quarters
 #include <cmath>      // isnan
+#include <limits>     // NaN
 #include <numeric>    // accumulate
 #include <vector>     // features
 
@@ -170,10 +171,10 @@ struct MttMotion {
   std::vector<Index> labels;  // (intervals)
   std::vector<S> features;    // (frames - 1, 263), see mtt_features
 };
-/// One recorded motion for each text. Latents (texts, latent).
+/// One recorded motion for each text, or none at all. Latents (texts, latent).
 template <Scalar S>
 struct MttReference {
-  std::vector<double> text_latents, motion_latents;
+  std::vector<double> text_latents, motion_latents;  // the latter empty without recorded motions
   std::vector<std::vector<S>> features;  // (frames - 1, 263) of each; for the transitions of the ground truth
   Index latent = 256;
 };
@@ -186,15 +187,37 @@ struct MttEvaluation {
   Index joints = 22;
 };
 
+/// M2M and FID need recorded motions, and the transition a point that is measured: without them they are NaN. As coded,
+/// few motions may have no such point.
 struct MttScores {
   double r1 = 0, r3 = 0, m2t = 0, m2m = 0, fid = 0, transition = 0;
 };
 
 namespace detail {
 
-inline double mean_of(const char* what, const std::vector<double>& values) {
-  if (values.empty()) raise<numeric_error>(302, "mtt_scores: no ", what);
+/// NaN of none.
+inline double mean_of(const std::vector<double>& values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// The similarities with texts alone where there are no recorded motions.
+template <Scalar S>
+MttSemantics semantics_of(const Rows<double>& latents, std::span<const Index> labels,
+                          const MttReference<S>& reference) {
+  const Rows texts(reference.text_latents, reference.latent);
+  const bool recorded = !reference.motion_latents.empty();
+  auto out = mtt_semantics(latents, labels, texts, recorded ? Rows(reference.motion_latents, reference.latent) : texts);
+  if (!recorded) out.m2m = std::numeric_limits<double>::quiet_NaN();
+  return out;
+}
+
+/// FID of unit latents; NaN where there are no recorded motions.
+template <Scalar S>
+double realism_of(const Rows<double>& crops, const MttReference<S>& reference) {
+  if (reference.motion_latents.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto made = unit_rows(crops), recorded = unit_rows(Rows(reference.motion_latents, reference.latent));
+  return frechet_distance(Rows(made, reference.latent), Rows(recorded, reference.latent));
 }
 
 }  // namespace detail
@@ -237,16 +260,13 @@ MttScores mtt_scores(std::span<const MttMotion<S>> motions, const MttReference<S
       transitions.push_back(d);
     }
   }
-  const Rows text_latents(reference.text_latents, reference.latent),
-      motion_latents(reference.motion_latents, reference.latent);
-  const auto s = mtt_semantics(Rows(intervals, reference.latent), labels, text_latents, motion_latents);
-  const auto crop_rows = unit_rows(Rows(crops, reference.latent)), reference_rows = unit_rows(motion_latents);
+  const auto s = detail::semantics_of(Rows(intervals, reference.latent), labels, reference);
   return {.r1 = s.r1,
           .r3 = s.r3,
           .m2t = s.m2t,
           .m2m = s.m2m,
-          .fid = frechet_distance(Rows(crop_rows, reference.latent), Rows(reference_rows, reference.latent)),
-          .transition = detail::mean_of("transitions", transitions)};
+          .fid = detail::realism_of(Rows(crops, reference.latent), reference),
+          .transition = detail::mean_of(transitions)};
 }
 
 namespace detail {
@@ -274,12 +294,7 @@ MttScores mtt_ground_truth(const MttReference<S>& reference, Index joints = 22) 
     for (const double d : mtt_transitions(std::span<const Vec3<S>>(local), points, MttOrigin::root, joints))
       transitions.push_back(d);
   }
-  return {.r1 = s.r1,
-          .r3 = s.r3,
-          .m2t = s.m2t,
-          .m2m = s.m2m,
-          .fid = 0,
-          .transition = detail::mean_of("transitions", transitions)};
+  return {.r1 = s.r1, .r3 = s.r3, .m2t = s.m2t, .m2m = s.m2m, .fid = 0, .transition = detail::mean_of(transitions)};
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -3,10 +3,13 @@
 
 #include <motionlang/compose/text_sinc_parts.hpp>
 #include <motionlang/datasets/label_sentences.hpp>
+#include <motionlang/datasets/mtt_motions.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/file/input_files.hpp>
 #include <motionlang/formats/motion_file.hpp>
+#include <motionlang/generate/load_motion_model.hpp>
 #include <motionlang/generate/motion_describer.hpp>
+#include <motionlang/generate/mtt_runs.hpp>
 #include <motionlang/generate/synthesized_batch.hpp>
 #include <motionlang/kinematics/join_motions.hpp>
 #include <motionlang/train/moment_evaluation.hpp>
@@ -25,11 +28,17 @@ void text_parts() {
 void sentences_() {
 #include "datasets/label_sentences.1.inc"
 }
+void mtt_motions_() {
+#include "datasets/mtt_motions.1.inc"
+}
 void inputs_(const std::string& output) {
 #include "file/input_files.1.inc"
 }
 void describer_() {
 #include "generate/motion_describer.1.inc"
+}
+void mtt_runs_() {
+#include "generate/mtt_runs.1.inc"
 }
 void synthesis(const Tmr<B>& tmr, const std::unique_ptr<MotionModel>& stmc, const TextMotionBatch<B>& batch,
                const MotionFeatures& features, const Normalizer<B>& normalizer) {
@@ -46,6 +55,9 @@ void items_(const SincDataConfig& c) {
 }
 void moments(const TmrSearchEncoder<B>& tmr, const DescribedMotions& data) {
 #include "train/moment_evaluation.1.inc"
+}
+void mtt_row_(const std::vector<MttMotion<double>>& motions) {
+#include "train/mtt_evaluation.1.inc"
 }
 void likeness_(const std::vector<std::pair<SmplVelpMotion<float>, std::vector<float>>>& items) {
 #include "train/motion_likeness.1.inc"

@@ -115,6 +115,24 @@ TEST_CASE("mtt_scores: crops go to the encoder as the timeline has them") {
               "[motionlang.shape.203]");
 }
 
+TEST_CASE("mtt_scores: without recorded motions M2M and FID are not numbers, and the others the same") {
+  const std::vector<ml::MttMotion<double>> motions{
+      {timeline({{0, 60}, {60, 151}, {20, 80}}), {0, 1, 1}, going(150, 0.3)}};
+  const std::span<const ml::MttMotion<double>> all = motions;
+  const ml::MttReference<double> recorded{{60, 0.3, 90, -5}, {60, 0.3, 80, -9}, {going(20, 0.1), going(30, 0.1)}, 2};
+  ml::MttReference<double> none = recorded;
+  none.motion_latents.clear(), none.features.clear();
+  const auto with = ml::mtt_scores(all, recorded, one_number), without = ml::mtt_scores(all, none, one_number);
+  CHECK((std::isnan(without.m2m) && std::isnan(without.fid)));
+  CHECK((!std::isnan(with.m2m) && !std::isnan(with.fid)));
+  CHECK((with.r1 == without.r1 && with.r3 == without.r3 && with.m2t == without.m2t));
+  CHECK(with.transition == without.transition);
+  const std::vector<ml::MttMotion<double>> no_points{{timeline({{0, 60}, {60, 151}}), {0, 1}, going(150, 0.3)}};
+  const std::span<const ml::MttMotion<double>> few = no_points;
+  CHECK(std::isnan(ml::mtt_scores(few, none, one_number).transition));  // as coded the last one is lost
+  CHECK_FALSE(std::isnan(ml::mtt_scores(few, none, one_number, {.flavour = ml::MttFlavour::as_written}).transition));
+}
+
 TEST_CASE("mtt_features: of all joints that the skeleton has, Z up or Y up") {
   const auto& skeleton = ml::humanml3d_chains();
   const auto rest = ml::chain_offsets<double>(skeleton, std::span<const double>(skeleton.lengths));

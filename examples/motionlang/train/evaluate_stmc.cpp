@@ -1,0 +1,89 @@
+// motionlang evaluate of STMC, MDM and MotionDiffuse: the tables of STMC's paper on timelines.
+#include <algorithm>
+#include <cstdio>
+
+#include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/datasets/mtt_motions.hpp>
+#include <motionlang/file/file.hpp>
+#include <motionlang/generate/mtt_runs.hpp>
+
+#include "../commands.hpp"
+#include "../generate/generation.hpp"
+#include "../progress_bar.hpp"
+#include "../search/search_model.hpp"
+#include "evaluate.hpp"
+
+namespace program {
+
+namespace {
+
+/// Those of a file, or drawn from the texts; the first ones if fewer are wanted.
+std::vector<ml::TimelineInSeconds> timelines_of(const EvaluationOptions& o, std::span<const ml::MttText> texts) {
+  const ml::Index wanted = o.first.value_or(0);
+  if (o.timelines.empty()) {
+    const ml::MttOptions usual;
+    return ml::mtt_timelines(texts, {.count = wanted > 0 ? wanted : usual.count});
+  }
+  auto out = ml::parse_timelines_in_seconds(ml::read_file(o.timelines), {.name = o.timelines.string()});
+  if (wanted > 0 && wanted < std::ssize(out)) out.resize(static_cast<std::size_t>(wanted));
+  return out;
+}
+
+/// Features of the recorded motion of each text; none without --recorded.
+std::vector<std::vector<double>> recorded_features(const EvaluationOptions& o, std::size_t texts) {
+  std::vector<std::vector<double>> out;
+  if (o.recorded.empty()) return out;
+  const auto clips = ml::parse_mtt_motions(ml::read_file(o.recorded), o.recorded.string());
+  if (clips.size() != texts)
+    ml::raise<ml::config_error>(102, o.recorded.string(), ": ", counted(clips.size(), "clip"), " for ",
+                                counted(texts, "text"), " of ", o.texts.string());
+  for (const ml::MttClip& clip : clips) {
+    const auto joints = ml::read_mtt_motion(ml::FilePath(o.data), clip);
+    out.push_back(ml::mtt_features_of_recorded(joints));
+  }
+  return out;
+}
+
+/// The rows of both tables that are wanted.
+std::vector<ml::MttRun> wanted_runs(const EvaluationOptions& o) {
+  std::vector<ml::MttRun> out;
+  for (const ml::MttRun& run : ml::mtt_method_runs(o.overlap)) {
+    if (o.modes.empty() || std::ranges::find(o.modes, ml::to_string(run.mode)) != o.modes.end()) out.push_back(run);
+  }
+  for (const ml::MttRun& run : ml::mtt_overlap_runs(o.overlaps)) out.push_back(run);
+  return out;
+}
+
+}  // namespace
+
+void evaluate_stmc(const EvaluationOptions& o) {
+  if (o.texts.empty()) ml::raise<usage_error>(102, o.model.string(), ": --texts is needed to measure STMC");
+  if (o.recorded.empty() != o.data.empty())
+    ml::raise<usage_error>(102, "--recorded and --data belong together: which motion shows each text, and where it is");
+  const auto texts = ml::parse_mtt_texts(ml::read_file(o.texts), o.texts.string());
+  const auto timelines = timelines_of(o, texts);
+  const SearchModel tmr = search_model(o.tmr.empty() ? default_search_model() : o.tmr, o.tmr_text_encoder);
+  const auto reference = ml::mtt_reference(tmr, texts, recorded_features(o, texts.size()));
+  const auto model =
+      load_generator("eigen", o.model, {.text_encoder = o.text_encoder.string(), .statistics = o.statistics.string()});
+  ml::MttRunOptions how{.seed = o.seed, .batch = o.batch, .steps = o.steps, .guidance = o.guidance};
+  if (!o.noise_factor.empty())
+    how.noise_scale =
+        o.noise_factor == "paper" ? ml::NoiseScale::posterior_std : ml::published_stmc_sampling.noise_scale;
+
+  const ml::TableStyle style = ml::parse_table_style(o.table);
+  ProgressBar bar("generating and measuring");
+  const auto rows = ml::mtt_rows(*model, tmr, reference, texts, timelines, wanted_runs(o), how, bar);
+  bar.finish();
+  std::printf("%s of %s, seed %ju; judged by %s (%s)\n", ml::counted(timelines.size(), "timeline").c_str(),
+              ml::counted(texts.size(), "text").c_str(), static_cast<std::uintmax_t>(o.seed), tmr.model().path.c_str(),
+              tmr.model().id.c_str());
+  for (const auto& [flavour, about] :
+       {std::pair{ml::MttFlavour::as_coded, "as coded, to compare with the published tables"},
+        std::pair{ml::MttFlavour::as_written, "as written in the thesis"}}) {
+    std::printf("\n%s\n%s", about, ml::mtt_table(rows, {.flavour = flavour, .style = style}).c_str());
+  }
+  std::printf("\n");
+}
+
+}  // namespace program

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// Bodies of mtt_runs.hpp.
+#pragma once
+
+#include <algorithm>  // min
+
+#include <motionlang/compose/plan.hpp>
+#include <motionlang/generate/mtt_runs.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline void require_mtt_rate(const MotionModel& model) {
+  if (model.fps() != 20)
+    raise<config_error>(102, "mtt_made: a model of ", model.fps(), " frames per second; timelines are measured at 20");
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void require_mtt_crops(const MotionModel& model, std::span<const TimelineInSeconds> timelines,
+                                       std::span<const MttRun> runs) {
+  detail::require_mtt_rate(model);
+  for (const MttRun& run : runs) {
+    const bool hard = run.mode == StmcMode::sinc || run.mode == StmcMode::sinc_lerp;
+    const PlanOptions how{.overlap = frame_at(run.overlap, model.fps()),
+                          .extend = !hard,
+                          .transition_crops = !hard,
+                          .hidden = HiddenTexts::ignore,
+                          .longest_crop = model.longest_crop()};
+    for (const TimelineInSeconds& t : timelines)
+      plan_timeline(timeline_of_mode(run.mode, to_frames(t, model.fps()), model.fps()), how);
+  }
+}
+
+MOTIONLANG_BODY std::vector<std::vector<double>> mtt_made(const MotionModel& model,
+                                                          std::span<const TimelineInSeconds> timelines,
+                                                          const MttRun& run, const MttRunOptions& options,
+                                                          Progress progress) {
+  detail::require_mtt_rate(model);
+  if (options.batch < 1) raise<config_error>(101, "mtt_made: batches of ", options.batch, " timelines");
+  std::vector<std::vector<double>> out;
+  const Index count = std::ssize(timelines);
+  for (Index begin = 0; begin < count; begin += options.batch) {
+    const Index own = std::min(options.batch, count - begin);
+    std::vector<Timeline> batch;
+    for (Index i = begin; i < begin + own; ++i)
+      batch.push_back(to_frames(timelines[static_cast<std::size_t>(i)], model.fps()));
+    constexpr Index parts = 1000;  // of a timeline
+    const auto step = [&](Index done, Index total) {
+      return progress(parts * begin + parts * own * done / total, parts * count), true;
+    };
+    auto rng = Philox{.seed = options.seed}.split("mtt").split(static_cast<std::uint64_t>(begin));
+    GenerateNotes notes;
+    generate_motions(model, batch,
+                     {.seed = begin == 0 ? options.seed : rng.below(0xFFFFFFFFu),
+                      .steps = options.steps,
+                      .noise_scale = options.noise_scale,
+                      .guidance = options.guidance,
+                      .mode = run.mode,
+                      .overlap = run.overlap,
+                      .cut_texts = false,
+                      .smooth = false,
+                      .fix_feet = false,
+                      .fix_floor = false,
+                      .progress = step,
+                      .notes = &notes});
+    if (std::ssize(notes.features) != own)
+      raise<option_error>(102, "mtt_made: timelines are for diffusion models of texts; this is ", model.system());
+    for (const auto& rows : notes.features) out.push_back(mtt_features_of_rows(notes.layout, rows));
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
