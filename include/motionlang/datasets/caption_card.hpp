@@ -35,7 +35,7 @@ std::string commanded_verb(std::string_view caption);
 namespace detail {
 
 /// Words in lower case, without commas.
-std::vector<std::string> lower_words(std::string_view text);
+std::vector<std::string> caption_words(std::string_view text);
 
 }  // namespace detail
 

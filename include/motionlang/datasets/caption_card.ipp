@@ -32,7 +32,7 @@ inline double seconds_of_union(std::vector<std::pair<double, double>> stretches)
   return sum;
 }
 
-MOTIONLANG_BODY std::vector<std::string> lower_words(std::string_view text) {
+MOTIONLANG_BODY std::vector<std::string> caption_words(std::string_view text) {
   std::vector<std::string> words(1);
   for (const char c : text) {
     if (c == ' ' || c == ',')
@@ -49,7 +49,7 @@ MOTIONLANG_BODY std::vector<std::string> lower_words(std::string_view text) {
 MOTIONLANG_BODY std::string commanded_verb(std::string_view caption) {
   static const std::set<std::string> subjects{"a",  "an",  "the", "someone", "somebody",
                                               "he", "she", "it",  "they",    "one"};
-  const auto words = detail::lower_words(caption);
+  const auto words = detail::caption_words(caption);
   if (words.empty() || subjects.contains(words.front())) return "";
   const std::string& first = words.front();
   static const std::set<std::string> commands_in_ing{"bring", "swing", "spring", "fling", "wring", "sing", "ring"};
@@ -71,7 +71,7 @@ MOTIONLANG_BODY CaptionCard caption_card(const std::vector<ClipLine>& lines) {
     std::set<std::string> verbs;
     for (const std::string& text : line.texts) {
       card.captions.insert(text);
-      for (std::string& word : detail::lower_words(text)) card.words.insert(std::move(word));
+      for (std::string& word : detail::caption_words(text)) card.words.insert(std::move(word));
       verbs.insert(commanded_verb(text));
     }
     verbs.erase("");

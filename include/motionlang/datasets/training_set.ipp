@@ -98,7 +98,7 @@ inline std::string commanded_action(const std::string& caption) {
                                             "keep", "make", "move", "put",  "perform", "stay", "take"};
   const std::string verb = commanded_verb(caption);
   if (!slight.contains(verb)) return verb;
-  const auto words = lower_words(caption);
+  const auto words = caption_words(caption);
   const bool article = words.size() > 2 && (words[1] == "a" || words[1] == "an" || words[1] == "the");
   const std::size_t next = article ? 2 : 1;
   return next < words.size() ? verb + " " + words[next] : verb;
