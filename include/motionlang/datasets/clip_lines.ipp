@@ -99,7 +99,8 @@ inline void read_continuation(ClipLine& line, const std::string& field) {
     else if (word == "seated")
       line.seated = true;
     else if (word.starts_with("then ") && line.then.empty())
-      line.then.push_back({.place = line.place, .id = word.substr(5), .clip = word.substr(5), .end = to_the_end});
+      line.then.push_back(
+          {.place = line.place, .id = word.substr(5), .clip = word.substr(5), .end = to_the_end, .texts = {}});
     else
       raise_clip_line(line, "'" + word + "' is not 'repeat', 'hold', 'seated' or one 'then CLIP'");
   }
