@@ -15,8 +15,8 @@ namespace ml = motionlang;
 using B = ml::EigenBackend<float>;
 using ml::Index;
 
-/// What the denoiser knows about a text: how far each leg swings (rad) and how high its paw is (m), then the trunk's
-/// speed (m/s) and pitch (rad).
+/// The denoiser's knowledge of a text: the swing of each leg (rad), the height of its paw (m), and the trunk's speed
+/// (m/s) and pitch (rad).
 struct KnownText {
   const char* text;
   std::array<float, 10> frame;

@@ -15,7 +15,7 @@ namespace program {
 /// Exit codes, as --help lists them.
 enum Exit : int { ok = 0, failed = 1, usage = 2, bad_timeline = 3, stopped = 130 };
 
-/// What was typed, for the metadata of what is made.
+/// The command line as typed. It goes into the metadata of the files that the command writes.
 inline std::string command_line;
 
 void add_generate(CLI::App& app);

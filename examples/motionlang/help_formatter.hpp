@@ -68,8 +68,8 @@ class HelpFormatter : public CLI::FormatterBase {
     const std::string name = o.get_name(true) + (o.get_expected_max() > 1 ? "..." : "");
     return o.get_required() ? name : "[" + name + "]";
   }
-  /// What --help of CLI11 would print behind the name, "FLOAT:0 to 100" or "TEXT:FILE": a word for the value, and what
-  /// else is said about it.
+  /// CLI11 prints such as "FLOAT:0 to 100" or "TEXT:FILE" behind a name. This splits it: a word for the value, and the
+  /// rest.
   struct Value {
     std::string word, about;
   };

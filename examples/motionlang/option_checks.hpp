@@ -1,5 +1,5 @@
-// What an option takes. CLI11's own checks let "nan" through, and say "not in range 0.000000 to
-// 17976931348623157081..." where "above 0" is meant.
+// Checks of the values of options. CLI11's own checks accept "nan", and their message for "above 0" is "not in range
+// 0.000000 to 17976931348623157081...".
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -14,7 +14,7 @@ inline constexpr std::array<std::string_view, 8> training_commands{"train-tmr", 
 inline constexpr const char* build_with_training =
     "cmake --preset release -DMOTIONLANG_TRAINING=ON && cmake --build build/release --target motionlang_program";
 
-/// Of a subcommand that this program does not have.
+/// The message for a subcommand that this program does not have.
 inline std::string no_subcommand(const std::string& name) {
   if (std::ranges::find(training_commands, name) == training_commands.end())
     return "there is no subcommand '" + name + "'";

@@ -52,7 +52,7 @@ void first_step(const fs::path& path, double start) {
   report_value("start", "MB of the program then", peak_memory());
 }
 
-/// What a program that was started again does with the file.
+/// The work of the program that was started again for one measurement.
 void run(const std::string& work, const fs::path& path, double start) {
   if (work == "write published") return write_published(path);
   if (work == "write mdm") return write_mdm(path);

@@ -1,6 +1,6 @@
-// What the machine can multiply and add at most, measured: independent multiply-adds that stay in registers, on all
-// threads of the pool. A figure of the moment (the clock changes, neighbours come and go), so it is measured beside
-// everything that is compared with it. MOTIONLANG_KERNELS bounds what instructions it is of, as it bounds the kernels.
+// The measured peak of the machine: independent multiply-adds that stay in registers, on all threads of the pool. It
+// changes with the clock and with other programs, so each comparison measures it again. MOTIONLANG_KERNELS limits its
+// instructions, as it limits the kernels.
 #pragma once
 
 #include <algorithm>

@@ -24,7 +24,7 @@ PROGRAM = {"product": "products", "product_gelu": "products", "product_batched":
            "distilbert": "text", "clip_text": "text", "fk": "kinematics", "smpl": "body", "search": "search", "search_bf16": "search",
            **dict.fromkeys(("motiondiffuse", "guo_evaluator", "tm2t_tokenizer", "train_tokenizer", "tm2t_write", "stgcn", "train_stgcn"), "networks"),
            "start": "generate", "stmc_full": "generate", "stmc_bundled": "generate"}
-# What a peer needs, and where a work has another name there.
+# How to install each peer. WORK_OF_PEER has the works that have another name there.
 PACKAGE = {"torch": "Debian: python3-torch libopenblas0-openmp", "faiss": "Debian: python3-faiss",
            "onnx": f"npm install --ignore-scripts --prefix {ONNX_FOLDER} onnxruntime-node (and torch, which writes the models)",
            "onednn": "Debian: libdnnl-dev, before CMake; target bench_products_onednn", "native": "target bench_products_native"}

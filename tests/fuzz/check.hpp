@@ -1,5 +1,5 @@
-// What a fuzz target demands of a result: a crash when it does not hold, which the fuzzer reports with its input. And
-// what it allows: an error of the library.
+// Fuzz targets check results and crash if one is wrong; the fuzzer then reports the input. Errors of the library are
+// allowed.
 #pragma once
 
 #include <cstdio>

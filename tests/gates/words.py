@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Gate: no text of ours has a word or phrase of words.txt, and no message of the library has an option of the program.
 
-A third column of words.txt limits a rule to a folder.
+A third column of words.txt limits a rule to some files: it is a regular expression that their paths have to match.
 
     python3 tests/gates/words.py [FILE ...]
 """
@@ -14,8 +14,8 @@ from files import root, tracked
 rules = []
 for line in (root / "tests/gates" / "words.txt").read_text(encoding="utf-8").splitlines():
     if line and not line.startswith("#"):
-        pattern, better, folder = (line.split("\t") + [""])[:3]
-        rules.append((re.compile(pattern), better, str(root / folder)))
+        pattern, better, paths = (line.split("\t") + [""])[:3]
+        rules.append((re.compile(pattern), better, re.compile(paths)))
 
 files = [pathlib.Path(name).resolve() for name in sys.argv[1:]]
 if not files:
@@ -28,6 +28,8 @@ marker = re.compile(r"^\s*(///?|\*|#)?\s*")
 found = 0
 for file in files:
     lines = file.read_text(encoding="utf-8").splitlines()
+    path = file.relative_to(root).as_posix()
+    rules_here = [(pattern, better) for pattern, better, paths in rules if paths.search(path)]
     is_library = "include/motionlang" in str(file) and "viewer_page" not in str(file)  # this one has CSS
     for number, line in enumerate(lines, 1):
         if is_library and option.search(line.split("// ")[0]):
@@ -35,8 +37,8 @@ for file in files:
             found += 1
         begin = line.rstrip() + " "
         rest = marker.sub("", lines[number]) if number < len(lines) else ""  # a phrase may go on in the next line
-        for pattern, better, folder in rules:
-            match = str(file).startswith(folder) and pattern.search(begin + rest)
+        for pattern, better in rules_here:
+            match = pattern.search(begin + rest)
             if match and match.start() < len(begin):
                 print(f"{file}:{number}: '{match.group()}': write {better}")
                 found += 1

@@ -16,7 +16,7 @@ void expect(bool holds, const std::string& what) {
   if (!holds) throw std::runtime_error(what);
 }
 
-/// What NumPy and PyTorch call an element type.
+/// The name of an element type in NumPy and PyTorch.
 std::string type_name(ml::DType t) {
   const std::string name = to_string(t);
   const std::map<char, std::string> kinds{{'F', "float"}, {'I', "int"}, {'U', "uint"}};

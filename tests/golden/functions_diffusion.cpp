@@ -75,7 +75,7 @@ ml::GaussianDiffusion respaced(const ml::JsonView& config, const std::string& ke
   const auto d = golden::diffusion_of(config);
   return d.respaced(kept_steps(config, key, d.steps()));
 }
-/// What the network receives: the original index, or that rescaled to 1000 steps.
+/// The time that the network receives: the original index, or this index rescaled to 1000 steps.
 double network_time(const ml::GaussianDiffusion& d, Index t, bool rescale, Index original_steps) {
   const auto original = static_cast<double>(d.network_t(t));
   return rescale ? original * (1000.0 / static_cast<double>(original_steps)) : original;

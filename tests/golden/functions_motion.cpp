@@ -53,7 +53,7 @@ void out_poses(Case& c, const ml::AmassPoses<S>& result) {
   c.out("trans", {T, 3}, result.trans);
 }
 
-/// Of TEACH: which frames are taken.
+/// TEACH's choice of frames.
 void amass_frame_indices(Case& c) {
   const auto fps = c.values<double>("in/fps");
   const auto frames = c.values<ml::Index>("in/frames");
@@ -62,7 +62,7 @@ void amass_frame_indices(Case& c) {
   }
 }
 
-/// Of STMC: poses between the frames. TEACH has another function of this name.
+/// STMC's poses between the frames. TEACH has another function of this name.
 template <class S>
 void amass_resampling(Case& c) {
   if (c.has("in/frames")) return amass_frame_indices(c);

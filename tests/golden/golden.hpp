@@ -67,7 +67,7 @@ class Case {
   /// Names below a prefix, without it: names("weights/").
   std::vector<std::string> names(const std::string& prefix) const;
   const ml::SafetensorsFile& file() const { return file_; }
-  /// Whether the published numbers were computed in double: the config says so, or all numbers with a fraction are.
+  /// True if the published numbers were computed in double: the config says so, or all numbers with a fraction are.
   bool in_double() const;
 
   // ---- results ------------------------------------------------------------------------------------------------------
@@ -97,7 +97,7 @@ class Case {
   }
   /// Does not compare an output whose record is known to be wrong: README.md names the case and has the proof.
   void leave_out(const std::string& name) { left_out_ += produced_.insert("out/" + name).second ? 1 : 0; }
-  /// Whether the file holds this output: intermediate ones are missing in large cases.
+  /// True if the file holds this output. Large cases lack intermediate ones.
   bool wants(const std::string& output) const { return has("out/" + output); }
 
   // ---- for the runner -----------------------------------------------------------------------------------------------

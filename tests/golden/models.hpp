@@ -114,8 +114,8 @@ ml::TextFeatures<B> text_features(const Case& c, const std::string& text = "in/t
   const auto valid = c.values<unsigned char>(mask);
   return {.tokens = ml::from_padded(x, std::span<const unsigned char>(valid)), .padded_tokens = x.size(1)};
 }
-/// What an MDM is conditioned by: in/text, one-hot rows of in/action (they pick a learned vector), or as many rows
-/// that nobody reads.
+/// The condition of an MDM: in/text, one-hot rows of in/action (they pick a learned vector), or as many rows that the
+/// model ignores.
 template <ml::Backend B>
 ml::TextFeatures<B> mdm_condition(const Case& c, const ml::MdmConfig& config, Index sequences) {
   if (config.condition == ml::MdmCondition::text) return text_features<B>(c);

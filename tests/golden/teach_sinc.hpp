@@ -65,8 +65,8 @@ ml::SincTexts<B> sinc_texts(const Case& c) {
   return texts;
 }
 
-/// What a training case wants of its loss: terms and total, gradients, and the parameters named `after_` behind one
-/// step. A parameter that the file has no gradient of must have none.
+/// Writes the results of one training step: the terms of the loss and their sum, the gradients, and the parameters
+/// after the step, named `after_`. A parameter without a gradient in the file must have none.
 template <ml::AutodiffBackend A, class M>
 void out_training_step(Case& c, M& model, const ml::LossTerms<A>& terms) {
   for (const auto& term : terms.terms) out(c, term.name, term.value);

@@ -40,7 +40,7 @@ void out_padded(Case& c, const std::string& name, const ml::Sequences<B>& x, Ind
   const auto padded = ml::to_padded(x, 0, frames);
   out(c, name, layout == Layout::time_first ? ml::permute(padded, {1, 0, 2}) : padded);
 }
-/// What enters the stack of an encoder, and its first and last layer.
+/// Writes the input of an encoder's stack, and the outputs of its first and last layer.
 template <ml::Backend B>
 void out_encoder_layers(Case& c, const ml::TransformerEncoder<B>& stack, ml::Sequences<B> x, Index frames,
                         Layout layout) {

@@ -30,8 +30,8 @@ ml::MotionTokenizer<B> motion_tokenizer(const Case& c) {
   return m;
 }
 
-/// What "kind" says: m2t (motion tokens to words), m2t_v3 (decoder reads word vectors), t2m (word vectors to motion
-/// tokens), t2m_v2 (word ids).
+/// The configuration for "kind": m2t (motion tokens to words), m2t_v3 (decoder reads word vectors), t2m (word vectors
+/// to motion tokens), t2m_v2 (word ids).
 inline ml::Seq2SeqConfig seq2seq_config(const ml::JsonView& config) {
   const auto kind = config["kind"].as<std::string>();
   const Index words = config["text_words"].as<Index>() + 1, tokens = config["codebook"].as<Index>() + 3;

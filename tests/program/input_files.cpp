@@ -1,4 +1,4 @@
-// What motionlang reads it does not write over: by another name, from folder into folder, of several kinds.
+// motionlang does not overwrite its input files: under another name, from folder into folder, of several kinds.
 #include <doctest/doctest.h>
 
 #include <motionlang/file/npy.hpp>

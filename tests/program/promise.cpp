@@ -1,4 +1,4 @@
-// What the README promises of the weights that come with the repository, for its own timeline.
+// The README's promises about the bundled weights, for the timeline in the README.
 #include <doctest/doctest.h>
 
 #include <array>

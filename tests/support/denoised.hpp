@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What TEMOS, TMR and SINC make of a motion that they encode and decode, by the library alone.
+/// The motion that TEMOS, TMR and SINC decode from the encoding of another, made by the library alone.
 #pragma once
 
 #include <motionlang/features/motion_features.hpp>

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-/// Whether every tag is closed in the right order and every ampersand starts an entity. For XML without CDATA.
+/// True if every tag is closed in the right order and every ampersand starts an entity. For XML without CDATA.
 inline bool is_well_formed(std::string_view xml) {
   std::vector<std::string> open;
   for (std::size_t at = 0; at < xml.size(); ++at) {

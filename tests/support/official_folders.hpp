@@ -206,7 +206,7 @@ inline void write_motiondiffuse_run(const fs::path& folder, const Sizes& s) {
   write_text(folder / "bpe_simple_vocab_16e6.txt", bpe_vocabulary);
 }
 
-/// What has to come out of a folder: the model made of the same parts without any file.
+/// The model that loading a folder must give, made of the same parts without any file.
 inline ml::PublishedStmc<B> expected(const std::string& system, const Sizes& s) {
   const bool stmc = system == "stmc", mdm_run = system == "mdm";
   ml::AnyDenoiser<B> denoiser;

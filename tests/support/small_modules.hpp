@@ -90,7 +90,7 @@ struct Small<ml::CaptionEncoder> {
   }
 };
 
-/// What a denoiser is fed with in these tests: 11 features, texts of width 12.
+/// The input of denoisers in these tests: 11 features, texts of width 12.
 inline constexpr Index small_features = 11, small_text = 12;
 
 /// One vector for each text.

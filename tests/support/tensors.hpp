@@ -12,7 +12,7 @@ namespace tensors {
 
 namespace ml = motionlang;
 
-/// What rounding may cost where nothing is summed up: a trait of the scalar.
+/// The rounding error that is allowed where nothing is summed up: a trait of the scalar.
 template <ml::Scalar S>
 inline constexpr double tolerance = 32 * static_cast<double>(std::numeric_limits<S>::epsilon());
 

@@ -40,7 +40,7 @@ namespace {
 namespace ml = motionlang;
 using ml::Index;
 
-/// What was taken since the program began, after every step. Needs no memory itself.
+/// Records after every step how much memory was taken since the program began. Needs no memory itself.
 struct Counter {
   struct Count {
     long heap = 0;

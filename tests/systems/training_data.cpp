@@ -1,4 +1,4 @@
-// What the bundled model is trained on: captions that follow what is done to a clip, and the loss on feet.
+// The training data of the bundled model: captions change with the clip (mirrored, cut), and the loss on feet.
 #include <doctest/doctest.h>
 
 #include <numbers>

@@ -1,5 +1,5 @@
-// What opening a file of weights may cost: nothing for large claims, no copy of what can be mapped, and never more than
-// twice the file and 64 MiB, whatever the file says.
+// Memory that opening a file of weights may take: nothing for large claims, no copy of tensors that can be mapped, and
+// never more than twice the file and 64 MiB, whatever the file says.
 #include <doctest/doctest.h>
 
 #include <malloc.h>

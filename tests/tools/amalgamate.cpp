@@ -61,7 +61,7 @@ std::vector<std::string> read_lines(const fs::path& path) {
   return lines;
 }
 
-/// Whether a line is `# <word> ...`; then `rest` is what follows the word.
+/// True if a line is `# <word> ...`. Then `rest` is what follows the word.
 bool is_directive(const std::string& line, const std::string& word, std::string* rest = nullptr) {
   auto skip = [&](std::size_t i) { return std::min(line.find_first_not_of(" \t", i), line.size()); };
   std::size_t i = skip(0);
@@ -75,7 +75,7 @@ bool is_directive(const std::string& line, const std::string& word, std::string*
 /// The branches of `#if`s on MOTIONLANG_INSTANTIATED, which is undefined. Asked once for every line, in order.
 class Instantiated {
  public:
-  /// Whether a line is left out: the directives of such an #if, and what is below one that does not hold.
+  /// True if the line is left out: it is a directive of such an #if, or below one that does not hold.
   bool decides(const std::string& line) {
     std::string rest;
     if (is_directive(line, "if", &rest)) {
@@ -203,7 +203,7 @@ class Amalgamation {
       append(line);
     }
   }
-  /// Whether it was included where all conditions were among those that hold here.
+  /// True if `header` was included before under no other conditions than those that hold here.
   bool is_present(const std::string& header) {
     const std::set<std::string> here(conditions_.begin(), conditions_.end());
     return std::any_of(present_[header].begin(), present_[header].end(), [&](const auto& conditions) {

@@ -211,7 +211,7 @@ write('views_legacy.pt', legacy({'w': tensor(Storage(torch.FloatStorage, '17', 6
 inner = legacy(Storage(torch.FloatStorage, '5', 6, (None,)), {'5': (6, numbers)})
 write('nested_storage.pkl', pickled({'w': tensor(Call(storage._load_from_bytes, inner), 0, (2, 3), (3, 1))}, 4))
 
-# What asks for too much.
+# Files that ask for too much memory.
 archive('stride_bomb.pt', {'w': tensor(Storage(torch.FloatStorage, '0', 1), 0, (1 << 40,), (0,))}, {'0': floats(1)})
 archive('many_expanded.pt', {str(i): tensor(Storage(torch.DoubleStorage, '0', 1), 0, (1 << 20,), (0,)) for i in range(40)},
         {'0': struct.pack('<d', 1)})

@@ -38,7 +38,7 @@ struct ConvertOptions {
   bool replace = false;  // clips of the data set
 };
 
-/// What a motion becomes by --denoise; none without it. The model is loaded at once.
+/// The function that --denoise applies to a motion; empty without --denoise. Loads the model at once.
 std::function<ml::Motion(const ml::Motion&)> denoiser_of(const ConvertOptions& o) {
   if (o.denoise.empty()) return {};
   const std::shared_ptr<const ml::MotionModel> generator = load_generator("eigen", o.denoise, o.sources);
@@ -50,7 +50,7 @@ std::function<ml::Motion(const ml::Motion&)> denoiser_of(const ConvertOptions& o
   return [generator, &model, action = o.action](const ml::Motion& m) { return model.denoised(m, action); };
 }
 
-/// What the options name besides motions.
+/// The files that the options name besides motions.
 ml::InputFiles inputs_of(const ConvertOptions& o) {
   return {o.rig.file, o.rig.joints, o.body.file == "free" ? "" : o.body.file, o.skeleton, o.read.joints, o.read.asf};
 }

@@ -29,7 +29,7 @@ void joints_of(const ml::Skeleton& s) {
                 j == 0 ? "" : ml::printable(s.name(s.parent(j))).c_str());
 }
 
-/// Of one position at least.
+/// The smallest box around the positions, as text. Needs at least one position.
 std::string extent_of(std::span<const ml::Vec3<double>> positions) {
   const auto [low, high] = ml::box_of(positions);
   return formatted("x %.2f ... %.2f, y %.2f ... %.2f, z %.2f ... %.2f m", low.x, high.x, low.y, high.y, low.z, high.z);

@@ -27,7 +27,7 @@ namespace program {
 
 namespace ml = motionlang;
 
-/// What --joints is about.
+/// The help of --joints.
 inline constexpr const char* joints_help =
     "Table for skeletons with unknown names or axes, with lines 'joint of SMPL<TAB>joint[<TAB>axes]', such as "
     "'left_hip' "

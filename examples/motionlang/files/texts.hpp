@@ -6,7 +6,7 @@
 
 namespace program {
 
-/// Whether a file is to be read as texts of motions rather than as motions.
+/// True if the file holds texts of motions rather than motions.
 bool is_texts(const std::filesystem::path& path);
 /// BABEL or annotation JSON as annotation JSON (.json), or as files of captions in the folder texts/ of a folder
 /// without extension, as HumanML3D and KIT-ML have them. Returns a line about what it wrote. Throws config_error 103

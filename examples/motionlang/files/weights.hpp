@@ -12,9 +12,9 @@ namespace program {
 
 namespace ml = motionlang;
 
-/// Whether a file, or a folder, is to be read as weights: by its kind, of others by how it begins.
+/// True if a file or folder holds weights. Its extension decides if it is a known one, else its first bytes.
 bool is_weights(const std::filesystem::path& path);
-/// Of NumPy's files: whether they are motions or joint positions rather than weights.
+/// True if a NumPy file holds a motion or joint positions rather than weights.
 bool holds_motion(const std::filesystem::path& npz);
 bool holds_joints(const std::filesystem::path& npy);
 

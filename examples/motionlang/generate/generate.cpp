@@ -52,8 +52,8 @@ struct GenerateCommand {
 ml::Timeline timeline_of(const std::string& text, double seconds, double fps) {
   return ml::whole_body_timeline(text, ml::frame_at(seconds, fps));
 }
-/// What the user wrote: one text, or timelines, which are read at once and become frames when the rate of the model is
-/// known.
+/// The timelines of the user, or one text. They are checked at once; `at` turns seconds into frames as soon as the rate
+/// of the model is known.
 class WantedTimelines {
  public:
   explicit WantedTimelines(const GenerateCommand& o) : o_(o), source_(timeline_source(o.timeline)) {
@@ -186,7 +186,7 @@ void require_fitting(const GenerateCommand& o, const ml::MotionModel& generator)
     ml::raise<usage_error>(102, o.model, ": --in-turn is for models of timelines (STMC); this is ", generator.system());
 }
 
-/// What was reused, and how far kept frames came to be from where they were.
+/// Prints how much was reused, and warns if kept frames moved over the floor.
 void say(const ml::GenerateNotes& notes, const ml::GenerateOptions& settings) {
   if (notes.reuse) std::printf("%s", with_options(ml::reuse_notes(*notes.reuse, settings.keep_beyond)).c_str());
   constexpr double noticeable = 0.1;  // metres

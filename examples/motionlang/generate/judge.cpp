@@ -1,8 +1,7 @@
 // motionlang judge: does the model do what prompts say? Each prompt is generated with several seeds and measured.
 //
-// What counts as done is stated in numbers for each verb (motionlang/generate/judged_verbs.hpp), so that a table of
-// percentages can be compared between models, and with --compare between numbers of steps. --clips measures recorded
-// motions in the same way.
+// Each verb has a rule in numbers for "done" (motionlang/generate/judged_verbs.hpp). So the percentages of models can
+// be compared, and with --compare those of numbers of steps. --clips measures recorded motions in the same way.
 #include <cstdio>
 
 #include <motionlang/core/quantile.hpp>
@@ -83,7 +82,7 @@ ml::Judgement judged(const ml::MotionModel& generator, const JudgeOptions& o, co
   return ml::judge(generator, bench.prompts(seconds), settings, o.seeds, !o.strips.empty());
 }
 
-/// Of every motion a picture, with what the judge says as its title.
+/// Writes a picture of every motion. Its title is the verdict.
 void write_strips(const ml::Judgement& j, const std::string& folder, const std::string& name) {
   std::filesystem::create_directories(folder);
   for (std::size_t i = 0; i < j.made.size(); ++i) {

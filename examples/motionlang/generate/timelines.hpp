@@ -20,7 +20,7 @@ namespace program {
 
 namespace ml = motionlang;
 
-/// What stands for standard input where a timeline file is wanted.
+/// The name of standard input in place of a timeline file.
 inline constexpr const char* standard_input = "-";
 
 /// A timeline file, or standard input, as messages name it.

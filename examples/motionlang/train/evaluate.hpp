@@ -16,7 +16,7 @@ namespace program {
 
 namespace ml = motionlang;
 
-/// What models are measured on.
+/// The backend of all evaluations.
 using EvaluationBackend = ml::EigenBackend<float>;
 
 struct EvaluationOptions {

@@ -23,7 +23,7 @@ namespace {
 using ml::Index;
 using B = ml::EigenBackend<float>;
 
-/// What the model was trained on, of our own training; the defaults for others.
+/// The data configuration of a model that we trained; the defaults for published models.
 ml::DataConfig data_of(const std::filesystem::path& folder) {
   ml::DataConfig out;
   const ml::RunFolder run = ml::find_run(folder);

@@ -30,7 +30,7 @@ const std::filesystem::path& needed(const std::filesystem::path& folder, const c
   return folder;
 }
 
-/// What the stages behind the tokenizer go on from, except the motions.
+/// The models and words that the stages after the tokenizer start from. None for the tokenizer itself.
 std::optional<ml::TokenizedData<B>> models_before(const Options& o, const ml::Tm2tTrainingConfig& config) {
   if (o.stage == ml::Tm2tStage::tokenizer) return std::nullopt;
   ml::GloVe words({"sos", "eos", "unk"}, std::vector<float>(3), 1);

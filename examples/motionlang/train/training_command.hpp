@@ -1,5 +1,5 @@
-// What the commands train-tmr, train-temos, train-sinc, train-teach, train-tm2t, train-actor and train-classifier have
-// in common: options, configuration, reading of data, what they print.
+// The common part of train-tmr, train-temos, train-sinc, train-teach, train-tm2t, train-actor and train-classifier:
+// options, configuration, reading of data, output.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ namespace program {
 
 namespace ml = motionlang;
 
-/// What training computes on.
+/// The backend of all trainings.
 using TrainingBackend = ml::EigenBackend<float>;
 using TrainingTape = ml::Autodiff<TrainingBackend>;
 

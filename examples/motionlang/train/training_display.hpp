@@ -1,4 +1,4 @@
-// What a training prints: a progress bar, and in the end what it did.
+// The output of a training: a progress bar, and a summary at the end.
 #pragma once
 
 #include <cstdio>

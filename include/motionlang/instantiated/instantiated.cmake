@@ -27,7 +27,7 @@ if(TARGET Eigen3::Eigen AND TARGET nlohmann_json::nlohmann_json)
   target_link_libraries(motionlang_instantiated_training PUBLIC motionlang_instantiated)
   target_compile_definitions(motionlang_instantiated_training INTERFACE MOTIONLANG_INSTANTIATED_TRAINING)
 endif()
-# What calculates: -O3. What reads, checks and plans: -O2.
+# Code that calculates: -O3. Code that reads, checks and plans: -O2.
 set(MOTIONLANG_INSTANTIATED_OPTIONS "" CACHE STRING "Compiler options of motionlang::instantiated instead of -O3 and -O2, e.g. -O1")
 foreach(source ${motionlang_instantiated_sources} ${motionlang_training_sources})
   get_filename_component(name ${source} NAME)

@@ -1,10 +1,10 @@
 #!/bin/bash
-# What the headers cost a user: compile_time.sh [--table] [--kept FILE] <compiler and flags...>
+# Measures how long a user compiles the headers: compile_time.sh [--table] [--kept FILE] <compiler and flags...>
 #
 # Compiles the unit of a user in several ways and prints each time (user seconds) and its ratio to three packages together,
 # <Eigen/Dense>, <nlohmann/json.hpp> and <xtensor/xarray.hpp>, measured in the same run. Fails if a ratio is more than 1.2
 # times what kept.txt says, in the better of two tries. Says if it is less than 0.8 times: then keep the new one.
-# --table: what single headers cost, too.
+# --table: measures single headers, too.
 here=$(cd "$(dirname "$0")" && pwd)
 kept=$here/kept.txt
 table=0

@@ -1,4 +1,4 @@
-// What the usage examples of compose/ and datasets/ take for granted.
+// Names that the usage examples of compose/ and datasets/ use without declaring them.
 #include "usage.hpp"
 
 #include <motionlang/compose/cut_texts.hpp>

@@ -1,4 +1,4 @@
-// What the usage examples of core/, tensor/ and the headers of the first level take for granted.
+// Names that the usage examples of core/, tensor/ and the headers of the first level use without declaring them.
 #include "usage.hpp"
 
 #include <motionlang/core/context.hpp>

@@ -1,4 +1,4 @@
-// What the usage examples of evaluations, of descriptions and of work on whole folders take for granted.
+// Names that the usage examples of evaluations, descriptions and work on whole folders use without declaring them.
 #include "usage.hpp"
 
 #include <motionlang/compose/text_sinc_parts.hpp>

@@ -1,4 +1,4 @@
-// What the usage examples of features/, kinematics/ and diffusion/ take for granted.
+// Names that the usage examples of features/, kinematics/ and diffusion/ use without declaring them.
 #include "usage.hpp"
 
 #include <motionlang/diffusion/mdm_actions.hpp>

@@ -1,4 +1,4 @@
-// What the usage examples of file/ and formats/ take for granted.
+// Names that the usage examples of file/ and formats/ use without declaring them.
 #include "usage.hpp"
 
 #include <motionlang/file/json.hpp>

@@ -1,4 +1,4 @@
-// What the usage examples of generate/, Stmc, its baseline and the words of models take for granted.
+// Names that the usage examples of generate/, Stmc, its baseline and the words of models use without declaring them.
 #include "usage.hpp"
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// What the usage examples of metrics/ take for granted.
+// Names that the usage examples of metrics/ use without declaring them.
 #include "usage.hpp"
 
 #include <motionlang/metrics/ape_ave.hpp>

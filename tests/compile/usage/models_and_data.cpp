@@ -1,4 +1,4 @@
-// What the usage examples of trained models, search, pages, and data sets take for granted.
+// Names that the usage examples of trained models, search, pages, and data sets use without declaring them.
 #include "usage.hpp"
 
 #include <iostream>

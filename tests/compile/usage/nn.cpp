@@ -1,4 +1,4 @@
-// What the usage examples of nn/, vae/ and search/ take for granted.
+// Names that the usage examples of nn/, vae/ and search/ use without declaring them.
 #include "usage.hpp"
 
 #include <motionlang/nn/conv_stack.hpp>

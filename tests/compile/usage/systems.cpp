@@ -1,4 +1,4 @@
-// What the usage examples of systems/ take for granted.
+// Names that the usage examples of systems/ use without declaring them.
 #include "usage.hpp"
 
 #include <motionlang/compose/timeline_text.hpp>

@@ -1,4 +1,4 @@
-// What the usage examples of train/, and of losses and metrics that trainings have, take for granted.
+// Names that the usage examples of train/, and of the losses and metrics of trainings, use without declaring them.
 #include "usage.hpp"
 
 #include <motionlang/backend/autodiff.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What all usage examples take for granted.
+/// Names that all usage examples use without declaring them.
 #pragma once
 
 #include <motionlang/backend/eigen.hpp>

@@ -1,4 +1,4 @@
-// What the usage examples of weights/ take for granted.
+// Names that the usage examples of weights/ use without declaring them.
 #include "usage.hpp"
 
 #include <motionlang/file/json.hpp>

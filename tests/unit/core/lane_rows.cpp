@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t widths[] = {1, 3, 4, 9, 16};
 
-/// What stands in lane i of number k.
+/// The value in lane i of number k.
 template <class S>
 S value(std::size_t i, std::size_t k) {
   return static_cast<S>(100 * i + k);

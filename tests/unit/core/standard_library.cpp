@@ -1,4 +1,4 @@
-// What stands in for the parts that some standard libraries lack: the same characters and bits as everywhere.
+// Replacements for parts that some standard libraries lack: the same characters and bits as everywhere.
 #include <clocale>
 #include <cmath>
 #include <cstdlib>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 
-/// What the library itself calls: the functions of the standard library, where it has them.
+/// The functions that the library itself calls: those of the standard library where it has them.
 struct Called {
   template <class... T>
   static std::string written(T... value_and_how) {
@@ -91,7 +91,7 @@ std::string all_texts(F value, int places) {
          ' ' + From::written(value, chars_format::scientific, places) + ' ' + reading<double, From>(shortest) + ' ' +
          reading<float, From>(shortest);
 }
-/// Of `count` values; at most a few that differ from what the other one writes are shown.
+/// Hash of the texts of `count` values. Checks each against the text that our own functions write.
 template <class F, class Bits>
 std::uint64_t hash_of_texts(int count) {
   std::uint64_t hash = 0xCBF29CE484222325u;  // FNV-1a

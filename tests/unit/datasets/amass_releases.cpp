@@ -1,4 +1,4 @@
-// What is known to be wrong or renamed in AMASS.
+// Sequences of AMASS that are known to be wrong or were renamed.
 #include <doctest/doctest.h>
 
 #include <motionlang/datasets/amass_releases.hpp>

@@ -22,7 +22,7 @@ using Joints = std::vector<ml::Vec3<S>>;
 Joints<double> walk(int frames, double turn = 0) {
   return synthetic::walk({.frames = frames, .turn = turn}, ml::humanml3d22_skeleton()).positions();
 }
-/// What the features describe. With corrections the smooth heading of frame 0 is turned onto +Z.
+/// The motion that the features describe. With corrections the smooth heading of frame 0 is turned onto +Z.
 Joints<double> grounded(const Joints<double>& joints, bool corrected = false) {
   const auto& skeleton = ml::humanml3d_chains();
   const auto uniform = ml::uniform_skeleton(skeleton, view(joints), view(skeleton.lengths));

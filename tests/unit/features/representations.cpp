@@ -157,7 +157,7 @@ TEST_CASE("smplvelp: what is refused") {
 }
 
 TEST_CASE("rifke: joints to features to joints, up to where and whither the first frame stands") {
-  // Of the walk with 22 joints; TEMOS' own 21 joints are the same code with other numbers.
+  // The walk has 22 joints. TEMOS' own 21 joints take the same path through the code.
   auto y_up = ml::temos_rifke();
   y_up.joints = 22;
   y_up.across = {{{2, 1}, {17, 16}}};

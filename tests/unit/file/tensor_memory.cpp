@@ -1,4 +1,4 @@
-// What a file may cost in memory.
+// Limits on the memory that reading a file may take.
 #include <doctest/doctest.h>
 
 #include <motionlang/file/tensor_memory.hpp>

@@ -1,6 +1,6 @@
-// What was written is read again, on real motions: BVH, GLB, AMASS and joint positions of every .bvh and .amc file and
-// of every animation of every .glb file below the folder that the environment variable MOTIONLANG_MOTIONS names. The
-// motions are not part of the repository.
+// Real motions are written and read again as BVH, GLB, AMASS and joint positions. They are all .bvh and .amc files and
+// all animations of .glb files below the folder that the environment variable MOTIONLANG_MOTIONS names. The motions are
+// not part of the repository.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Of two motions whose joints correspond: order[k] of `a` is joint k of `b`. Infinite if they differ in size.
+/// The difference of two motions: joint order[k] of `a` is joint k of `b`. Infinite if they differ in size.
 struct Difference {
   double degrees = 0, metres = 0;  // of local rotations; of root positions and bones
 
@@ -48,7 +48,7 @@ Difference difference(const ml::Motion& a, const ml::Motion& b, const std::vecto
   return worst;
 }
 
-/// What an AMASS file keeps: the joints of SMPL without the hands.
+/// The joints that an AMASS file keeps: those of SMPL without the hands.
 std::vector<int> body_joints() {
   std::vector<int> order(ml::detail::amass_joints);
   std::iota(order.begin(), order.end(), 0);

@@ -2,9 +2,9 @@
 // part of the repository: the test runs where the environment variable MOTIONLANG_DATA names a folder with cmu-daz,
 // cmu-motionbuilder and cmu-asf-amc, or one with these in motion/free, unpacked.
 //
-// What is aligned, once for each pair of clips: the time (the shift of -4 to 4 frames that fits best; original files
-// have twice the frame rate and no lead-in), the place, and the length of the path (one factor on the root's x and z:
-// the Daz files share one figure, so that the path of a subject is 2 to 6 % off). No pose is turned or scaled.
+// The test aligns each pair of clips once. Time: the shift of -4 to 4 frames that fits best, because original files
+// have twice the frame rate and no lead-in. Place. Length of the path: one factor on the root's x and z, because the
+// Daz files share one figure and the path of a subject is 2 to 6 % off. No pose is turned or scaled.
 #include <doctest/doctest.h>
 
 #include <algorithm>

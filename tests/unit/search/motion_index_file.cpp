@@ -70,7 +70,7 @@ TEST_CASE("index files: cut off anywhere, or with any byte changed, they are ref
       other[i] ^= static_cast<std::byte>(bit);
       try {
         ml::MotionIndexFile::from_bytes(other);
-        // What is left to change without a trace: blanks of the header, which say nothing.
+        // Only blanks of the header can change without an error, and they mean nothing.
         CHECK_MESSAGE(std::to_integer<char>(bytes[i]) == ' ', "byte " << i);
       } catch (const ml::error&) {}
     }

@@ -1,4 +1,4 @@
-// What every module can do: tensors by path, counting, packing for inference. The laws are in tests/laws.
+// Functions of every module: tensors by path, counting, packing for inference. The laws are in tests/laws.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/nn/conv1d.hpp>
 #include <motionlang/nn/linear.hpp>

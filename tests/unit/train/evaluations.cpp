@@ -1,4 +1,4 @@
-// What evaluations measure: entries with their texts, pairs that training lacks, long motions of several clips.
+// Data of evaluations: entries with their texts, pairs that training lacks, long motions of several clips.
 #include <doctest/doctest.h>
 
 #include <motionlang/train/measured_items.hpp>

@@ -1,4 +1,4 @@
-// What is wrong with the motions of a folder, and mended copies.
+// Faults of the motions of a folder, and mended copies.
 #include <doctest/doctest.h>
 
 #include <motionlang/core/option_error.hpp>
