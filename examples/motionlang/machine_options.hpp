@@ -17,7 +17,9 @@ struct MachineOptions {
   std::string precision = "fp32";
 
   void add_to(CLI::App& command) {
-    command.add_option("--threads", threads, "Number of threads. The default is what the machine or its container has")
+    command
+        .add_option("--threads", threads,
+                    "Number of threads. The default is the number of processors of the machine or its container")
         ->check(in_range(1, 1024));
     command
         .add_option(

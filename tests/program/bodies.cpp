@@ -65,12 +65,12 @@ TEST_CASE("convert: hands, face and shape of an AMASS file are on the body, and 
   const Wardrobe w;
   CHECK(contains(
       w.convert("moving.npz", "x.obj", {"--body", "smplx.npz"}),
-      "moving.npz on SMPL-X: left hand, right hand, jaw and eyes, betas 1 to 1 (female); left out are betas 2 to 3\n"));
+      "moving.npz on SMPL-X: left hand, right hand, jaw and eyes, betas 1 to 1 (female); left out: betas 2 to 3\n"));
   CHECK(contains(
       w.convert("moving.npz", "h.obj", {"--body", "smplh.npz"}),
-      "moving.npz on SMPL-H: left hand, right hand; left out are jaw and eyes, betas, which are of other shapes\n"));
+      "moving.npz on SMPL-H: left hand, right hand; left out: jaw and eyes, betas, which are of other shapes\n"));
   CHECK(contains(w.convert("hands.npz", "s.obj", {"--body", "smpl.npz"}),
-                 "hands.npz on SMPL: left out are left hand, right hand\n"));
+                 "hands.npz on SMPL: left out: left hand, right hand\n"));
   CHECK(!contains(w.convert("plain.npz", "p.obj", {"--body", "smplh.npz"}), "plain.npz on"));
   CHECK(!contains(w.convert("hands.npz", "f.obj", {"--body", "free"}), "left out"));
 
@@ -112,7 +112,7 @@ TEST_CASE("convert and view: hands stay on the body when the motion is edited") 
 
   const Outcome page = w.run({"view", "hands.npz", "--body", "smpl.npz"});
   CHECK_MESSAGE(page.code == 0, page.text);
-  CHECK(contains(page.text, "left out are left hand, right hand"));
+  CHECK(contains(page.text, "left out: left hand, right hand"));
   CHECK(contains(w.text("hands.npz.html"), "\"triangles\""));
 }
 

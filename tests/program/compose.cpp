@@ -93,7 +93,7 @@ TEST_CASE("compose, join: a T-pose that was put in front of a recording is left 
   ml::Motion pose = ml::crop(walk, 0, 1);
   std::fill(pose.local.begin(), pose.local.end(), ml::Quaternion<double>::identity());
   ml::write_bvh(w / "exported.bvh", ml::concatenate(pose, walk));
-  const char* said = "exported.bvh: left out is 1 frame of an inserted T-pose at the start\n";
+  const char* said = "exported.bvh: left out: 1 frame of an inserted T-pose at the start\n";
   const Outcome joined = w.run({"join", "exported.bvh", "exported.bvh", "-o", "all.bvh"});
   REQUIRE_MESSAGE((joined.code == 0 && contains(joined.text, said)), joined.text);
   CHECK(synthetic::largest_distance(w.read("all.bvh"), ml::blend_into(walk, walk, 6)) < 1e-3);

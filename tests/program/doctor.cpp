@@ -128,7 +128,7 @@ TEST_CASE("doctor: arrays of joints and features except mean and deviation; AMC 
   ml::write_file(w / "one/13_30.amc", amc);
   ml::write_file(w / "body.asf", asf);
   const std::string missing =
-      "there is no skeleton one/13.asf, nor just one other .asf file beside it: --asf names one";
+      "there is no skeleton one/13.asf, and not exactly one other .asf file beside it; set --asf";
   CHECK(contains(w.run({"doctor", "one"}).text, "unreadable: [motionlang.io.401] one/13_30.amc: " + missing));
   const auto alone = w.run({"convert", "one/13_30.amc", "leg.bvh"});
   CHECK(alone.code == 1);

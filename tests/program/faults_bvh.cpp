@@ -32,7 +32,7 @@ TEST_CASE("IK bones beside the pelvis: the walk is in .npz, in .bvh and on a cha
                                 {"convert", "in.bvh", "out.glb", "--rig", "rig.glb"}}) {
     const auto out = c.run(arguments);
     REQUIRE_MESSAGE(out.code == 0, out.text);
-    CHECK_MESSAGE(contains(out.text, "left out is 'ik_foot_root' beside 'pelvis', the root of the body"), out.text);
+    CHECK_MESSAGE(contains(out.text, "left out: 'ik_foot_root' beside 'pelvis', the root of the body"), out.text);
     CHECK_MESSAGE(!contains(out.text, "away from the joint before"), out.text);
   }
   CHECK(ml::norm(travel(ml::read_motion(c / "out.npz")) - ml::Vec3<double>{0.1237, 0, 0.7419}) < 2e-4);
@@ -42,7 +42,7 @@ TEST_CASE("IK bones beside the pelvis: the walk is in .npz, in .bvh and on a cha
 
 TEST_CASE("a row too many, decimal commas and UTF-16 are read, and the program says what it did") {
   for (const auto& [name, said] : std::vector<std::pair<std::string, std::string>>{
-           {"bvh_one_row_more", "in.bvh: left out is what follows the 5 frames, from '2.666667' on"},
+           {"bvh_one_row_more", "in.bvh: ignored: everything after the 5 frames, from '2.666667' on"},
            {"bvh_decimal_commas", "in.bvh: numbers have decimal commas: '0,000000' is read as with a point"},
            {"bvh_utf16", "in.bvh: 2 frames, 30 frames per second"}}) {
     const Case c(name);

@@ -198,7 +198,7 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
   ml::write_bvh(w / "exported.bvh", ml::concatenate(pose, walk));
   const Outcome performed = w.generate("performed", {"--keep", "exported.bvh", "--keep-seconds", "0-0.25,0.8-1",
                                                      "--no-smooth", "--no-fix-feet", "--no-fix-floor"});
-  CHECK_MESSAGE(contains(performed.text, "exported.bvh: left out is 1 frame of an inserted T-pose"), performed.text);
+  CHECK_MESSAGE(contains(performed.text, "exported.bvh: left out: 1 frame of an inserted T-pose"), performed.text);
   CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "performed/two.bvh"), begun) < 1e-3);
   // the way comes to another place, and the program says so
   const auto apart = begun.root_at(16) - walk.root_at(16);

@@ -166,8 +166,8 @@ TEST_CASE("a clip of a data set is not replaced by that of another motion") {
   const Outcome other = run({"convert", "walk.bvh", "set", "--features", "guoh3d"}, w.path);
   CHECK(other.code == 1);
   CHECK_MESSAGE(contains(other.text,
-                         "set/new_joint_vecs/walk.npy: the clip 'walk' is there already, of another motion: "
-                         "--replace puts this one in its place"),
+                         "set/new_joint_vecs/walk.npy: the clip 'walk' exists already with another motion; --replace "
+                         "overwrites it"),
                 other.text);
   CHECK(ml::read_file(w / "set/new_joint_vecs/walk.npy") == before);
 

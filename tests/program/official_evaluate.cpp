@@ -242,7 +242,7 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
   CHECK(numbers_of_row(by_own.text, "recorded").at(0) == known.at(0));
   REQUIRE(train("train-classifier", "turned", {once}).code == 0);
   refused("turned/model", "labels.tsv",
-          "other clips: fps 20, turned_ahead false, translation true, global true and fps 20, turned_ahead true, "
+          "different clips: fps 20, turned_ahead false, translation true, global true and fps 20, turned_ahead true, "
           "translation true, global true");
   // its motions to learn from
   const Outcome learnt =
@@ -257,7 +257,7 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
                   "network.ff_size=24", "network.num_layers=2"},
                  {"--from", "actor"});
   };
-  CHECK(contains(go_on("false").text, "[motionlang.config.102] the model to go on from has other clips"));
+  CHECK(contains(go_on("false").text, "[motionlang.config.102] the model to start from has other clips"));
   const Outcome further = go_on("true");
   REQUIRE_MESSAGE(further.code == 0, further.text);
   const auto before = ml::load_actor_run<official::B>(ml::FilePath(w / "actor")).model;
@@ -589,7 +589,8 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   refused("teach", {"--joint", "temos"}, "--joint temos: a model of smplvelp-published at 12.5 frames per second");
   refused("teach", {"--independent", "words"},
           "[motionlang.config.103] --independent words: a model of ''; expected sinc or teach, or temos as published");
-  refused("teach", {"--slerp-window", "28"}, "[motionlang.config.101] TEACH: action 1 of 29 frames with a gap of 28");
+  refused("teach", {"--slerp-window", "28"},
+          "[motionlang.config.101] TEACH: action 1 has 29 frames; two or more must follow the gap of 28");
   ml::write_npz(w / "small.npz", body_arrays::chain(24, 4, 10));
   refused("teach", {"--body", "small.npz"},
           "small.npz: a body of 24 joints and 4 vertices; BABEL is measured on SMPL-H's 52 and 6890");

@@ -45,7 +45,7 @@ TEST_CASE("pack: one folder that generates the same; info says what a folder is"
   CHECK(bvh("mdm", "a") == bvh("packed", "b"));
   const Outcome again = w.run({"pack", "mdm", "-o", "packed", "--license", "MIT", "--provenance", "drawn"});
   CHECK(again.code == 1);
-  CHECK(contains(again.text, "packed is there already"));
+  CHECK(contains(again.text, "packed exists already"));
   const std::string info = w.did({"info", "packed"});
   CHECK(contains(info, "license                  MIT"));
   CHECK(contains(info, "seqTransEncoder.layers.1.norm2.weight"));

@@ -338,7 +338,7 @@ TEST_CASE("index --captions: a clip by its extension, and by its name where that
   const Outcome doubt = g.index({"--captions", "captions.tsv", "--no-moments"});
   check_contains(doubt, 1,
                  {"[motionlang.io.403] captions.tsv:2: 'left' may be ", "clips/left.bvh or ",
-                  "clips/left.npz: a name with its extension says which"});
+                  "clips/left.npz: add its extension"});
 }
 
 TEST_CASE("index --captions: of a data set by the names of its clips, as in training") {

@@ -183,7 +183,7 @@ TEST_CASE("options that contradict the tensors, names that do not match") {
   refused("\"num_layers\": 2", "\"num_layers\": 3", "diffusion/denoiser/num_layers is 3");
   refused("\"num_layers\": 2", "\"num_layers\": \"two\"", "diffusion/denoiser/num_layers is 'two', not a whole number");
   refused("\"timesteps\": 5", "\"timesteps\": 0", "diffusion/timesteps is 0, not 1 ... 10000");
-  refused("\"prediction\": \"x\"", "\"prediction\": \"eps\"", "diffusion/prediction is 'eps', known are x");
+  refused("\"prediction\": \"x\"", "\"prediction\": \"eps\"", "diffusion/prediction is 'eps', expected x");
   official::write_text(folder / "config.json", config);
 
   TorchArchive archive;

@@ -87,7 +87,7 @@ TEST_CASE("TM2T: what is missing, what does not fit") {
     return ml::load_tm2t_run<B>(ml::find_run(run), options);
   };
   CHECK_ERROR(ml::load_tm2t_run<B>(ml::find_run(tokenizer)), "not TM2T's recurrent model");
-  CHECK_ERROR(ml::load_tm2t_run<B>(ml::find_run(folder.path)), "of no system that is known, expected tm2t");
+  CHECK_ERROR(ml::load_tm2t_run<B>(ml::find_run(folder.path)), "of no known system, expected tm2t");
 
   fs::rename(folder / "glove", folder / "words");
   CHECK_ERROR(load(), "put glove/our_vab_data.npy");

@@ -79,7 +79,7 @@ TEST_CASE("tables of clips: a name with its extension, a name without where one 
     ml::write_file(folder / "t.tsv", "b" + std::string(table) + "a" + table);
     const std::string refusal = "[motionlang.io.403] " + (folder / "t.tsv").string() + ":2: 'a' may be " +
                                 (folder / "a.bvh").string() + " or " + (folder / "a.npz").string() +
-                                ": a name with its extension says which";
+                                ": add its extension";
     CHECK_ERROR(ml::read_captions(folder / "t.tsv", folder.path), refusal.c_str());
   }
   // a data set, whose features have names of their own, and AMASS by the names of its folders

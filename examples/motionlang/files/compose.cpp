@@ -77,8 +77,10 @@ void add_compose(CLI::App& app) {
   const auto o = std::make_shared<ComposeOptions>();
   CLI::App* c = app.add_subcommand(
       "compose",
-      "Combines two motions into one at the same time. Each gives the body parts that its action needs, by the rule of "
-      "SINC; legs, pelvis and path stay together. A T-pose in front of a recording is left out");
+      "Combines two motions into one that performs both at the same time. Each motion gives the body parts that its "
+      "action needs, by the rule of SINC; legs, pelvis and path stay together. A T-pose in front of a recording is "
+      "left "
+      "out");
   c->add_option("motions", o->in,
                 "Two motion files, as for convert. The result has the rate and bones of the first, on SMPL's joints")
       ->required()

@@ -354,10 +354,11 @@ void add_generate(CLI::App& app) {
       ->check(in_range(0, 3600))
       ->needs(reuse);
   CLI::Option* keep =
-      c->add_option("--keep", o->keep,
-                    "Motion file, as for convert, of which a part is kept from the start of the timeline on. The texts "
-                    "make the rest. For diffusion models of texts. A T-pose in front is left out. Smoothing and foot "
-                    "fixing may still move the kept part a little; --no-smooth and --no-fix-feet prevent that")
+      c->add_option(
+           "--keep", o->keep,
+           "Motion file, as for convert. It starts with the timeline; parts of it are kept, and the texts make the "
+           "rest. For diffusion models of texts. A T-pose in front is left out. Smoothing and foot fixing may "
+           "still move the kept part a little; --no-smooth and --no-fix-feet prevent that")
           ->check(CLI::ExistingFile);
   c->add_option("--keep-seconds", o->keep_seconds,
                 "Time ranges in which the whole pose is kept. 0-0.5 fixes the beginning; 0-1,4-5 leaves the frames "
@@ -384,12 +385,13 @@ void add_generate(CLI::App& app) {
               "programs compute from the same --noise")
       ->capture_default_str();
   c->add_flag("--fix-floor,!--no-fix-floor", o->settings.fix_floor,
-              "Let the floor carry the body: no hovering, no sinking, and flights are arcs")
+              "Keep the body on the floor: it does not hover or sink, and jumps follow arcs")
       ->capture_default_str();
   c->add_flag("--overlay-arms,!--no-overlay-arms", o->settings.overlay_arms,
-              "Lay an arm that loses its text over the motion, as the text alone moves it. This takes a second pass")
+              "If an arm does not do what its text says, replace it by the arm of a motion from that text alone. This "
+              "takes a second pass")
       ->capture_default_str();
-  c->add_option("--backend", o->backend, "Backend that computes")
+  c->add_option("--backend", o->backend, "Backend for the computation")
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();
   o->machine.add_to(*c);

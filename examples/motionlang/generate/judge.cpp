@@ -200,12 +200,13 @@ void add_judge(CLI::App& app) {
   c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet, "Keep standing feet from sliding. The default is on")
       ->capture_default_str();
   c->add_flag("--fix-floor,!--no-fix-floor", o->settings.fix_floor,
-              "Let the floor carry the body: no hovering, no sinking, and flights are arcs")
+              "Keep the body on the floor: it does not hover or sink, and jumps follow arcs")
       ->capture_default_str();
   c->add_flag("--overlay-arms,!--no-overlay-arms", o->settings.overlay_arms,
-              "Lay an arm that loses its text over the motion, as the text alone moves it. This takes a second pass")
+              "If an arm does not do what its text says, replace it by the arm of a motion from that text alone. This "
+              "takes a second pass")
       ->capture_default_str();
-  c->add_option("--backend", o->backend, "Backend that computes")
+  c->add_option("--backend", o->backend, "Backend for the computation")
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();
   c->add_flag("--details", o->details, "Print for every motion why it fails");

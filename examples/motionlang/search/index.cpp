@@ -165,9 +165,10 @@ void add_index(CLI::App& app) {
   c->add_option("--remove", o->remove, "Files or folders whose clips are removed from the index");
   c->add_flag("--list", o->list, "List the clips: path, start, end, frames per second, frames, captions, license");
   o->read.add_to(*c);
-  c->add_option("--graph", o->graph,
-                "Number of clips or moments from which searches follow a graph instead of comparing all vectors. The "
-                "graph finds most of the nearest ones. Additions extend it; removals rebuild it")
+  c->add_option(
+       "--graph", o->graph,
+       "From this number of clips or moments on, searches follow a graph instead of comparing all vectors. The "
+       "graph finds most of the nearest ones. Additions extend it; removals rebuild it")
       ->check(positive())
       ->capture_default_str();
   o->machine.add_to(*c);

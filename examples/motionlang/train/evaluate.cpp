@@ -105,7 +105,7 @@ void add_evaluate(CLI::App& app) {
   c->add_option(
        "--evaluator", o->evaluator,
        "TM2T text-to-motion: finest.tar of the networks of Guo et al. (text_mot_match), or its folder, which judges "
-       "the motions. glove/our_vab_data.npy is looked for in a folder above, or where --text-encoder says")
+       "the motions. Its words, glove/our_vab_data.npy, are in a folder above it or in --text-encoder")
       ->check(CLI::ExistingPath);
   CLI::Option* bert =
       c->add_option("--bert", o->bert,
@@ -153,7 +153,7 @@ void add_evaluate(CLI::App& app) {
       ->check(CLI::ExistingFile);
   CLI::Option* synthesis =
       c->add_flag("--synthesis", o->synthesis,
-                  "TMR: also search motions that were generated for the texts, as long as the recorded ones");
+                  "TMR: also search motions that were generated for the texts, with the lengths of the recorded ones");
   c->add_option(
        "--generator", o->generator,
        "Model that generates these motions, as for generate; it shares --text-encoder. The default is the TMR itself")

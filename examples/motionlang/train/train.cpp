@@ -105,7 +105,8 @@ void add_train(CLI::App& app) {
       ->check(not_negative())
       ->capture_default_str();
   c->add_option("--text-steps", o->config.text_steps,
-                "Number of first steps that train the text encoder alone. If stopped during these, they start over")
+                "Number of first steps that train the text encoder alone. A training that is stopped during these "
+                "starts them over")
       ->check(not_negative())
       ->capture_default_str();
   c->add_option("--denoiser", o->denoiser, "Start with the denoiser of this model and train only the texts")

@@ -496,8 +496,7 @@ struct Autodiff {
           found.push_back(input.get());
         } else if (input->order >= std::ssize(found) || found[static_cast<std::size_t>(input->order)] != input.get()) {
           let_go();
-          raise<config_error>(
-              102, "backward: what is calculated again uses a result that is not one of the inputs of its checkpoint");
+          raise<config_error>(102, "backward: a checkpoint recomputes with a result that is not one of its inputs");
         }
       }
     }

@@ -174,7 +174,7 @@ MOTIONLANG_BODY std::filesystem::path ClipFolder::file(const std::string& clip, 
     if (found.empty()) found = namesakes(name);
     if (found.size() > 1)
       raise<io_error>(403, place, ": '", clip, "' may be ", found[0].string(), " or ", found[1].string(),
-                      ": a name with its extension says which");
+                      ": add its extension");
     if (!found.empty()) return found.front();
   }
   return {};
@@ -274,7 +274,7 @@ MOTIONLANG_BODY std::vector<ClipLine> read_labelled_annotations(const std::files
   }
   if (!any && table)
     raise<io_error>(403, annotations.string(), ": ", labels.string(),
-                    " has a label for none of its stretches, motions and texts");
+                    " has no label for any of its segments, motions or texts");
   if (!any)
     raise<io_error>(403, annotations.string(),
                     ": no annotation has a label or act_cat; `labels` names a table with "

@@ -308,7 +308,7 @@ MOTIONLANG_BODY DescribedMotions read_described_motions(const DataSources& sourc
   if (sources.actions && !annotations && sources.labels.empty())
     raise<config_error>(102, "actions need labels: `labels` names a table of them, `annotations` a file that has some");
   if (!config.actions.empty() && !sources.labelled())
-    raise<config_error>(102, "data.actions are labels, and texts are to be learnt");
+    raise<config_error>(102, "data.actions selects labels, but this training learns texts");
   DataSources listed = sources;  // a data set has lists of its own
   if (listed.splits.empty() && is_data_set(sources.data) && std::filesystem::exists(sources.data / "train.txt"))
     listed.splits = sources.data;

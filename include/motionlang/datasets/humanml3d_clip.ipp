@@ -29,7 +29,7 @@ MOTIONLANG_BODY AddedClip add_humanml3d_clip(const std::filesystem::path& folder
   if (const auto there = rows_file(folder, id);
       !replace && std::filesystem::exists(there) && read_npy(there).to<float>() != made.values)
     raise<config_error>(102, there.string(), ": the clip '", id,
-                        "' is there already, of another motion: `replace` puts this one in its place");
+                        "' exists already with another motion; `replace` overwrites it");
   HumanMl3dClip clip{id, made.rows, std::move(made.values), {}, {}};
   const std::vector<double> rows(clip.features.begin(), clip.features.end());
   for (const auto& p : guoh3d_joints(std::span<const double>(rows), form.form.joints)) {

@@ -71,7 +71,7 @@ MOTIONLANG_BODY std::vector<MotionCaption> read_captions(const FilePath& path) {
 MOTIONLANG_BODY std::string format_captions(std::span<const MotionCaption> captions, std::string_view name) {
   std::string out;
   auto require = [&](bool holds, const std::string& text) {
-    if (!holds) raise<timeline_error>(510, name, ": '", text, "' cannot stand in a file of captions");
+    if (!holds) raise<timeline_error>(510, name, ": '", text, "' is not allowed in a file of captions");
   };
   for (const MotionCaption& c : captions) {
     require(c.text.find_first_of("#\r\n") == c.text.npos && detail::trim(c.text) == c.text, c.text);

@@ -15,7 +15,7 @@ MOTIONLANG_BODY LabelSentences::LabelSentences(Conjunction conjunction, std::fil
     : conjunction_(conjunction), tags_(std::move(tags)) {
   if (tags_.empty()) return;
   if (!has_gerund(conjunction))
-    raise<config_error>(102, tags_.string(), ": words of sentences are for the conjunctions while and during");
+    raise<config_error>(102, tags_.string(), ": tagged sentences are for the conjunctions while and during");
   for (MotionCaption& c : read_captions(FilePath(tags_))) words_.emplace(c.text, std::move(c.words));
 }
 

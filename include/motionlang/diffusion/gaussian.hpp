@@ -177,7 +177,7 @@ Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Pre
     case Prediction::score:
       return score_from_x0(d, x0, x_t, t);
     case Prediction::x_prev:
-      raise<config_error>(102, "convert_prediction: x_prev is a sample, not a statement about x0");
+      raise<config_error>(102, "convert_prediction: x_prev is a sample, which does not predict x0");
   }
   return x0;
 }

@@ -135,7 +135,7 @@ void convert_numbers(const TensorView& view, std::span<T> out) {
   convert<Stored>(view, out, [&](Stored s) {
     if constexpr (std::integral<Stored> && std::integral<T>) {
       if (!std::in_range<T>(s)) {
-        raise<io_error>(407, "tensor '", view.name, "': ", s, " does not fit the integer that is asked for");
+        raise<io_error>(407, "tensor '", view.name, "': ", s, " does not fit into the requested integer type");
       }
     }
     return static_cast<T>(s);

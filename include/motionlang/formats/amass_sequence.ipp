@@ -125,7 +125,7 @@ MOTIONLANG_BODY AmassSequence amass_sequence(const ZipArchive& zip, double fps) 
   out.trans = trans.to<double>();
   const std::optional<double> own = amass_rate(npz);
   if (!own && fps == 0)
-    raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': `rate` says it");
+    raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps'; set `rate`");
   out.fps = own.value_or(fps);
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
   if (fps != 0 && fps != out.fps)

@@ -56,7 +56,8 @@ class AmcParser {
         header(word);
       } else if (word.find_first_not_of("0123456789") == word.npos) {
         if (!scan_.began_line())
-          scan_.fail(403, "'", TextScanner::shortened(word), "' is a value too many, or a frame that begins no line");
+          scan_.fail(403, "'", TextScanner::shortened(word),
+                     "' is one value too many, or a frame number that does not start a line");
         new_frame(word);
       } else {
         values(word);
@@ -90,10 +91,10 @@ class AmcParser {
     for (std::size_t b = 0; b < ways_.size(); ++b) {
       const Ways& w = ways_[b];
       if (const double way = asf_.metres_per_unit * norm(w.high - w.low); b > 0 && way > 1e-6)
-        notes.push_back(concat_text("left out is how '", asf_.bones[b].name, "' is moved (tx, ty, tz) across ", way,
+        notes.push_back(concat_text("left out: how '", asf_.bones[b].name, "' is moved (tx, ty, tz) across ", way,
                                     " m: it keeps its mean place at the bone before"));
       if (w.has_length)
-        notes.push_back(concat_text("left out are the lengths (l) of '", asf_.bones[b].name, "', from ", w.shortest,
+        notes.push_back(concat_text("left out: the lengths (l) of '", asf_.bones[b].name, "', from ", w.shortest,
                                     " to ", w.longest, ": it keeps that of the skeleton"));
     }
   }

@@ -58,7 +58,7 @@ class BvhParser {
       } else if (same_word(word, "end") && !here.end_site) {
         open.push_back(node(current, true));
       } else {
-        scan_.fail(403, "'", TextScanner::shortened(word), "' does not belong into '", here.name, "'");
+        scan_.fail(403, "'", TextScanner::shortened(word), "' does not belong in '", here.name, "'");
       }
     }
   }
@@ -155,7 +155,7 @@ class BvhParser {
       if (!are_lines || !scan_.began_line())
         scan_.fail(403, "'", TextScanner::shortened(extra), "' follows the ",
                    row < frames ? counted(row, "whole frame") + " among " : "", declared);
-      note("left out is what follows the ", counted(row, "frame"), ", from '", TextScanner::shortened(extra), "' on");
+      note("ignored: everything after the ", counted(row, "frame"), ", from '", TextScanner::shortened(extra), "' on");
     }
     if (row != frames) note("it has ", counted(row, "whole frame"), ", not the ", declared);
     bvh_.frames = static_cast<Index>(row);

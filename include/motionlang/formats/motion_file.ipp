@@ -94,7 +94,7 @@ inline std::string listed_joints(const std::vector<std::string>& names) {
 inline void note_stretched(const std::string& file, const std::vector<std::string>& joints, const char* kept,
                            std::string* notes) {
   if (joints.empty() || notes == nullptr) return;
-  *notes += concat_text(file, ": left out is how ", listed_joints(joints), joints.size() == 1 ? " moves" : " move",
+  *notes += concat_text(file, ": left out: how ", listed_joints(joints), joints.size() == 1 ? " moves" : " move",
                         " away from the joint before: bones keep their ", kept, "\n");
 }
 
@@ -105,7 +105,7 @@ inline void note_animations(const GlbFile& file, const std::string& name, std::s
   for (const std::string& repair : file.repairs()) *notes += concat_text(name, ": ", repair, "\n");
   if (const auto others = file.moving_others(); !others.empty())
     *notes +=
-        concat_text(name, ": left out is how ", listed_joints(others),
+        concat_text(name, ": left out: how ", listed_joints(others),
                     others.size() == 1 ? " moves: it is not a joint" : " move: they are not joints", " of the body\n");
   std::vector<std::string> stretched, still;  // a joint once, however many animations stretch it
   std::set<std::string> known;
@@ -183,7 +183,7 @@ inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const st
     read.root = root;
     m.name = m.skeleton.name(0);
     if (has_body && m.skeleton.size() < few && !is_body(m)) {
-      tell("left out is ROOT '", m.name, "' with ", counted(m.skeleton.size(), "joint"), ", which is not a body");
+      tell("left out: ROOT '", m.name, "' with ", counted(m.skeleton.size(), "joint"), ", which is not a body");
       continue;
     }
     if (const auto beside = joints_beside_body(file, read); !beside.empty())
@@ -208,7 +208,7 @@ inline AsfSkeleton asf_of(const std::string& amc, const MotionReadOptions& optio
   const FilePath asf = options.asf.empty() ? asf_beside(amc) : FilePath(options.asf);
   if (options.asf.empty() && !std::filesystem::exists(asf.string()))
     raise<io_error>(401, amc, ": there is no skeleton ", asf.string(),
-                    ", nor just one other .asf file beside it: `asf` names one");
+                    ", and not exactly one other .asf file beside it; set `asf`");
   return read_asf(asf);
 }
 
@@ -283,8 +283,8 @@ std::vector<Motion> motions_of_file(const std::string& name, const MotionReadOpt
 
 inline void note_lead_in(const std::string& file, Index frames, const std::string& whose, std::string* notes) {
   if (notes == nullptr) return;
-  *notes += concat_text(file, ": left out ", frames == 1 ? "is 1 frame of" : concat_text("are ", frames, " frames of"),
-                        " an inserted T-pose at the start", whose, "\n");
+  *notes +=
+      concat_text(file, ": left out: ", counted(frames, "frame"), " of an inserted T-pose at the start", whose, "\n");
 }
 
 /// Names, joints and start of the motions as the options say.
@@ -335,8 +335,8 @@ MOTIONLANG_BODY Motion read_motion(const FilePath& path, const MotionReadOptions
   std::vector<std::string> names;
   names.reserve(motions.size());
   for (const Motion& m : motions) names.push_back(m.name);
-  raise<config_error>(102, path.string(), ": one motion is wanted, it has ", motions.size(), " (", join_text(names),
-                      "): convert writes each to a file of its own");
+  raise<config_error>(102, path.string(), ": expected one motion, found ", motions.size(), " (", join_text(names),
+                      "); convert writes each to a file of its own");
 }
 
 MOTIONLANG_BODY std::vector<std::byte> motion_bytes(const FilePath& kind, const Motion& motion,

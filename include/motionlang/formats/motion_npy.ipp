@@ -36,7 +36,7 @@ inline Motion motion_from_rows(std::span<const double> rows, Index width, double
   for (const MotionFeatures& f : all_motion_features) {
     if (f.width == width) return motion_of_rows(f, rows, fps);
   }
-  raise<io_error>(407, name, ": rows of ", counted(width, "number"), " are not features of motion that are known");
+  raise<io_error>(407, name, ": rows of ", counted(width, "number"), " are not known motion features");
 }
 
 }  // namespace detail

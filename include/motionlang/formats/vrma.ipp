@@ -91,8 +91,8 @@ MOTIONLANG_BODY Skeleton vrm_skeleton(const Skeleton& skeleton) {
     const bool shared = std::find(sources.begin(), sources.end(), source) != sources.end();
     if (source < 0 || shared) {
       if (bone.required)
-        raise<config_error>(103, "VRM requires a bone '", bone.name, "', and a skeleton of kind ", from.table.name,
-                            " has none of its own: put the motion on SMPL's joints first");
+        raise<config_error>(103, "VRM requires a bone '", bone.name, "', which a skeleton of kind ", from.table.name,
+                            " lacks: retarget the motion to SMPL's joints first");
       continue;
     }
     int parent = -1;

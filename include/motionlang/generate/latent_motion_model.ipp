@@ -37,7 +37,7 @@ MOTIONLANG_BODY std::vector<Motion> LatentMotionModel::between(const Timeline& f
   check_options(*this, options);
   if (count < 2)
     raise<option_error>(101, counted(count, "motion"),
-                        " from one text or action towards another: both ends are among them");
+                        " from one text or action towards another; two or more are needed for both ends");
   auto motions = line(from, to, count, noise_of(options, 0), options.fact.value_or(1));
   for (Motion& m : motions) m = finish_motion(std::move(m), options);
   return motions;

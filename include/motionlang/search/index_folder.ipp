@@ -219,7 +219,7 @@ MOTIONLANG_BODY void IndexUpdate::add(std::span<const FileState> files) {
 /// The whole motions of a file, or the parts of its motion that the captions name.
 MOTIONLANG_BODY std::vector<IndexUpdate::Prepared> IndexUpdate::prepare(const FileState& file) const {
   std::vector<Prepared> out;
-  if (!is_utf8(file.path.string())) raise<io_error>(404, "the path is not UTF-8, as which an index keeps it");
+  if (!is_utf8(file.path.string())) raise<io_error>(404, "the path is not UTF-8; an index keeps only such paths");
   const auto motions = read_motions(file.path, options_for_file(options_.read, file.path));
   const auto found = lines_of_.find(file.path.string());
   const std::string content = detail::checksum_of_file(file.path),

@@ -93,7 +93,7 @@ MOTIONLANG_BODY MotionIndex MotionIndexFile::read(const SafetensorsFile& file) {
   };
   if (about_file("format") != detail::index_format) raise<io_error>(403, file.name(), ": not an index of motionlang");
   if (about_file("version") != detail::index_version)
-    raise<io_error>(404, file.name(), ": version ", about_file("version"), " of an index, known is ",
+    raise<io_error>(404, file.name(), ": version ", about_file("version"), " of an index, expected ",
                     detail::index_version);
   if (const std::string found = tensors_checksum(file.tensors()); found != about_file("checksum"))
     raise<io_error>(403, file.name(), ": damaged: its checksum is ", found, ", it was written with ",

@@ -167,7 +167,7 @@ template <Backend B, class G>
 Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, Index steps, Index length, G& rng) {
   if (!actor.decoder)
     raise<config_error>(102, "interpolate_actions: actions ", from, " and ", to,
-                        ": nothing is between them for a decoder that is not a transformer");
+                        ": only a transformer decoder interpolates between actions");
   const Index width = actor.config.latent_dim, both[] = {from, to};
   const auto z = broadcast_to<2>(detail::actor_noise(actor, 1, rng), {2, width});
   const auto ends = actor.decoder->memory(z, both).rows;

@@ -100,7 +100,7 @@ template <Backend B, Denoiser<B> D>
 void require_own_results(const Collage<B, D>& collage) {
   if (!collage.can_divide())
     raise<config_error>(102,
-                        "edits: what this denoiser makes of a crop depends on the other crops, nothing can be kept");
+                        "edits: this denoiser's result for a crop depends on the other crops, so nothing can be kept");
 }
 
 }  // namespace detail

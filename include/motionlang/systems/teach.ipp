@@ -14,8 +14,8 @@ MOTIONLANG_BODY Offsets generated_frames(const Offsets& lengths, Index gap) {
   for (Index i = 0; i < lengths.count(); ++i) {
     out.push_back(lengths.length(i) - (i == 0 ? 0 : gap));
     if (i > 0 && gap > 0 && out[static_cast<std::size_t>(i)] < 2)
-      raise<config_error>(101, "TEACH: action ", i, " of ", lengths.length(i), " frames with a gap of ", gap,
-                          " has to have two or more behind it");
+      raise<config_error>(101, "TEACH: action ", i, " has ", counted(lengths.length(i), "frame"),
+                          "; two or more must follow the gap of ", gap);
   }
   return Offsets(std::span<const Index>(out));
 }

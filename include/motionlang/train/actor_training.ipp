@@ -12,7 +12,7 @@ MOTIONLANG_BODY void require_body_files(const ActorTrainingConfig& config, const
     raise<config_error>(102, "losses.points = ", points, ", and `body` is '", files.body.string(),
                         "': points of a body need one, joints have none");
   if (config.losses.vertstrans && files.body.empty())
-    raise<config_error>(102, "losses.vertstrans is of points of a body; joints follow the way anyway");
+    raise<config_error>(102, "losses.vertstrans is for points of a body; joints follow the path anyway");
   if (!files.body.empty() && config.clips.is_xyz())
     raise<config_error>(102, "losses.points = ", points, " are made of rotations; clips.pose is xyz");
   if (files.body.empty() && !files.regressor.empty())

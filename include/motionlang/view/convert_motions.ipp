@@ -140,7 +140,7 @@ class OneConversion {
     }
     const bool shape = std::any_of(sequence.betas.begin(), sequence.betas.end(), is_set) && file_kind(out_) != ".npz";
     if (hands || shape)
-      notes_.input = in_.string() + ": left out are " +
+      notes_.input = in_.string() + ": left out: " +
                      (hands && shape ? "hands, face and betas"
                       : hands        ? "hands and face"
                                      : "betas") +
@@ -279,7 +279,7 @@ MOTIONLANG_BODY std::vector<std::filesystem::path> files_to_convert(const std::f
   const bool are_motions = is_motion_file("a" + extension);
   if (are_motions && is_same_place(in, out))
     raise<option_error>(102, "convert: ", extension, " files of ", in.string(),
-                        " cannot go into the folder itself: name another one, which may be below it");
+                        " cannot go into the folder itself: choose another one, for example below it");
   auto files = motion_files_below(in, are_motions ? out : std::filesystem::path(), skipped);
   if (files.empty()) raise<config_error>(101, "convert: no motion file in ", in.string());
   return files;

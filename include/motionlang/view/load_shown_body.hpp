@@ -70,7 +70,7 @@ class OwnShownBody final : public ShownBody {
     if (body_.kind == BodyKind::other)
       return {amass_motion(sequence, name),
               {},
-              npz.string() + ": left out are hands and betas: the body is not one of SMPL's\n"};
+              npz.string() + ": left out: hands and betas: the body is not one of SMPL's\n"};
     auto clip = amass_on_body(sequence, name, body_);
     const bool has_more = !clip.parts.empty();
     if (betas_.empty()) {
@@ -82,8 +82,7 @@ class OwnShownBody final : public ShownBody {
       if (fit && has > common) clip.left_out.push_back(concat_text("betas ", common + 1, " to ", has));
     }
     std::string notes = join_text(clip.parts);
-    if (!clip.left_out.empty())
-      notes += (notes.empty() ? "left out are " : "; left out are ") + join_text(clip.left_out);
+    if (!clip.left_out.empty()) notes += (notes.empty() ? "left out: " : "; left out: ") + join_text(clip.left_out);
     if (!notes.empty()) notes = npz.string() + " on " + to_string(body_.kind) + ": " + notes + "\n";
     return {std::move(clip.motion), {clip.betas.begin(), clip.betas.end()}, std::move(notes), has_more};
   }

@@ -46,7 +46,7 @@ MOTIONLANG_BODY ActorConfig actor_config(const RunReader& r) {
     const bool one_hot = r.has(d + "ztimelinear.weight");
     if ((ablation == "zandtime" && !one_hot) ||
         (ablation == "average_encoder" && c.encoder != ActorEncoderKind::average))
-      raise<config_error>(102, r.place("ablation"), " is '", ablation, "', which the tensors are not of");
+      raise<config_error>(102, r.place("ablation"), " is '", ablation, "', but the tensors are of another one");
     features = r.size(d + "finallayer.weight", 0);
     c.num_classes = one_hot ? r.size(d + "ztimelinear.weight", 1) - c.latent_dim : r.size(d + "actionBiases", 0);
     c.conditioning = one_hot                       ? ActorConditioning::zandtime

@@ -47,7 +47,7 @@ MOTIONLANG_BODY void require_same_clips(const ActorClipsConfig& model, const Act
   };
   if (model.fps != seen.fps || model.turned_ahead != seen.turned_ahead || (seen.translation && !model.translation) ||
       (seen.global && !model.global))
-    raise<config_error>(102, "model and classifier have other clips: ", text_of(model), " and ", text_of(seen));
+    raise<config_error>(102, "model and classifier have different clips: ", text_of(model), " and ", text_of(seen));
 }
 
 MOTIONLANG_BODY void require_same_rows(const ActorClipsConfig& model, const ActorClipsConfig& clips) {
@@ -56,14 +56,14 @@ MOTIONLANG_BODY void require_same_rows(const ActorClipsConfig& model, const Acto
                        c.global ? "true" : "false", ", camera ", c.camera ? "true" : "false");
   };
   if (text_of(model) != text_of(clips))
-    raise<config_error>(102, "the model to go on from has other clips: ", text_of(model), "; the settings say ",
+    raise<config_error>(102, "the model to start from has other clips: ", text_of(model), "; the settings say ",
                         text_of(clips));
 }
 
 MOTIONLANG_BODY std::vector<Index> numbers_of(std::span<const std::string> actions,
                                               std::span<const std::string> classifier) {
   if (!std::is_permutation(actions.begin(), actions.end(), classifier.begin(), classifier.end()))
-    raise<config_error>(102, "model and classifier have other labels: ", join_text(actions), "; and ",
+    raise<config_error>(102, "model and classifier have different labels: ", join_text(actions), "; and ",
                         join_text(classifier));
   std::vector<Index> out;
   for (const std::string& action : actions)

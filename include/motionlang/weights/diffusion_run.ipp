@@ -91,7 +91,7 @@ inline void read_motiondiffuse(DiffusionRun& out, const RunReader& r) {
 inline void read_representation(DiffusionRun& out, const std::string& where) {
   const Index kit = Guoh3dSlots{21}.size(), human = Guoh3dSlots{22}.size();
   if (out.width() != kit && out.width() != human)
-    raise<io_error>(404, where, ": motions of ", counted(out.width(), "number"), " a frame, known are ", human,
+    raise<io_error>(404, where, ": motions of ", counted(out.width(), "number"), " a frame, expected ", human,
                     " (HumanML3D) and ", kit, " (KIT-ML)");
   out.features = "guoh3dfeats";
   out.fps = out.width() == kit ? 12.5 : 20;
@@ -159,8 +159,7 @@ MOTIONLANG_BODY RunFolder published_run(const RunFolder& run) {
     out.options = options_of_config(run);
   }
   if (out.system != "stmc" && out.system != "mdm" && out.system != "motiondiffuse")
-    raise<io_error>(404, run.folder.string(), ": ",
-                    out.system.empty() ? "of no system that is known" : "of " + out.system,
+    raise<io_error>(404, run.folder.string(), ": ", out.system.empty() ? "of no known system" : "of " + out.system,
                     "; diffusion models are those of stmc, mdm and motiondiffuse");
   if (run.weights.empty())
     raise<io_error>(401, run.folder.string(), ": no checkpoint of ", out.system,

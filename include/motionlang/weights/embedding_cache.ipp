@@ -92,7 +92,7 @@ MOTIONLANG_BODY std::span<const float> EmbeddingCache::find(const std::string& t
 MOTIONLANG_BODY void EmbeddingCache::add(const std::string& text, std::span<const float> values) {
   if (width_ == 0 || values.size() % static_cast<std::size_t>(width_) != 0)
     raise<shape_error>(204, "embedding cache: ", counted(values.size(), "number"), " for rows of ", width_);
-  if (contains(text)) raise<config_error>(102, "embedding cache: '", text, "' is there already");
+  if (contains(text)) raise<config_error>(102, "embedding cache: '", text, "' exists already");
   check_utf8(text);
   if (is_view_) {  // from here on in memory
     own_.assign(mapped_.begin(), mapped_.end());

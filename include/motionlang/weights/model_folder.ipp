@@ -25,7 +25,7 @@ MOTIONLANG_BODY ModelFolder parse_model_config(std::string_view text, const std:
   if (const auto format = view["format"].as<std::string>(); format != detail::model_format)
     raise<config_error>(103, name, ": format is '", utf8_head(format, 80), "', expected '", detail::model_format, "'");
   if (const Index version = view.value_or("version", Index{1}); version != detail::model_version)
-    raise<io_error>(404, name, ": version is ", version, ", known is ", detail::model_version);
+    raise<io_error>(404, name, ": version is ", version, ", expected ", detail::model_version);
   ModelFolder out;
   out.system = view["system"].as<std::string>();
   out.license = view.value_or("license", "");
@@ -51,7 +51,7 @@ MOTIONLANG_BODY std::string model_config_text(const ModelFolder& m, const std::s
   for (const auto& [key, text] : {std::pair<const char*, const std::string&>{"system", m.system},
                                   {"license", m.license},
                                   {"provenance", m.provenance}}) {
-    if (text.empty()) raise<config_error>(101, name, ": ", key, " is empty: who gets the model has to know it");
+    if (text.empty()) raise<config_error>(101, name, ": ", key, " is empty: users of the model need it");
     if (!is_utf8(text)) raise<io_error>(403, name, ": ", key, " is not UTF-8");
   }
   nlohmann::ordered_json out{{"format", detail::model_format},
@@ -65,7 +65,7 @@ MOTIONLANG_BODY std::string model_config_text(const ModelFolder& m, const std::s
                              {"config", m.config}};
   for (const auto& [key, value] : m.others.items()) {
     if (detail::is_model_member(key))
-      raise<config_error>(102, name, ": '", key, "' says what the model is, not something else");
+      raise<config_error>(102, name, ": '", key, "' is reserved for the description of the model");
     out[key] = value;
   }
   return out.dump(2) + "\n";
@@ -79,7 +79,7 @@ MOTIONLANG_BODY void write_model_folder(const FilePath& path, const ModelFolder&
   fs::path target = fs::path(path.string()).lexically_normal();
   if (!target.has_filename()) target = target.parent_path();
   if (std::error_code ignored; fs::exists(target, ignored))
-    raise<io_error>(401, path.string(), " is there already; another name, or remove it");
+    raise<io_error>(401, path.string(), " exists already; remove it or choose another name");
   const fs::path part = target.string() + ".part-" + std::to_string(::getpid());
   std::error_code problem;
   fs::remove_all(part, problem);  // of a run that was killed and had the same number

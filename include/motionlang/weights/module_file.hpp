@@ -119,7 +119,7 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
     const TensorView* original = path.empty() ? nullptr : file.find(prefix + path);
     if (original == nullptr) return false;
     if (values_of<double>(*original) != values_of<double>(t))
-      raise<io_error>(407, file.name(), ": tensor '", t.name, "' should repeat '", original->name, "' but is another");
+      raise<io_error>(407, file.name(), ": tensor '", t.name, "' should repeat '", original->name, "' but differs");
     return true;
   }
   return false;

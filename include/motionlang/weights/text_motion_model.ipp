@@ -31,7 +31,7 @@ Sizes babel_sizes(const Network& n, Index width, Index text_width) {
 MOTIONLANG_BODY TmrConfig TrainedSystem<Tmr>::sizes(const TextMotionConfig& c, Index width) {
   const auto& n = c.network;
   if (n.motion_encoder != "transformer" || n.motion_decoder != "transformer")
-    raise<config_error>(102, "TMR has transformers; network.motion_encoder and motion_decoder are of TEMOS");
+    raise<config_error>(102, "TMR has transformers; network.motion_encoder and motion_decoder are for TEMOS");
   return {.motion_nfeats = width,
           .text_nfeats = c.text.width,
           .latent_dim = n.latent_dim,

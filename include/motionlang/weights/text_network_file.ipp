@@ -202,7 +202,7 @@ MOTIONLANG_BODY BertConfig bert_config(const JsonView& config, std::string_view 
   if (model_type == "bert") c.token_types = config_size(config, "type_vocab_size", detail::largest_vocabulary);
   if (config.contains("relative_attention_num_buckets"))
     c.buckets = config_size(config, "relative_attention_num_buckets", detail::largest_vocabulary);
-  if (c.buckets != 32) raise<config_error>(101, config.path(), ": ", c.buckets, " buckets of distances, known are 32");
+  if (c.buckets != 32) raise<config_error>(101, config.path(), ": ", c.buckets, " buckets of distances, expected 32");
   if (c.padding < 0 || c.padding >= c.vocabulary)
     raise<config_error>(101, config.path(), ": pad_token_id ", c.padding, " in a vocabulary of ", c.vocabulary);
   check_heads(c.width, c.heads);

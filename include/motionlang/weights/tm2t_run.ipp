@@ -10,8 +10,8 @@ namespace detail {
 
 MOTIONLANG_BODY WeightFile tm2t_weights(const RunFolder& run) {
   if (run.system != "tm2t")
-    raise<io_error>(404, run.folder.string(), ": ",
-                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected tm2t");
+    raise<io_error>(404, run.folder.string(), ": ", run.system.empty() ? "of no known system" : "of " + run.system,
+                    ", expected tm2t");
   if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no model/finest.tar");
   return open_weights(run.weights, {.path = ""});
 }

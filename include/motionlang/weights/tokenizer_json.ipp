@@ -14,7 +14,7 @@ namespace detail {
 /// Throws io_error 404: the file asks for a kind of thing that is not known here.
 [[noreturn]] inline void unknown_kind(const JsonView& view, std::string_view wanted) {
   const std::string found = view.contains("type") && view["type"].is_string() ? view["type"].as<std::string>() : "none";
-  raise<io_error>(404, view.path(), ": type ", utf8_head(found, 40), ", known are ", wanted);
+  raise<io_error>(404, view.path(), ": type ", utf8_head(found, 40), ", expected ", wanted);
 }
 
 inline bool has_type(const JsonView& view, std::string_view type) {
@@ -24,8 +24,7 @@ inline bool has_type(const JsonView& view, std::string_view type) {
 /// Throws io_error 404 unless the member is missing or has the only value that is known here.
 template <class T>
 void require_value(const JsonView& view, const std::string& key, const T& value) {
-  if (view.value_or(key, value) != value)
-    raise<io_error>(404, view.path(), ": '", key, "' has a value that is not known here");
+  if (view.value_or(key, value) != value) raise<io_error>(404, view.path(), ": '", key, "' has an unsupported value");
 }
 
 MOTIONLANG_BODY std::vector<std::string> pieces_by_id(const JsonView& vocabulary, std::span<const AddedToken> added) {
@@ -76,7 +75,7 @@ inline std::vector<FramePart> template_frame(const JsonView& parts, const JsonVi
     if (parts[i].contains("Sequence")) {
       const JsonView text = parts[i]["Sequence"];
       const auto name = text["id"].as<std::string>();
-      if (name != "A" && name != "B") raise<io_error>(404, text.path(), ": text '", name, "', known are A and B");
+      if (name != "A" && name != "B") raise<io_error>(404, text.path(), ": text '", name, "', expected A or B");
       out.push_back({name == "A" ? FramePart::text_a : FramePart::text_b, 0, text["type_id"].as<Index>()});
       continue;
     }

@@ -10,8 +10,8 @@ namespace detail {
 
 MOTIONLANG_BODY void require_checkpoint(const RunFolder& run, const char* system, const char* wanted) {
   if (run.system != system)
-    raise<io_error>(404, run.folder.string(), ": ",
-                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected ", system);
+    raise<io_error>(404, run.folder.string(), ": ", run.system.empty() ? "of no known system" : "of " + run.system,
+                    ", expected ", system);
   if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no ", wanted);
 }
 

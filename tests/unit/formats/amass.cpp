@@ -205,7 +205,7 @@ TEST_CASE("parameters of smplx: its names, betas for each frame, and a rate that
   CHECK(ml::read_amass(folder / "a.npz", {}, 25).motion.fps == 25);
   CHECK_THROWS_WITH_AS(
       read(arrays),
-      doctest::Contains("a.npz: no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': `rate` says it"),
+      doctest::Contains("a.npz: no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps'; set `rate`"),
       ml::io_error);
   CHECK_THROWS_WITH_AS(read(arrays, -1), doctest::Contains("a.npz: frame rate -1"), ml::io_error);
 

@@ -161,7 +161,7 @@ TEST_CASE("AMC: a bone that is translated begins where it does in the mean; a no
   check_equal(moving.skeleton.offset(2), {3 * unit, 2 * unit, 0});
   check_equal(moving.positions()[2], {3 * unit, 2 * unit, 0});
   REQUIRE(notes.size() == 1);
-  CHECK(notes[0].starts_with("left out is how 'shin' is moved (tx, ty, tz) across 0.11"));
+  CHECK(notes[0].starts_with("left out: how 'shin' is moved (tx, ty, tz) across 0.11"));
 }
 
 TEST_CASE("AMC: lengths that a bone has in a frame are left out, and a note says so") {
@@ -171,13 +171,13 @@ TEST_CASE("AMC: lengths that a bone has in a frame are left out, and a note says
   CHECK(motion.frames() == 2);
   check_equal(motion.skeleton.offset(3), {0, -4 * unit, 0});
   REQUIRE(notes.size() == 1);
-  CHECK(notes[0] == "left out are the lengths (l) of 'shin', from 7 to 8.5: it keeps that of the skeleton");
+  CHECK(notes[0] == "left out: the lengths (l) of 'shin', from 7 to 8.5: it keeps that of the skeleton");
   const TemporaryFolder folder;
   ml::write_file(folder / "leg.asf", with(leg, "dof rx\n", "dof rx l\n"));
   ml::write_file(folder / "leg.amc", "1\nshin 0 7" + others);
   std::string lines;
   ml::read_motion(folder / "leg.amc", {}, &lines);
-  CHECK_MESSAGE(lines.find("leg.amc: left out are the lengths (l) of 'shin', from 7 to 7") != lines.npos, lines);
+  CHECK_MESSAGE(lines.find("leg.amc: left out: the lengths (l) of 'shin', from 7 to 7") != lines.npos, lines);
 }
 
 TEST_CASE("AMC: random degrees of freedom, against what they mean") {

@@ -357,7 +357,7 @@ TEST_CASE("BVH: malformed files are refused where they are wrong") {
   refuses(
       "HIERARCHY ROOT hi\xC2\x9B"
       "31mps { BAD",
-      "'BAD' does not belong into 'hi?31mps'");
+      "'BAD' does not belong in 'hi?31mps'");
   refuses(two_joints.substr(0, 150), "[motionlang.io.402]");
   refuses(with(two_joints, "ROOT hips", "ROOT"), "a joint without a name");
   refuses(with(two_joints, "ROOT hips\n{", "ROOT hips\n}"), "expected '{', found '}'");
@@ -366,7 +366,7 @@ TEST_CASE("BVH: malformed files are refused where they are wrong") {
   refuses(with(two_joints, "Zposition", "Wposition"), "f.bvh:5:34: 'Wposition' is not a channel");
   refuses(with(two_joints, "Zposition", "Zscale"), "'Zscale' is not a channel");
   refuses(with(two_joints, "CHANNELS 3", "CHANNELS -3"), "the number of channels");
-  refuses(with(two_joints, "OFFSET 2 5 0", "CHANNELS 3"), "'CHANNELS' does not belong into 'Site'");
+  refuses(with(two_joints, "OFFSET 2 5 0", "CHANNELS 3"), "'CHANNELS' does not belong in 'Site'");
   refuses(with(two_joints, "MOTION", "NOTION"), "[motionlang.io.403]");
   refuses(with(two_joints, "Frames: 1", "Frames: 1.5"), "the number of frames");
   refuses(with(two_joints, "1 2 3 30", "1 2 3\n1 2 3 30"), "'-15' follows the 1 declared frame of 9 channels");

@@ -197,8 +197,7 @@ TEST_CASE("BVH: the path of a pelvis with IK bones beside it is kept, and these 
   CHECK(m.skeleton.name(0) == "pelvis");
   CHECK(m.skeleton.find("ik_foot_root") == -1);
   check_equal(travel(m), {0.12666667, 0, 0.76});
-  CHECK_MESSAGE(notes.find(": left out is 'ik_foot_root' beside 'pelvis', the root of the body\n") != notes.npos,
-                notes);
+  CHECK_MESSAGE(notes.find(": left out: 'ik_foot_root' beside 'pelvis', the root of the body\n") != notes.npos, notes);
   CHECK(notes.find("away from the joint before") == notes.npos);
   const TemporaryFolder folder;
   ml::write_motion(folder / "out.npz", m);
@@ -256,7 +255,7 @@ TEST_CASE("BVH: where a path is left out all the same, the note says so") {
   ml::write_file(folder / "half.bvh", text);
   std::string notes;
   ml::read_motion(folder / "half.bvh", {}, &notes);
-  CHECK_MESSAGE(notes.find("left out is how 'b' moves away from the joint before") != notes.npos, notes);
+  CHECK_MESSAGE(notes.find("left out: how 'b' moves away from the joint before") != notes.npos, notes);
   CHECK_MESSAGE(notes.find("with that the walk is lost: 'b' carries 3 of the 6 joints") != notes.npos, notes);
 }
 
@@ -275,7 +274,7 @@ TEST_CASE("BVH: beside a body, a ROOT with few joints is a prop and left out wit
   std::string notes;
   const ml::Motion m = ml::read_motion(folder / "two.bvh", {}, &notes);
   CHECK(m.skeleton.size() == 24);
-  CHECK_MESSAGE(notes.find("left out is ROOT 'camera' with 1 joint, which is not a body") != notes.npos, notes);
+  CHECK_MESSAGE(notes.find("left out: ROOT 'camera' with 1 joint, which is not a body") != notes.npos, notes);
 }
 
 TEST_CASE("BVH: a row more than declared is left out with a note") {
@@ -283,7 +282,7 @@ TEST_CASE("BVH: a row more than declared is left out with a note") {
   const ml::Motion m = ml::read_motion(fault("bvh_one_row_more.bvh"), {}, &notes);
   CHECK(m.frames() == 5);
   CHECK_MESSAGE(
-      notes.find("bvh_one_row_more.bvh: left out is what follows the 5 frames, from '2.666667' on\n") != notes.npos,
+      notes.find("bvh_one_row_more.bvh: ignored: everything after the 5 frames, from '2.666667' on\n") != notes.npos,
       notes);
 }
 

@@ -54,10 +54,10 @@ TEST_CASE("the path is that of the hips, whatever moves beside them") {
   const Read vrma("expression_lookat.vrma");
   check_walk(vrma, 22, "hips");
   CHECK(vrma.notes == data("expression_lookat.vrma").string() +
-                          ": left out is how 'happy' and 'lookAt' move: they are not joints of the body\n");
+                          ": left out: how 'happy' and 'lookAt' move: they are not joints of the body\n");
   const Read camera("noskin_animated_camera.glb");
   check_walk(camera, 22, "pelvis");
-  CHECK(camera.notes_that("left out is how 'Camera' moves: it is not a joint of the body\n"));
+  CHECK(camera.notes_that("left out: how 'Camera' moves: it is not a joint of the body\n"));
 }
 
 TEST_CASE("the body is read, not the first skin; joints without keys belong to it; packed meshes do not matter") {
@@ -244,7 +244,7 @@ TEST_CASE("a body that joints beside the root carry away: the walk is lost, whic
   std::string notes;
   const auto motions = ml::parse_motions(b.bytes(), "lost.glb", {}, &notes);
   CHECK(motions.front().skeleton.names.front() == "root");
-  CHECK(notes.find("lost.glb: left out is how 'body' moves away from the joint before: bones keep their length at "
+  CHECK(notes.find("lost.glb: left out: how 'body' moves away from the joint before: bones keep their length at "
                    "rest\n") != notes.npos);
   CHECK(notes.find("lost.glb: joints are up to 4 m from where the file has them: 'body' at 1 s\n") != notes.npos);
   CHECK(notes.find("lost.glb: the walk is lost: joints that are left out carry the body\n") != notes.npos);

@@ -102,7 +102,7 @@ TEST_CASE("what is left out is noted") {
   std::string notes;
   ml::read_motions(folder / "stretched.bvh", {}, &notes);
   CHECK(notes == (folder / "stretched.bvh").string() +
-                     ": left out is how 'bone' moves away from the joint before: bones keep their mean length\n");
+                     ": left out: how 'bone' moves away from the joint before: bones keep their mean length\n");
 
   ml::Motion posed = synthetic::walk({.frames = 40});
   for (auto& q : posed.rotations(0)) q = ml::Quaternion<double>::identity();
@@ -111,7 +111,7 @@ TEST_CASE("what is left out is noted") {
   REQUIRE(frames == 1);
   notes.clear();
   CHECK(ml::read_motion(folder / "posed.glb", {.drop_lead_in = true}, &notes).frames() == 39);
-  CHECK(notes == (folder / "posed.glb").string() + ": left out is 1 frame of an inserted T-pose at the start\n");
+  CHECK(notes == (folder / "posed.glb").string() + ": left out: 1 frame of an inserted T-pose at the start\n");
   CHECK(ml::read_motion(folder / "posed.glb").frames() == 40);
 }
 

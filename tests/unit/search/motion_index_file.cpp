@@ -107,7 +107,7 @@ TEST_CASE("index files: what says wrong things about itself") {
   CHECK_ERROR(with([](auto&, auto& m, auto&) { m.erase("format"); }),
               "[motionlang.io.403] x.index: not an index of motionlang");
   CHECK_ERROR(with([](auto&, auto& m, auto&) { m["version"] = "9"; }),
-              "[motionlang.io.404] x.index: version 9 of an index, known is 1");
+              "[motionlang.io.404] x.index: version 9 of an index, expected 1");
   CHECK_ERROR(with([](auto&, auto& m, auto&) { m.erase("checksum"); }), "[motionlang.io.403] x.index: damaged");
   CHECK_ERROR(with([](auto& t, auto&, auto&) { t.erase("moments"); }), "[motionlang.io.406]");
   CHECK_ERROR(with([](auto& t, auto&, auto&) { t.at("clips").dtype = ml::DType::I32; }),

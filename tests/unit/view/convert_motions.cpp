@@ -74,7 +74,7 @@ TEST_CASE("what an AMASS file has and the result lacks is a note") {
   ml::write_amass(w / "walk.npz", synthetic::walk({.frames = 20}), {.gender = "female", .betas = {0.5, 1}});
   ml::ConversionNotes notes;
   ml::convert_motions(w / "walk.npz", w / "walk.bvh", {}, &notes);
-  CHECK(contains(notes.input, "walk.npz: left out are betas; `body` shows them\n"));
+  CHECK(contains(notes.input, "walk.npz: left out: betas; `body` shows them\n"));
   notes = {};
   ml::convert_motions(w / "walk.npz", w / "again.npz", {}, &notes);
   CHECK(notes.input.empty());

@@ -225,8 +225,9 @@ TEST_CASE("what cannot be drawn is an error") {
   far.root[1].x = 1e39;
   CHECK_THROWS_WITH_AS(
       ml::film_strip_svg(far),
-      doctest::Contains("[motionlang.numeric.301] Motion 'walk': joint 'pelvis' of frame 1 or what hangs on it is at "
-                        "(1e+39, "),
+      doctest::Contains(
+          "[motionlang.numeric.301] Motion 'walk': joint 'pelvis' of frame 1 or one of its children is at "
+          "(1e+39, "),
       ml::numeric_error);
   far = motion;
   far.skeleton.offsets[4].y = -1e200;

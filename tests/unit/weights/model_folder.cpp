@@ -63,7 +63,7 @@ TEST_CASE("nothing is overwritten, and nothing half written stays") {
   CHECK_THROWS(ml::write_model_folder(path, sample(), twice));
   CHECK(entries(folder.path) == 0);
   ml::write_model_folder(path.string() + "/", sample(), tensors().views());
-  CHECK_ERROR(ml::write_model_folder(path, sample(), tensors().views()), "is there already");
+  CHECK_ERROR(ml::write_model_folder(path, sample(), tensors().views()), "exists already");
   CHECK(entries(folder.path) == 1);
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("wrong entries are reported with file, key and both values") {
   refused("{", "[motionlang.io.403] m/config.json:1:2");
   refused("{}", "[motionlang.config.107] m/config.json: has no member 'format'");
   refused(R"({"format": "other"})", "m/config.json: format is 'other', expected 'motionlang'");
-  refused(R"({"format": "motionlang", "version": 2})", "[motionlang.io.404] m/config.json: version is 2, known is 1");
+  refused(R"({"format": "motionlang", "version": 2})", "[motionlang.io.404] m/config.json: version is 2, expected 1");
   refused(R"({"format": "motionlang"})", "has no member 'system'");
   refused(R"({"format": "motionlang", "system": 3})", "m/config.json: system: expected a string, found number");
   refused(R"({"format": "motionlang", "system": "stmc"})", "has no member 'config'");

@@ -159,13 +159,13 @@ TEST_CASE("tokenizer.json: what is not known is refused by its name") {
     CHECK_ERROR(from_json(with(text, part, other)), message);
   };
   refused(bert_json, "\"WordPiece\", \"unk", "\"Unigram\", \"unk",
-          "[motionlang.io.404] tokenizer.json: model: type Unigram, known are WordPiece, BPE");
-  refused(bert_json, "BertNormalizer", "NFKC", "normalizer: type NFKC, known are BertNormalizer");
+          "[motionlang.io.404] tokenizer.json: model: type Unigram, expected WordPiece, BPE");
+  refused(bert_json, "BertNormalizer", "NFKC", "normalizer: type NFKC, expected BertNormalizer");
   refused(bert_json, "BertPreTokenizer", "Whitespace", "pre_tokenizer: type Whitespace");
   refused(bert_json, "TemplateProcessing", "ByteLevel", "post_processor: type ByteLevel");
   refused(bert_json, "\"single_word\": false", "\"single_word\": true", "added_tokens[0]: 'single_word'");
   refused(bert_json, "\"id\": \"A\"", "\"id\": \"C\"", "text 'C'");
-  refused(clip_json, "NFC", "NFD", "normalizer.normalizers[0]: type NFD, known are NFC");
+  refused(clip_json, "NFC", "NFD", "normalizer.normalizers[0]: type NFD, expected NFC");
   refused(clip_json, "{\"type\": \"Lowercase\"}", "{\"type\": \"Lowercase\"}, {\"type\": \"Strip\"}",
           "normalizers[3]: type Strip");
   refused(clip_json, "\"Regex\": \"\\\\s+\"", "\"Regex\": \"x\"", "'Regex' has a value");

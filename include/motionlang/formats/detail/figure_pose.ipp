@@ -17,7 +17,8 @@ MOTIONLANG_BODY Heights heights(const Motion& motion, const Figure& figure) {
     const double most = std::numeric_limits<float>::max();
     if (!(std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most))
       raise<numeric_error>(301, "Motion '", motion.name, "': joint '", motion.skeleton.name(joint), "' of frame ",
-                           frame, " or what hangs on it is at (", p.x, ", ", p.y, ", ", p.z, "), too far to be drawn");
+                           frame, " or one of its children is at (", p.x, ", ", p.y, ", ", p.z,
+                           "), too far to be drawn");
   };
   Heights h;
   std::vector<double> lows;

@@ -35,7 +35,7 @@ class GltfDocument {
   GltfDocument(std::span<const std::byte> bytes, std::string file)
       : file_(std::move(file)), size_(bytes.size()), chunks_(parse_glb_chunks(bytes, file_)) {
     const std::string version = root()["asset"]["version"].as<std::string>();
-    if (!version.starts_with("2.")) raise<io_error>(404, file_, ": glTF of version ", version, ", known is 2");
+    if (!version.starts_with("2.")) raise<io_error>(404, file_, ": glTF of version ", version, ", expected 2");
     decode_buffers();
     read_nodes();
     name_humanoid();
@@ -52,7 +52,7 @@ class GltfDocument {
     const bool decoded = b.contains("uri");
     if (decoded ? !is_data(b["uri"].as<std::string>()) : i != 0) {
       raise<io_error>(404, b.path(),
-                      ": the buffer is not in this file: make one .glb file of all, for instance with "
+                      ": the buffer is not in this file: pack everything into one .glb file, for instance with "
                       "gltf-transform");
     }
     const std::span<const std::byte> data = decoded ? std::span(decoded_[static_cast<std::size_t>(i)]) : chunks_.binary;
@@ -371,7 +371,7 @@ class SharedAccessors {
     auto& known = known_[{accessor, components}];
     if (known == nullptr) known = std::make_shared<const std::vector<double>>(document_.values(accessor, components));
     if (known->size() > left_)
-      raise<io_error>(405, document_.file(), ": uses its data more often than an honest file does");
+      raise<io_error>(405, document_.file(), ": repeats its data more often than a valid file does");
     left_ -= known->size();
     return known;
   }

@@ -91,7 +91,7 @@ MOTIONLANG_BODY std::string RunReader::one_of(const char* key, const char* other
                                               std::initializer_list<std::string_view> known) const {
   std::string found = text(key, otherwise);
   if (std::find(known.begin(), known.end(), found) != known.end()) return found;
-  raise<io_error>(404, place(key), " is '", found, "', known are ", join_text(known));
+  raise<io_error>(404, place(key), " is '", found, "', expected ", join_text(known, " or "));
 }
 
 MOTIONLANG_BODY std::optional<Index> RunReader::whole(const char* key) const {
