@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// Autodiff<B>: a backend that computes with B and remembers how, so that `backward` gives gradients (reverse mode).
 ///
-/// Each operation below stands next to its derivative (vjp: vector-Jacobian product): g is the gradient of the result,
-/// the answer is the gradient of each operand. The graph hangs off the tensors; there is no global tape. A closure
-/// keeps only the tensors that its derivative needs, and `backward` frees them as it goes: a graph can be walked once.
-/// Results of layer norms and of a sequence's attention to itself, which are cheap, are not kept: a product that needs
-/// one has it calculated again. `checkpoint` does the same with any function (Chen, Xu, Zhang, Guestrin: "Training deep
-/// nets with sublinear memory cost", 2016). Gradients are returned as a value and live on the inner backend.
+/// Each operation below stands next to its derivative (vjp: vector-Jacobian product). g is the gradient of the result,
+/// and the vjp returns the gradient of each operand. The tensors own the graph; there is no global tape. A closure
+/// keeps only the tensors that its derivative needs, and `backward` frees them as it goes, so a graph can be walked
+/// once. The results of layer norms and of self-attention are cheap, so they are not kept: a product that needs one
+/// computes it again. `checkpoint` does the same with any function (Chen, Xu, Zhang, Guestrin: "Training deep nets with
+/// sublinear memory cost", 2016). Gradients are returned as a value and live on the inner backend.
 ///
 /// Threads may differentiate losses over the same variables at once: a walk writes only to the operations behind its
 /// own loss. Losses that share operations belong to one thread.
@@ -82,8 +82,8 @@ struct Autodiff {
   class Node {
    public:
     std::vector<std::shared_ptr<Node>> inputs;
-    Index order = -1;                      // of an operation: its place in the walk that is going on
-    const std::uint64_t number = ++made_;  // operands have smaller numbers than what is made of them
+    Index order = -1;                      // of an operation: its place in the current walk
+    const std::uint64_t number = ++made_;  // operands have smaller numbers than their results
     bool variable = true;
 
     Node() = default;
@@ -93,10 +93,10 @@ struct Autodiff {
     virtual void vjp(const Value&, const Sink&) const {}
     virtual void forget() {}  // drops what the vjp keeps
     virtual bool forgotten() const { return false; }
-    virtual bool cheap() const { return false; }  // to calculate again
+    virtual bool cheap() const { return false; }  // to compute again
     virtual Value again() const { return {}; }    // the result, of a cheap operation that has forgotten nothing
 
-    /// Without recursion: a chain of two million operations must not overflow the stack.
+    /// Not recursive: a chain of two million operations must not overflow the stack.
     void release_inputs() {
       std::vector<std::shared_ptr<Node>> waiting = std::move(inputs);
       while (!waiting.empty()) {
@@ -236,7 +236,7 @@ struct Autodiff {
         B::sum(a.value, axis), [sa = shape(a), axis](const Value& g, const Sink& s) { s.add(0, along(g, sa, axis)); },
         a);
   }
-  static tensor max(const tensor& a, int axis) {  // every element that attains the maximum takes the whole gradient
+  static tensor max(const tensor& a, int axis) {  // every element that equals the maximum takes the whole gradient
     Value y = B::max(a.value, axis);
     return record(
         y,
@@ -441,8 +441,8 @@ struct Autodiff {
 
   // Recomputation.
 
-  /// y as one operation that keeps its inputs only: again(inputs...) gives y once more, and its graph is made during
-  /// the backward pass. What else `again` uses has to be constant or variable.
+  /// Makes y one operation that keeps only its inputs. again(inputs...) computes y again during the backward pass, and
+  /// makes its graph then. Everything else that `again` uses has to be a constant or a variable.
   template <class F, class... T>
   static tensor checkpoint(const tensor& y, F again, const T&... inputs) {
     if (y.node == nullptr || y.node->variable) return y;
@@ -463,7 +463,8 @@ struct Autodiff {
   // The walk.
 
   /// Gradients of a number with respect to all variables that it depends on. Frees the graph behind it. Throws
-  /// config_error 102 if the graph has been walked before, or if a checkpoint hides what it uses.
+  /// config_error 102 if the graph has been walked before, or if a checkpoint uses a variable that is not one of its
+  /// inputs.
   static GradientMap gradients(const tensor& loss) {
     GradientMap result;
     Sink sink;
@@ -473,9 +474,9 @@ struct Autodiff {
   }
 
  private:
-  /// Sends the gradients of all variables behind `last`, whose own gradient is g, to the sink. Operations are walked
-  /// from the last made to the first: what a layer kept is free before the layer below begins, and sums of gradients
-  /// have one order, with checkpoints or without.
+  /// Sends the gradients of all variables behind `last`, whose own gradient is g, to the sink. Walks operations from
+  /// the last made to the first. So the memory of a layer is free before the layer below begins. Sums of gradients have
+  /// the same order with checkpoints and without.
   static void walk(const tensor& last, Value g_last, Sink& sink) {
     if (last.node == nullptr) return;
     if (last.node->variable) return sink.add_variable(last.node.get(), std::move(g_last));
@@ -527,7 +528,7 @@ struct Autodiff {
     std::optional<F> f_;
   };
 
-  /// An operation whose result `forward` calculates again from what the vjp keeps anyway.
+  /// An operation whose result `forward` computes again from the values that the vjp keeps anyway.
   template <class F, class G>
   class CheapOperation final : public Node {
    public:
@@ -543,7 +544,8 @@ struct Autodiff {
   };
 
   /// An operand whose value the derivative for `other` needs; nothing if other is a constant. The result of a cheap
-  /// operation is not kept: that operation is among the inputs of the node that asks, and is walked after it.
+  /// operation is not kept. That operation is among the inputs of the node that needs it, and is walked after that
+  /// node.
   class Operand {
    public:
     Operand(const tensor& other, const tensor& x)

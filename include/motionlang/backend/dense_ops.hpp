@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Operations that all backends over Dense storage share: making tensors, moving values, and how a reduction
-/// is shared by threads.
+/// Operations that all backends over Dense storage share: making tensors, moving values, and sharing a reduction among
+/// threads.
 #pragma once
 
 #include <algorithm>  // fill, min
@@ -13,8 +13,8 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-/// A reduction along an axis of (outer, axis, inner), by all threads: of the last axis rows(first, last), rows of the
-/// memory; of another columns(i, first, last), columns of matrix i of `outer`.
+/// A reduction along an axis of (outer, axis, inner), on all threads. Along the last axis it calls rows(first, last)
+/// for rows of the memory. Along another axis it calls columns(i, first, last) for columns of matrix i of `outer`.
 template <class Rows, class Columns>
 void for_reduction(const Shape& s, int axis, const Rows& rows, const Columns& columns) {
   const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
@@ -111,7 +111,7 @@ struct DenseOps {
  protected:
   using Strides = std::array<Index, Shape::max_rank>;
 
-  /// For i = 0 ... count-1: n numbers of from(i) to to(i).
+  /// For i = 0 ... count-1: copies n values from from(i) to to(i).
   template <class From, class To>
   static void copy_pieces(Index count, Index n, const From& from, const To& to) {
     if (n == 0) return;
@@ -143,13 +143,13 @@ struct DenseOps {
   struct Axis {
     Index size = 1, in = 1, out = 1;
   };
-  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump
-  /// through the memory of a, and those along another axis do not, some lines are made at once: a line of the cache
-  /// serves all of them.
+  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. If these lines jump through
+  /// the memory of a, and lines along another axis do not, several lines are made together. They then share the cache
+  /// lines that they read.
   static tensor strided_copy(const tensor& a, const Shape& s, const Strides& stride) {
     tensor out(s);
     if (s.count() == 0) return out;
-    std::array<Axis, Shape::max_rank> axes;  // from the last to the first, those that are one to the memory joined
+    std::array<Axis, Shape::max_rank> axes;  // from the last to the first; axes that are one in memory are joined
     int count = 0;
     const auto own = strides_of(s);
     for (int i = s.rank() - 1; i >= 0; --i) {
@@ -190,7 +190,7 @@ struct DenseOps {
     });
     return out;
   }
-  /// Line l of n numbers:  to[l * pitch + i] = from[l + i * step]. Several lines only where step > 1.
+  /// Line l of n values:  to[l * pitch + i] = from[l + i * step]. Several lines only where step > 1.
   static void copy_lines(const S* from, Index step, Index n, S* to, Index lines, Index pitch) {
     if (step == 1) {
       std::memcpy(to, from, static_cast<std::size_t>(n) * sizeof(S));

@@ -18,7 +18,7 @@ template <Scalar S>
 struct KernelOps {
   using kernel_tensor = Dense<S>;
 
-  // Operands come by value: memory that nobody else holds is reused for the result.
+  // Operands come by value: the result reuses memory that nobody else holds.
   static Dense<S> add(Dense<S> a, Dense<S> b);
   static Dense<S> sub(Dense<S> a, Dense<S> b);
   static Dense<S> mul(Dense<S> a, Dense<S> b);
@@ -26,7 +26,7 @@ struct KernelOps {
   static Dense<S> maximum(Dense<S> a, Dense<S> b);
   static Dense<S> sum(const Dense<S>& a, int axis);
 
-  /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
+  /// The number of rows inside a network that stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();
 
   /// Product of the last two axes, batched. b is packed on the fly.
@@ -41,7 +41,7 @@ struct KernelOps {
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
 
-  /// nn/conv1d.hpp, without dilation. The sequences of x lie in it by `before`, those of the result by `after`.
+  /// nn/conv1d.hpp, without dilation. `before` gives the sequences of x, `after` those of the result.
   static Dense<S> conv1d(const Dense<S>& x, const Offsets& before, const Offsets& after, const Dense<S>& weight,
                          const Dense<S>* bias, Index stride, Index padding, Activation act);
   static Dense<S> conv1d_weight_vjp(const Dense<S>& x, const Offsets& before, const Offsets& after, Index taps,
@@ -73,7 +73,7 @@ struct KernelOps {
   static Dense<S> self_attention_vjp(const Dense<S>& qkv, const Offsets& offsets, const AttentionOptions& options,
                                      const Dense<S>& dy);
 
-  /// Updates parameter and moments in place when nobody else holds them, else makes new ones.
+  /// Updates parameter and moments in place if nobody else holds them, else makes new ones.
   static void adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const Dense<S>& gradient, const AdamwUpdate& update);
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The definition of every primitive, in plain loops. Slow, readable, and what the other backends are tested against.
+/// The definition of every primitive, in plain loops. It is slow and readable, and the other backends are tested
+/// against it.
 ///
 /// Read this file to know what an operation means; read eigen.hpp or detail/kernels.hpp to see how it is made fast.
 #pragma once

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Backend over xtensor: functions and maxima are xtensor expressions over adapted memory; arithmetic, sums, products
-/// and fused operations are the same kernels that the Eigen backend uses.
+/// Backend over xtensor: functions and maxima are xtensor expressions over adapted memory. Arithmetic, sums, products
+/// and fused operations are the kernels that the Eigen backend uses, too.
 #pragma once
 
 #include <motionlang/backend/dense_ops.hpp>

@@ -2,8 +2,8 @@
 /// STMC and the baselines that it is compared with, by name; and the timelines of those that put everything on one
 /// track, or into one sentence.
 ///
-/// Source  thesis 6.3.3; STMC (Petrovich et al. 2024) mtt/create_baselines.py. They are made from seconds and
-///         written to files, which are then read at 20 fps; converting with to_frames gives the same.
+/// Source  thesis 6.3.3; STMC (Petrovich et al. 2024) mtt/create_baselines.py. The published script works in seconds
+///         and writes files, which are then read at 20 fps. Converting with to_frames gives the same.
 #pragma once
 
 #include <array>        // modes
@@ -19,13 +19,13 @@ inline BodyParts united(BodyParts a, BodyParts b) { return {a.bits | b.bits}; }
 
 }  // namespace detail
 
-/// One track (DiffCollage): on each piece between cuts the active texts joined by " while ", with all their parts.
+/// One track (DiffCollage): each piece between cuts has its active texts joined by " while ", with all their parts.
 /// Pieces without a text are left out.
 TimelineInSeconds single_track(const TimelineInSeconds& timeline);
 
-/// One sentence, "T0 and then T1 while T2", with the parts of all texts, from 0 to at most 9.8 s, the longest motion
-/// that the models were trained on. The published rule is for timelines of three texts: of longer ones the first three
-/// are in the sentence, shorter ones leave its end away.
+/// One sentence, "T0 and then T1 while T2", with the parts of all texts. It lasts from 0 to at most 9.8 s, the longest
+/// motion that the models were trained on. The published rule is for timelines of three texts. From longer timelines
+/// the sentence takes the first three texts; for shorter ones it ends earlier.
 TimelineInSeconds one_text(const TimelineInSeconds& timeline);
 
 /// The ways of making a motion from a timeline (thesis, table 6.1).

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Answers of a language model to the question which body parts an action moves, as the parts of SINC; and a table
-/// of such answers. Read from a file by datasets/body_part_table.hpp; without a table, body_part_lexicon.hpp guesses.
+/// Answers of a language model to the question of which body parts an action moves, as the parts of SINC, and a table
+/// of such answers. datasets/body_part_table.hpp reads it from a file. Without a table, body_part_lexicon.hpp guesses.
 ///
 ///     parse_body_part_answer("Answer: right leg\nleft leg\nbuttocks")   // global, left leg, right leg
 ///
@@ -17,14 +17,14 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One part per line; those of the face, wrists and hands say nothing; shoulders are arms, buttocks and waist the
-/// pelvis, the neck is the torso. Throws config_error 103 for a name that is not one, and if no part is named.
+/// One part per line. Lines about the face, wrists and hands are ignored. Shoulders count as arms, buttocks and waist
+/// as the pelvis, and the neck as the torso. Throws config_error 103 for an unknown name, and if no part is named.
 SincParts parse_body_part_answer(std::string_view answer);
 
 /// Parts of actions by their labels. The order of the labels is that of the file: lists of partners follow it.
 class BodyPartTable {
  public:
-  /// The last one counts if a label is added again. Throws config_error 103.
+  /// If a label is added again, the last one counts. Throws config_error 103.
   void add(const std::string& label, std::string_view answer);
 
   const std::vector<std::string>& labels() const { return labels_; }

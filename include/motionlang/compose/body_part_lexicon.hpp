@@ -5,8 +5,8 @@
 ///     guess_body_parts("waves with the left hand")   // left arm
 ///     guess_body_parts("kick twice")                 // legs
 ///
-/// Rule   every known word adds its parts; words of one arm mean the right one unless "left arm", "left hand", ... is
-///        written; both arms with "both", with "left and right", or with a plural; nothing known: all parts
+/// Rule   Every known word adds its parts. Words of one arm mean the right one unless "left arm", "left hand", ... is
+///        written. "both", "left and right" or a plural mean both arms. Without a known word, the text moves all parts.
 ///
 /// In another body the words of its BodyPartition add their parts, and so do names and synonyms of parts.
 #pragma once

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// The denoising step of STMC: all crops of all timelines through the network in ragged batches, guided, stitched.
+/// The denoising step of STMC: all crops of all timelines go through the network in ragged batches, and are guided and
+/// stitched.
 ///
-/// Independent of the feature type and of the network: any layout with a partition into parts, any `Denoiser`.
+/// It does not depend on the feature type or the network: any layout with a partition into parts, any `Denoiser`.
 #pragma once
 
 #include <motionlang/compose/stitching.hpp>
@@ -11,7 +12,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The results of one step, for those who want to see them. Rows are those of the crops, in batch order.
+/// The results of one step, for callers who want to see them. Rows are those of the crops, in batch order.
 template <Backend B>
 struct CollageStep {
   Tensor<B, 2> crops, cond, null, guided, x0;
@@ -27,24 +28,24 @@ struct JobBatch {
 };
 struct JobBatches {
   std::vector<JobBatch> batches;
-  std::vector<Index> cond, null;  // for every row of the crops its row of all batches, with its text and without
+  std::vector<Index> cond, null;  // for every row of the crops its row in all batches, with its text and without
 };
 struct JobOptions {
   bool guided = true;
-  bool divide = true;  // whether a sequence has the same result in any batch
+  bool divide = true;  // a sequence has the same result in any batch
   Index rows_at_once = 0;
 };
 
 /// texts: of every crop; null: the unconditional one.
 JobBatches plan_jobs(const CropRows& crops, std::span<const Index> texts, Index null, const JobOptions& options);
 
-/// For every crop its text as a number: equal texts have the same, "" that of the unconditional one.
+/// The text of every crop as a number. Equal texts have the same number, and "" has that of the unconditional text.
 std::vector<Index> texts_of_crops(const BatchPlan& plan, Index null);
 
 /// Throws shape_error 204 unless there is a text for every interval, and one unconditional one.
 void check_texts(const BatchPlan& plan, Index texts, Index nulls);
 
-/// The rows of crops of fixed size without those behind their own frames.
+/// The rows of crops of fixed size, without the rows behind their own frames.
 CropRows own_frames(const BatchPlan& plan, Index stride, Index crop_frames);
 
 Offsets joined(const Offsets& a, const Offsets& b);
@@ -52,19 +53,20 @@ Offsets joined(const Offsets& a, const Offsets& b);
 }  // namespace detail
 
 /// Source  thesis 6.2.3, figure 6.3 c; STMC (Petrovich et al. 2024) src/model/gaussian.py p_sample_stmc
-/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow
-///         with the timelines. Sequences of the same frames and the same text go through it once: both calls of
-///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together; what
-///         a denoiser can compute for the frames of a crop whatever its text is computed once as well. The longest come
-///         first, so that threads end together; crops without frames are left out. Texts, offsets and index lists are
+/// Cost    One call of the network per step and `rows_at_once` frames, so its memory does not grow with the timelines.
+///         Sequences with the same frames and the same text go through it once. These are both calls of guidance if a
+///         crop's text is "", and the unconditional calls of texts that begin and end together. Work of a denoiser that
+///         depends on the frames of a crop but not on its text is done once, too. The longest sequences come first, so
+///         that threads end together. Crops without frames are left out. Texts, offsets and index lists are prepared
+///         here, not in the loop.
 ///         prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
   /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
-  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the
-  /// denoiser, config_error 101 for a negative rows_at_once.
+  /// Throws shape_error 204 if the number of texts is wrong, timeline_error 508 if a crop is too long for the denoiser,
+  /// and config_error 101 for a negative rows_at_once.
   Collage(const D& denoiser, BatchPlan plan, FeatureLayout layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
@@ -81,7 +83,7 @@ class Collage {
     detail::check_texts(plan_, text.count(), null.count());
     prepare_step();
   }
-  /// The same with some crops and slices of its plan only (compose/edits.hpp).
+  /// The same with only some of the crops and slices of its plan (compose/edits.hpp).
   Collage with_plan(BatchPlan plan) const {  // NOLINT(performance-unnecessary-value-param): it is moved from
     Collage out = *this;
     out.plan_ = std::move(plan);
@@ -110,8 +112,8 @@ class Collage {
             (texts_.padded_tokens >= texts.longest() || texts.rows() == texts.count() * texts.longest()));
   }
 
-  /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops
-  /// into x0 where it predicts something else: to_x0(output rows, crop rows).
+  /// x (rows, features) at network step t -> composite clean estimate. If the network predicts something else than x0,
+  /// `to_x0` converts its output for the crops: to_x0(output rows, crop rows).
   template <class F>
   CollageStep<B> step(const Tensor<B, 2>& x, Index t, F to_x0) const {
     CollageStep<B> s;
@@ -142,7 +144,7 @@ class Collage {
     for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
     const bool fixed = traits.crop_frames > 0;
     motion_ = CropRows::of(plan_, traits.crop_frames);
-    // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
+    // With a mask, a crop of fixed size shrinks to its own frames again: masked frames are ignored.
     crops_ = fixed && traits.uses_lengths ? detail::own_frames(plan_, motion_.stride, traits.crop_frames) : motion_;
     stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
     build_batch();
@@ -182,7 +184,7 @@ class Collage {
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
   std::vector<Batch> batches_;
-  std::vector<Index> cond_, null_;  // for every row of the crops its row of all batches, with its text and without
+  std::vector<Index> cond_, null_;  // for every row of the crops its row in all batches, with its text and without
 };
 
 /// x0 of all timelines at index t of the process.
@@ -195,9 +197,9 @@ Tensor<B, 2> clean_motion(const Collage<B, D>& collage, const GaussianDiffusion&
   return collage.step(x, diffusion.network_t(t), to_clean).x0;
 }
 
-/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x, noise(1), noise(2), ... belong to
-/// the steps; all of shape (rows, features).
-/// -> clean motions (rows, features), normalised; rows behind a timeline's end mean nothing. `watch(t, step)` sees
+/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x; noise(1), noise(2), ... belong to
+/// the steps. All have the shape (rows, features).
+/// -> clean motions (rows, features), normalised. Rows behind a timeline's end mean nothing. `watch(t, step)` sees
 /// every step. Throws `cancelled` if progress says so.
 template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Texts cut where a denoiser does them best in parts: where their action is over, where they lend body parts or get
-/// them back, and where they are too long.
+/// Cuts texts into parts that a denoiser does better. It cuts where their action is over, where they give body parts to
+/// another text or regain them, and where they are too long.
 ///
 ///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
 ///
@@ -11,13 +11,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops
-/// are what a model has seen least of: ours walks as far in 8 s as in 10.
+/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and a model has seen the
+/// longest crops least often. Ours walks as far in 8 s as in 10.
 inline constexpr double longest_whole_text = 8;
-/// Seconds below which a part would be too short for the denoiser to do what the text says.
+/// Seconds that a part needs at least, so that the denoiser can do what the text says.
 inline constexpr double shortest_part = 0.5;
 
-/// end_actions, cut_at_handovers, divide_long_texts. Throws what they throw.
+/// Applies end_actions, cut_at_handovers and divide_long_texts. Throws what they throw.
 Timeline cut_texts(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END

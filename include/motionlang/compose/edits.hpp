@@ -2,10 +2,10 @@
 /// The frames that an edit of a timeline can change, step by step. No tensors here.
 ///
 /// A step of STMC makes every frame from the crops that are added and subtracted there, and a crop reads all of its
-/// frames. So an edit changes in the first step the frames that are made of other crops than before, in the second one
-/// all frames of every crop that reads one of these, and so on: it goes one crop further with every step. It stops
-/// where nothing spans a cut (overlap 0), and at the end of the run. As the noise belongs to the frame, all other
-/// frames are those of before, bit for bit.
+/// frames. So in the first step an edit changes the frames that are made of other crops than before. In the second step
+/// it changes all frames of every crop that reads one of these, and so on: it spreads by one crop per step. It stops
+/// where nothing spans a cut (overlap 0), and at the end of the run. Because the noise belongs to the frame, all other
+/// frames stay the same, bit for bit.
 ///
 /// Source   follows from STMC (thesis 6.2.3, figure 6.3 c); not in the thesis
 /// Caution  holds for denoisers whose sequences do not depend on their batch mates (see MdmSmplDenoiser)
@@ -17,13 +17,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The frames that differ between two runs with the same noise, of which the first is recorded, after each step.
+/// The frames that differ after each step between two runs with the same noise. The first run is recorded.
 class EditSpread {
  public:
-  /// The plans of both runs, and how many rows every timeline has in them. The timelines of a batch are compared by
-  /// their place in it.
+  /// The plans of both runs, and the rows of every timeline in them. The timelines of a batch are compared by their
+  /// place in it.
   /// reads   frames that the denoiser reads from the start of a crop; 0: those of the crop
-  /// within  frames further than this from the edit are said not to differ, although they would
+  /// within  frames further than this from the edit count as equal, although they would differ
   EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows, Index reads = 0,
              std::optional<Index> within = {});
 
@@ -32,15 +32,15 @@ class EditSpread {
   /// Frames of all timelines that differ.
   Index frames() const;
 
-  /// True if every timeline with frames that differ has no others.
+  /// True if in every timeline either all frames differ or none.
   bool everywhere() const;
   /// True if `within` has changed anything so far.
   bool limited() const { return limited_; }
 
-  /// The next step. Whether more frames differ after it.
+  /// Goes to the next step. Returns true if more frames differ after it.
   bool advance();
 
-  /// The plan with only those crops that make frames that differ; the others have no frames and no slices.
+  /// The plan with only the crops whose frames differ. The others have no frames and no slices.
   BatchPlan needed() const;
 
  private:
@@ -53,7 +53,7 @@ class EditSpread {
     return std::count(differs_[m].begin(), differs_[m].begin() + plan_.timelines[m].frames, 1);
   }
   bool any(std::size_t m, const FrameRange& range) const;
-  /// Frames that are at most `within` away from one that is marked.
+  /// Frames that are at most `within` away from a marked one.
   static std::vector<char> near(const std::vector<char>& marked, Index within);
 
   BatchPlan plan_;

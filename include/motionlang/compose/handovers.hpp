@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// Cuts texts where their body parts change.
 ///
-/// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
-/// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then
-/// without them, then with its own again; the transitions are where they were.
+/// As published, a text that goes on while another borrows its arms is one crop. So the denoiser sees raised arms in
+/// the middle of "walk forward" and keeps them up before and after. If the text is cut at these times, it walks with
+/// its own arms, then without them, then with its own again. The transitions stay where they were.
 ///
 ///     const auto motion = stmc.generate(cut_at_handovers(timeline, 10), rng);
 ///

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// Sentences of several actions, one after the other, as texts that follow each other in a timeline.
+/// Splits sentences of several actions into texts that follow each other in a timeline.
 ///
-/// Denoisers learn from clips of a few seconds, most of which show one thing: of "walk forward then sit down" they do
-/// one half.
+/// Denoisers learn from clips of a few seconds, most of which show one action. Given "walk forward then sit down", they
+/// do one half.
 ///
 ///     actions_in_turn("walk forward, then sit down");                // {"walk forward", "sit down"}
 ///     const auto motion = stmc.generate(in_turn(timeline), rng);
@@ -16,13 +16,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The actions that a sentence says one after the other: it is cut at "then", "afterwards", "after that", "after which"
-/// and "followed by" (with the "and" before them), at semicolons and at full stops. "and" alone joins what is done at
-/// once. A sentence of one action is given back as it is.
+/// The actions of a sentence, in order. The sentence is cut at "then", "afterwards", "after that", "after which" and
+/// "followed by" (with the "and" before them), at semicolons and at full stops. "and" alone joins simultaneous actions.
+/// A sentence of one action is returned unchanged.
 std::vector<std::string> actions_in_turn(std::string_view sentence);
 
-/// Every text of several actions becomes as many texts, one after the other, which share its frames evenly. Throws
-/// config_error 101 if it has fewer frames than actions.
+/// Replaces every text of several actions by one text for each. They follow each other and share its frames evenly.
+/// Throws config_error 101 if it has fewer frames than actions.
 Timeline in_turn(const Timeline& timeline);
 
 MOTIONLANG_NAMESPACE_END

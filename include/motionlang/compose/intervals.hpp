@@ -12,7 +12,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A stretch without cuts inside, and the intervals that cover it, in file order.
+/// A range without cuts inside, and the intervals that cover it, in file order.
 template <class T>
 struct BasicPiece {
   T start{}, end{};
@@ -22,7 +22,7 @@ struct BasicPiece {
 using Piece = BasicPiece<Index>;
 
 /// The pieces between neighbouring cuts; those of gaps have no intervals. Throws config_error 101 if so many intervals
-/// lie over each other that the lists would not be reasonable (10 million entries).
+/// overlap that the lists would have more than 10 million entries.
 template <class T>
 std::vector<BasicPiece<T>> elementary_pieces(const BasicTimeline<T>& timeline) {
   std::vector<std::pair<T, Index>> events;  // every start and end, with the number of its interval
@@ -55,8 +55,7 @@ std::vector<BasicPiece<T>> elementary_pieces(const BasicTimeline<T>& timeline) {
   return pieces;
 }
 
-/// Adds an interval with the unconditional text "" and all body parts for every stretch from 0 to the end that no text
-/// covers.
+/// Adds an interval with the unconditional text "" and all body parts for every gap between 0 and the end.
 template <class T>
 void fill_gaps(BasicTimeline<T>& timeline) {
   std::vector<std::pair<T, T>> covered;

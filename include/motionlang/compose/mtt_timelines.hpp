@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// Timelines for evaluation, drawn from a list of texts: the generator of STMC's multi-track data set MTT. The data set
-/// itself is not part of this library; with its 60 texts, the 500 timelines come out byte for byte.
+/// Random timelines for evaluation from a list of texts: the generator of STMC's multi-track data set MTT. The data set
+/// itself is not part of this library. With its 60 texts, the generator gives its 500 timelines byte for byte.
 ///
 ///     const auto texts = parse_mtt_texts("gallop in a ring # legs\nflick a switch # right arm\n...");
 ///     const MttFiles files = mtt_files(mtt_timelines(texts));     // MTT, and its two baselines
 ///
-/// Each timeline has three intervals: two back to back on one track, one on a second track beside them, with other body
-/// parts than those it meets.
+/// Each timeline has three intervals: two on one track, back to back, and one beside them on a second track. The third
+/// has other body parts than the intervals that it overlaps.
 /// Source  thesis 6.3.1; STMC (Petrovich et al., CVPR workshops 2024) mtt/sampling_timelines.py
-/// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and end at 9.2 s; parts are other ones only
-/// where
-///         the window of the third interval was chosen, which is where it lies
+/// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and are at most 9.2 s. The parts only have to
+/// differ from those of the window that was chosen for the third interval, which is where it lies
 #pragma once
 
 #include <array>        // weights, windows
@@ -39,7 +38,7 @@ struct MttOptions {
   std::int64_t seed = 1234;
   double mean = 6, std = 1.2, cap = 9.2;  // of durations, seconds
   std::array<Index, body_part_count> weights = {1, 1, 3, 1,
-                                                1};  // how often a text with this part is drawn; by BodyPart
+                                                1};  // how often a text with this part is chosen; by BodyPart
 };
 
 /// Throws config_error 101 if the texts and weights give no pair, 102 if they leave none for the second track

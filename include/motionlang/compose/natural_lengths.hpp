@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Actions that begin and end: a denoiser that has more time than an action takes does it again, or slowly, and may
-/// begin in the middle. Such a text becomes several: standing, the action for as long as people take, what follows.
+/// Actions that begin and end. A denoiser that has more time than an action takes repeats it, slows it down, or begins
+/// in the middle. Such a text becomes several: standing, the action for the time that people take, and what follows.
 ///
 ///     const auto length = natural_length("sit down");                     // 2.8 s, then "sit quietly"
 ///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
@@ -16,23 +16,24 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How long an action takes, and a text of what somebody does then.
+/// The usual duration of an action, and a text for the time after it.
 struct NaturalLength {
   double seconds = 0;
   std::string then{};
-  bool from_rest = false;  // raising arms, bending: begins as somebody stands
+  bool from_rest = false;  // raising arms, bending: starts from standing
 };
 
-/// That of an English text of one action that ends: turning, raising arms, sitting down, standing up, jumping, bending,
-/// kicking, punching and throwing. Nothing for other texts, and for those with "again", "and", "while", "times", ...
+/// The length of an English text of one action that ends: turning, raising arms, sitting down, standing up, jumping,
+/// bending, kicking, punching and throwing. Nothing for other texts, and for those with "again", "and", "while",
+/// "times", ...
 std::optional<NaturalLength> natural_length(std::string_view text);
 
 /// Seconds of "stand still" in front of an action that begins from rest.
 inline constexpr double standing_lead_in = 0.5;
 
 /// Every text that lasts at least a second longer than its action becomes the action and what follows it, with the same
-/// parts. An action from rest has a standing_lead_in if it has two seconds, all parts and the start of the timeline.
-/// For the human body; other timelines stay as they are.
+/// parts. An action from rest gets a standing_lead_in if it lasts two seconds, has all parts and starts the timeline.
+/// This is for the human body; other timelines stay as they are.
 Timeline end_actions(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END

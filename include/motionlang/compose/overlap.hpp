@@ -2,8 +2,8 @@
 /// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
 ///
 /// Source   thesis 6.2.3, "Temporal stitching"; STMC (Petrovich et al. 2024) src/stmc.py
-/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap, the longer half to the
-///          right
+/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap. The longer half is on
+///          the right
 #pragma once
 
 #include <algorithm>  // min, max

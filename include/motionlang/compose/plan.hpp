@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// From timelines to the integers of a composition: which crops to denoise, and which frames of which crop are added to
-/// and subtracted from which frames of the motion, for each body part. No tensors here.
+/// From timelines to the integers of a composition: the crops to denoise, and the frames of each crop that are added to
+/// or subtracted from frames of the motion, for each body part. There are no tensors here.
 ///
 /// Source     thesis 6.2.3; STMC (Petrovich et al. 2024); reference: nv-tlabs/stmc src/stmc.py process_timelines
 /// Notation   a, b -> start, end of an interval; T -> frames; O, l, r -> Overlap; x -> cut
-/// Property   for every body part and frame, additions minus subtractions = 1, however close the cuts are, if extension
-///            and transition crops are both on or both off; see net_weights
-/// Differs    from the reference, where told to: gaps are filled with the unconditional text "" (the reference stops),
-///            and transitions at which no part changes can be left out
+/// Property   For every body part and frame, additions minus subtractions = 1, however close the cuts are. This holds
+///            if extension and transition crops are both on or both off; see net_weights
+/// Differs    from the reference, if the options say so: gaps are filled with the unconditional text "" (the reference
+///            stops), and transitions at which no part changes can be left out
 #pragma once
 
 #include <span>         // several timelines
@@ -19,8 +19,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A stretch of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
-/// numbers agree with the reference; they take part in nothing.
+/// A range of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
+/// numbers agree with the reference; they have no effect.
 struct Crop {
   Index interval = 0;  // -1: a transition, with the unconditional text
   FrameRange range;
@@ -28,7 +28,7 @@ struct Crop {
   bool operator==(const Crop&) const = default;
 };
 
-/// A part belongs to one text for a stretch; neighbours have different owners.
+/// A part belongs to one text for a range of frames. Neighbours have different owners.
 struct PartInterval {
   BodyPart part{};
   Index owner = 0;
@@ -36,7 +36,7 @@ struct PartInterval {
   bool operator==(const PartInterval&) const = default;
 };
 
-/// Frames `from` of a crop go to frames `to` of the motion, for the features of one part.
+/// The frames `from` of a crop become the frames `to` of the motion, for the features of one part.
 struct Slice {
   BodyPart part{};
   Index crop = 0;

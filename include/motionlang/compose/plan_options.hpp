@@ -8,12 +8,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// The rule for frames without a text: let the model move freely, or throw timeline_error 505.
 enum class Gaps { fill, refuse };
-/// The rule for a cut at which no part changes its owner, because other texts hide a text: throw timeline_error
-/// 506, or leave the transition out (the result is the same without it).
+/// The rule for a cut at which no part changes its owner, because other texts hide a text. `refuse` throws
+/// timeline_error 506, and `ignore` leaves the transition out. The result is the same without it.
 enum class HiddenTexts { refuse, ignore };
 
-/// The default number of frames that go through the denoiser together. It is more than 12 s on five tracks have, with
-/// and without their texts. The published network holds about 90 MB for them.
+/// The default number of frames that go through the denoiser together. 12 s on five tracks have fewer, with and without
+/// their texts. The published network holds about 90 MB for them.
 inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Which text owns which body part while several texts are active.
+/// Assigns each body part to one text while several texts are active.
 ///
 /// Source   thesis 6.2.3, figure 6.4: the heuristic of SINC (thesis B.2.1) as STMC src/stmc.py applies it. Where papers
-///          and code differ (the base is a text with legs first, ties are random), the code is followed.
-/// Rule     1. Base: of the texts with the part that carries the path, the legs of a human, the one with the most body
-///             parts (of all texts, if none has that part). It gets all parts.
-///          2. The others, by number of parts, largest first, in file order among equals, take their parts away from
-///             whoever holds them: the text with fewer parts wins, among equals the later one.
+///          and code differ (the base is a text with legs first, ties are random), this follows the code.
+/// Rule     1. The base is the text with the most body parts, among those with the part that carries the path (the legs
+///             of a human), or among all if none has that part. It gets all parts.
+///          2. The others take their parts from the present owners. They come by number of parts, the largest first, in
+///             file order among equals. So the text with fewer parts wins, and among equals the later one.
 /// Ties     between base texts: the first in the file, or random as published when a generator is given
 #pragma once
 
@@ -20,7 +20,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Number of the interval that owns each body part.
 using PartOwners = std::vector<Index>;
 
-/// A generator that can put a list into random order: PythonRandom (as published), NumpyRandom.
+/// A generator that can shuffle a list: PythonRandom (as published), NumpyRandom.
 template <class G>
 concept Shuffler = requires(G& g, std::span<Index> list) {
   g.shuffle(list);
@@ -33,9 +33,8 @@ struct FirstWins {
 
 namespace detail {
 
-/// Among texts with the path (or all, if none has it), the one with the most parts; on a tie, the first after a
-/// shuffle.
-/// Shuffling one text draws nothing.
+/// Among texts with the path (or all, if none has it), the one with the most parts. On a tie, the first after a
+/// shuffle. Shuffling a single text takes no random numbers.
 template <class T, Shuffler G>
 Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
   const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts; };

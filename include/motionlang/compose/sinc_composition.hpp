@@ -5,8 +5,8 @@
 ///
 /// Source  thesis B.2.1, steps 1 to 5; SINC (Athanasiou et al., ICCV 2023) sinc/tools/frank.py combine_motions
 /// Rule    1. The motion with fewer parts is the second one (a tie: as given) and overrides.
-///         2. Legs and pelvis stay together: with the second if it has any of them, else with the first.
-///         3. What the second does not have comes from the first. The path over the ground is of the one with the legs.
+///         2. Legs and pelvis stay together: they come from the second if it has any of them, else from the first.
+///         3. All other parts come from the first. The path over the ground comes from the motion with the legs.
 #pragma once
 
 #include <motionlang/features/smplvelp.hpp>
@@ -15,13 +15,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Where the longer motion is cut: at its end, as in training, or at both ends, as published compositions of generated
-/// motions are.
+/// The place where the longer motion is cut: at its end, as in training, or at both ends, as in published compositions
+/// of generated motions.
 enum class SincTrim { end, both_ends };
 
 namespace detail {
 
-/// The parts that motion b, which has fewer, gives, and the frames at which both begin.
+/// The parts that motion b gives, which has fewer, and the frames at which both begin.
 struct SincComposition {
   SincParts of_b;
   bool path_of_b;
@@ -56,8 +56,8 @@ SmplVelpMotion<S> compose_motions(const SmplVelpMotion<S>& a, SincParts parts_a,
   return out;
 }
 
-/// The same of clips on one skeleton, SMPL's 24 joints; a hand goes with its arm.
-/// Throws config_error 102 for other skeletons or frame rates that differ.
+/// The same for clips on one skeleton, SMPL's 24 joints. A hand goes with its arm. Throws config_error 102 for other
+/// skeletons or different frame rates.
 Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& b, SincParts parts_b,
                        SincTrim trim = SincTrim::end);
 

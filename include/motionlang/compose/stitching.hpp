@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Values of a composition: crops cut out of a motion, and a motion put together from crops, per body part and
-/// interval.
+/// Cuts crops out of a motion, and puts a motion together from crops, per body part and interval.
 ///
-/// All index lists are made once per plan; cutting and stitching are then gathers and scatters of whole rows.
+/// All index lists are made once per plan. Cutting and stitching are then gathers and scatters of whole rows.
 #pragma once
 
 #include <motionlang/compose/plan.hpp>
@@ -31,21 +30,21 @@ struct CropRows {
   Offsets offsets;          // of the crops
   Index stride = 0;
 
-  /// With crop_frames > 0 every crop has exactly that many frames, whatever follows its range (MDM); the motions need
-  /// as many rows behind their end. A crop without frames has no rows.
+  /// With crop_frames > 0 every crop has exactly that many frames, whatever follows its range (MDM). The motions then
+  /// need as many rows behind their end. A crop without frames has no rows.
   static CropRows of(const BatchPlan& plan, Index crop_frames = 0);
 };
 
 namespace detail {
 
-/// Rows of crops that are added to rows of motions for one part, with 1 or -1 each.
+/// Rows of crops that are added to rows of motions for one part, with the factor 1 or -1.
 struct PartMoves {
   std::vector<Index> from, to;
   std::vector<signed char> sign;
 };
 PartMoves moves_of_part(const BatchPlan& plan, const Offsets& crops, Index stride, BodyPart part);
 
-/// Throws config_error 102 unless the layout gives each number to one body part of the body that the timelines have.
+/// Throws config_error 102 unless the layout gives each value to one body part of the body of the timelines.
 void check_layout(const FeatureLayout& layout, const BatchPlan& plan);
 
 }  // namespace detail
@@ -59,7 +58,7 @@ class Stitcher {
  public:
   Stitcher() = default;
   /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that
-  /// does not give each number to one body part, and for one of another body.
+  /// does not give each value to one body part, and for a layout of another body.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
     detail::check_layout(layout, plan);
@@ -74,7 +73,7 @@ class Stitcher {
     }
   }
 
-  /// crops (rows of all crops, features) -> (motions * stride, features); rows that nothing is added to are 0.
+  /// crops (rows of all crops, features) -> (motions * stride, features). Rows to which nothing is added are 0.
   Tensor<B, 2> operator()(const Tensor<B, 2>& crops) const {
     auto motion = Tensor<B, 2>::zeros({rows_, features_});
     for (const Part& p : parts_)
@@ -94,8 +93,8 @@ class Stitcher {
 /// Softens hard cuts (the SINC+lerp baseline): in every window of the plan the part is interpolated
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
-/// All windows read the hard-cut motion; where they overlap the later one wins. Source: STMC src/stmc.py.
-/// Throws config_error 102 for a layout that does not give each number to one body part, and for one of another body.
+/// All windows read the hard-cut motion. Where they overlap, the later one wins. Source: STMC src/stmc.py. Throws
+/// config_error 102 for a layout that does not give each value to one body part, and for a layout of another body.
 template <Backend B>
 Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout& layout, const Tensor<B, 2>& motion,
                                      Index stride) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// Joins generated parts as TEACH does: the next part is turned and moved onto the last frame of the one before it, and
-/// the frames between them are interpolated.
+/// Joins generated parts as TEACH does. The next part is turned and moved onto the last frame of the part before it,
+/// and the frames between them are interpolated.
 ///
 /// Source    thesis A.2.3 and A.3.4; TEACH (Athanasiou et al., 3DV 2022) teach/tools/interpolation.py
-/// Notation  last frame of what is there -> e, first frame of the next part -> b
-/// World     Z up. The turn is the difference of the z of two rotation vectors, which is that of the headings only for
-///           bodies that do not lean. This is as published.
+/// Notation  last frame of the motion so far -> e, first frame of the next part -> b
+/// World     Z up. As published, the turn is the difference of the z of two rotation vectors. It equals that of the
+///           headings only if the bodies do not lean.
 #pragma once
 
 #include <algorithm>  // copy
@@ -21,10 +21,10 @@ struct PoseInWorld {
   Vec3<S> trans;
 };
 
-/// How the next part joins: turned to the heading of the end and moved, or moved only.
+/// The way in which the next part joins: turned to the heading of the end and moved, or only moved.
 enum class Alignment { full, translation };
 
-/// Moves the part so that its first frame stands where e stands. Heights stay.
+/// Moves the part so that its first frame is where e is. Heights stay.
 /// rotations  (frames, joints) of the part, turned in place
 /// trans      (frames), moved in place
 /// Throws     shape_error 205 if the sizes do not fit
@@ -52,7 +52,7 @@ void align_to(const PoseInWorld<S>& e, std::span<Matrix3<S>> rotations, std::spa
 
 namespace detail {
 
-/// sin((1-t) o)/sin o a + sin(t o)/sin o b for the shorter way round; straight for a . b > 0.99.
+/// sin((1-t) o)/sin o a + sin(t o)/sin o b along the shorter arc; linear for a . b > 0.99.
 template <Scalar S>
 Quaternion<S> teach_slerp(const Quaternion<S>& p, const Quaternion<S>& q, S t) {
   const Quaternion<S> a = normalized(p), other = normalized(q);
@@ -68,8 +68,8 @@ Quaternion<S> teach_slerp(const Quaternion<S>& p, const Quaternion<S>& q, S t) {
 
 }  // namespace detail
 
-/// `frames` frames between two, at k / (frames + 1): rotations along the shorter arc, places in a straight line.
-/// Throws shape_error 205 if the poses differ in their joints.
+/// `frames` frames between two poses, at k / (frames + 1). Rotations follow the shorter arc, and places a straight
+/// line. Throws shape_error 205 if the poses differ in their joints.
 template <Scalar S>
 SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b, Index frames) {
   if (e.rotations.size() != b.rotations.size()) {
@@ -87,8 +87,8 @@ SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b,
   return out;
 }
 
-/// Aligns each part to the end of the one before it. The first `window` frames of all parts except the first are
-/// interpolated.
+/// Aligns each part to the end of the one before it, and interpolates the first `window` frames of all parts except the
+/// first.
 /// lengths  frames of the parts, which together are those of the motion
 /// Throws   shape_error 205 if the motion has another number of frames, or a part has no frame behind its window;
 ///          config_error 101 for a negative window

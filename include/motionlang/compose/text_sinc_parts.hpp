@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The parts of SINC that somebody wrote down, or that a text is about.
+/// The parts of SINC in a list or a text.
 ///
 ///     parse_sinc_parts("left arm, right arm");            // both arms
 ///     text_sinc_parts("a person waves", nullptr);         // guessed: arms
@@ -14,13 +14,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The parts that a list with commas names; none if it is something else.
+/// The parts of a list with commas. None if the text is not such a list.
 std::optional<SincParts> parse_sinc_parts(std::string_view list);
 
-/// STMC's parts as SINC's: the legs are both, with the pelvis, which carries them; spine and head are the torso.
+/// STMC's parts as SINC's. The legs become both legs and the pelvis that carries them; spine and head become the torso.
 SincParts as_sinc_parts(const BodyParts& parts);
 
-/// The parts that a list names; of another text those of the table, or without one guessed (guess_body_parts). "": all.
+/// The parts of a list. For another text, those of the table, or without a table a guess (guess_body_parts). "": all.
 /// Throws config_error 103 for a text that is not in the table.
 SincParts text_sinc_parts(const std::string& text, const BodyPartTable* table);
 

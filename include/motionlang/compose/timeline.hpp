@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// A timeline: texts, each with its time and its body parts. Reading and writing is in timeline_text.hpp.
 ///
-/// Times are frames (Index) where motion is made, and seconds (double) where files are written and edited; the two are
-/// different types, so they cannot be mixed.
+/// Motion is made in frames (Index), and files are written and edited in seconds (double). The two are different types,
+/// so they cannot be mixed.
 #pragma once
 
 #include <algorithm>  // min, max
@@ -13,7 +13,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Where an interval was read, for messages. It says nothing about the interval: all places are equal.
+/// The place where an interval was read, for messages. It is not part of the interval's value: all places are equal.
 struct TextPlace {
   Index line = 0, column = 0;  // from 1; 0: not from a text
   constexpr bool operator==(const TextPlace&) const { return true; }
@@ -29,7 +29,7 @@ struct BasicInterval {
   bool operator==(const BasicInterval&) const = default;
 };
 
-/// Intervals in the order of the file, which matters: it decides ties.
+/// Intervals in the order of the file, which decides ties.
 template <class T>
 struct BasicTimeline {
   std::vector<BasicInterval<T>> intervals;
@@ -52,7 +52,7 @@ using TimelineInSeconds = BasicTimeline<double>;
 /// Times beyond this number of frames or seconds are refused.
 inline constexpr Index latest_time = 1'000'000'000;
 
-/// trunc(fps * seconds), calculated in double as the published readers do. Throws config_error 101 if it is not a time.
+/// trunc(fps * seconds), computed in double like the published readers. Throws config_error 101 if it is not a time.
 Index frame_at(double seconds, double fps);
 
 /// Moves a timeline so that it begins at 0.

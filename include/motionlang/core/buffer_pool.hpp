@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Memory of tensors: counted buffers that are kept for reuse when nobody needs them any more.
+/// Memory of tensors: counted buffers, which are kept for reuse after their last user.
 ///
 /// Fresh pages cost more than the arithmetic that fills them (64 MiB: 26 ms). A loop that repeats the same computation
 /// finds all its buffers in the pool from the second round on and takes nothing from the system.
@@ -37,14 +37,14 @@ struct alignas(64) Buffer {
 
 }  // namespace detail
 
-/// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only what it made itself:
-/// buffers that one thread makes and another frees do not pile up. Once the pool of an ending thread is gone, memory
-/// comes from the system and returns to it. Under the address sanitizer, who uses a free buffer is reported.
+/// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only buffers that it made
+/// itself, so buffers that one thread makes and another frees do not pile up. After the pool of an ending thread is
+/// gone, memory comes from the system and returns to it. The address sanitizer reports uses of a free buffer.
 class BufferPool {
  public:
   static BufferPool& local() { return thread_object<BufferPool>(); }
 
-  /// A buffer of at least this many bytes, and its way back, for the calling thread.
+  /// A buffer of at least this many bytes for the calling thread, and the return of one.
   static detail::Buffer* take(std::size_t bytes) {
     const int bucket = bucket_of(bytes);
     return gone_ ? make(bucket, bytes, 0) : local().reuse(bucket, bytes);
@@ -59,7 +59,7 @@ class BufferPool {
   /// Returns all free buffers to the system.
   void trim();
 
-  /// How often this pool had to ask the system. Stands still in a loop that has settled.
+  /// The number of requests of this pool to the system. It stays constant in a loop that has settled.
   std::int64_t system_allocations() const { return system_allocations_; }
 
   static void release(detail::Buffer* b);
@@ -134,7 +134,7 @@ class BufferHandle {
   }
 
   void* data() const MOTIONLANG_LIFETIMEBOUND { return buffer_ == nullptr ? nullptr : buffer_->data; }
-  /// Nobody else sees this memory, and it may be written.
+  /// True if no other handle sees this memory and it may be written.
   bool unique() const {
     return buffer_ != nullptr && buffer_->bucket >= 0 && buffer_->references.load(std::memory_order_acquire) == 1;
   }
@@ -151,8 +151,8 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
-/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
+/// A list of values in memory of the pool, cheap to make again and again in a loop. It does only what such lists need:
+/// a std::vector with an allocator would compile sixty functions for every type.
 template <class T>
 class PoolVector {
   static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The concepts on which everything rests. Each one states: idea, what a model must provide, the laws (run on every
-/// model in tests/laws), and the models.
+/// The basic concepts. Each one states its idea, what a model must provide, the laws (run on every model in
+/// tests/laws), and the models.
 #pragma once
 
 #include <concepts>     // same_as, semiregular
@@ -18,7 +18,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <class S>
 concept Scalar = std::same_as<S, float> || std::same_as<S, double>;
 
-/// Something that calculates like a number: geometry needs nothing more.
+/// A type that calculates like a number. Geometry needs nothing more.
 /// Laws     those of a field, up to rounding; where_less(a, b, x, y) is x where a < b, else y
 /// Models   float, double, Dual<S>, Lane<S> (a SIMD register), Tensor<B, Rank> (element by element)
 template <class S>
@@ -36,25 +36,25 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
   { where_less(a, b, a, b) } -> std::convertible_to<S>;
 };
 
-/// Where tensors live and how they are calculated with: a scalar, a dense tensor type and 28 static operations.
+/// The place and the arithmetic of tensors: a scalar, a dense tensor type and 28 static operations.
 ///
-/// `tensor` is a cheap handle with value semantics and dynamic rank; operands are taken by value, so that an operation
-/// may reuse the memory of one that nobody else holds. Shapes have been checked by the caller (tensor/ops.hpp): a
-/// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
-/// add its own version under the same name (see tensor/fused.hpp).
+/// `tensor` is a cheap handle with value semantics and dynamic rank. Operands are taken by value, so that an operation
+/// may reuse memory that nobody else holds. The caller has checked shapes (tensor/ops.hpp): a backend only computes.
+/// Everything else (softmax, attention, ...) has a default in these primitives. A backend may add its own version under
+/// the same name (see tensor/fused.hpp).
 ///
 /// tensor    can be default-constructed, copied and moved. A default-constructed tensor has the shape (0), and to_span
-///           gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
-///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
-///           if the tensor has it, tells one from the other
+///           gives nothing; a moved-from one is the same. Tensor<B, Rank> refuses such a tensor before an operation of
+///           the backend sees it. A list of no values has the shape (0), too. If the tensor has `bool defined() const`,
+///           that tells one from the other
 /// Minimum   data      full, from_span, to_span, shape
 ///           elements  add sub mul div maximum atan2 (broadcasting), exp log sqrt tanh erf sin cos, where_less
 ///           reduce    sum max (one axis, which disappears)
 ///           product   matmul(a, b, transpose_a, transpose_b), equal leading axes
 ///           movement  reshape permute broadcast slice concat gather scatter_add
-/// Left out  which device, threads, in-place operations, other scalars than float and double, views of memory of others
-/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly; the
-///           algebra of tests/laws. examples/11_own_backend has a backend of one's own, and how to run the laws on it
+/// Left out  devices, threads, in-place operations, scalars other than float and double, views of foreign memory
+/// Laws      Every operation equals that of ReferenceBackend (tests/ops). Operands never change visibly. The algebra of
+///           tests/laws holds. examples/11_own_backend has a backend of your own, and runs the laws on it
 /// Models    ReferenceBackend<S>, EigenBackend<S>, XtensorBackend<S>, Autodiff<B>
 template <class B>
 concept Backend = Scalar<typename B::scalar> && std::semiregular<typename B::tensor> &&
@@ -118,7 +118,7 @@ concept Module = requires {
   M::fields();
 };
 
-/// A source of random numbers that is passed, never global.
+/// A source of random numbers. It is passed to functions and never global.
 /// Laws     equal seeds give equal numbers; split(name) depends on the seed and the name only, not on what was drawn
 /// Models   Philox
 template <class G>

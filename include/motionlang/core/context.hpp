@@ -14,7 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct Context {
   std::optional<Philox> dropout{};
   mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
-  bool recompute = false;  // training keeps what enters a layer and calculates its inside again: less memory, more time
+  bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
 
   /// The generator of the next dropout mask. Only when `dropout` is set.
   Philox next_mask() const { return dropout->split(drawn++); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Dropout masks that are a function of a key and a position: nothing is stored, and any thread computes any part.
+/// Dropout masks that are a function of a key and a position. Nothing is stored, and any thread computes any part.
 #pragma once
 
 #include <cstdint>  // hash

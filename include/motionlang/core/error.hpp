@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
-/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
-/// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
-/// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
-/// thread. What is caught otherwise (a value in a file of weights that cannot be read is skipped) ends it too.
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program. Define
+/// MOTIONLANG_THROW(exception), the same in all units, to change that. It gets the exception as an object (an error,
+/// std::bad_alloc, cancelled) on the thread where it happens, and must not return; std::_Exit ends a program from any
+/// thread. Errors that the library would catch, for example to skip an unreadable value in a file of weights, also end
+/// it.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
-/// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
-/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids`
-/// below; every one has a test.
+/// layers.3.linear1`. It has family and id, the operation, the fault with both values, and (with
+/// MOTIONLANG_DIAGNOSTICS) the module path. Text from files appears in it as UTF-8 without control characters.
+/// `error_ids` below lists the ids; every one has a test.
 #pragma once
 
 #include <concepts>          // integral, floating_point
@@ -127,7 +128,7 @@ void append(std::string& out, T b) {
 template <class N>
 requires((std::integral<N> || std::floating_point<N>)&&!std::same_as<N, bool> &&
          !std::same_as<N, char>) void append(std::string& out, N n) {
-  if constexpr (std::floating_point<N>) {  // 10000000, not 1e+07: as far as whole numbers are exact
+  if constexpr (std::floating_point<N>) {  // 10000000, not 1e+07, while whole numbers are exact
     constexpr N exact = N(1ull << std::numeric_limits<N>::digits);
     if (n > -exact && n < exact && n != 0 && n == N(static_cast<long long>(n)))
       return append(out, static_cast<long long>(n));
@@ -142,8 +143,8 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
-/// A value on its way into a message: where it stands and how it is written. One type for all values and one for
-/// literals of all lengths, because messages are many and each would be compiled for its own list of types.
+/// A part of a message: where its value is and how it is written. There is one type for all values and one for literals
+/// of all lengths. Otherwise each of the many messages would compile code for its own list of types.
 struct TextPart {
   const void* value;
   void (*append)(std::string& out, const void* value);
@@ -157,12 +158,12 @@ TextPart text_part(const T& value) {
 }
 std::string concat_parts(std::initializer_list<TextPart> parts);
 
-/// A module that is being evaluated. Its name is given, or known by the fields of the module around it.
+/// A module that is being evaluated. Its name is given, or comes from the fields of the module around it.
 struct ModuleStep {
   std::string name;
   const void* module = nullptr;  // null: the name is given
-  const void* type = nullptr;    // tells a module from its first member, which lies in the same place
-  /// Path from `module` to one inside of it, "" if it has none such.
+  const void* type = nullptr;    // tells a module from its first member, which has the same address
+  /// The path from `module` to a module inside it. "" if that is not inside it.
   std::string (*path_to)(const void* module, const void* inner, const void* inner_type) = nullptr;
 };
 
@@ -176,7 +177,7 @@ struct ModulePath {
   static Steps& steps() { return thread_object<Steps, ModulePath>(); }
   /// "layers.3.linear1"
   static std::string text();
-  /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
+  /// While it lives, this thread is inside the modules of another thread, whose work it shares.
   class Continued {
    public:
 #ifdef MOTIONLANG_DIAGNOSTICS
@@ -196,13 +197,13 @@ struct ModulePath {
 
 }  // namespace detail
 
-/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them, whole ones without an exponent.
+/// The text of all arguments, one after the other. Numbers look as in `std::to_chars`, whole ones without an exponent.
 template <class... T>
 std::string concat_text(const T&... parts) {
   return detail::concat_parts({detail::text_part(parts)...});
 }
 
-/// Items of a list with `between` between them, each as text(item) is written: "left, right".
+/// The items of a list, each written by text(item), with `between` between them: "left, right".
 template <class R, class F>
 std::string join_text(const R& items, std::string_view between, F text) {
   std::string out;
@@ -220,7 +221,7 @@ std::string join_text(const R& items, std::string_view between = ", ") {
       items, between, [](const auto& item) -> const auto& { return item; });
 }
 
-/// A number of things: "1 frame", "2 frames"; of a word with another plural: counted(n, "pass", "passes").
+/// A number of things: "1 frame", "2 frames". For a word with another plural: counted(n, "pass", "passes").
 template <std::integral N>
 std::string counted(N n, std::string_view one, std::string_view several = {}) {
   std::string out = concat_text(n, ' ', n == 1 || several.empty() ? one : several);
@@ -228,8 +229,8 @@ std::string counted(N n, std::string_view one, std::string_view several = {}) {
   return out;
 }
 
-/// Names the module that is evaluated as long as the object lives: ModuleScope scope(*this) in its functions, or the
-/// text of all arguments. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
+/// Names the evaluated module while the object lives. Write ModuleScope scope(*this) in its functions, or give the text
+/// as arguments. It costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS
   template <class... T>
@@ -273,8 +274,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here
-/// (true) or goes on to the caller. Returns whether f came to its end.
+/// The one place that catches. Calls f. If f throws an E, calls handle(e), which returns true to stop the exception
+/// here and false to pass it on. Returns true if f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -289,7 +290,7 @@ bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #endif
   return true;
 }
-/// The same for whatever it throws: handle() sees std::current_exception().
+/// The same for any exception: handle() sees std::current_exception().
 template <class F, class H>
 bool guard_all(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions

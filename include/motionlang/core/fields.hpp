@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Member lists: what a module is made of, and how to walk over it.
+/// Member lists: the parts of a module, and walks over them.
 ///
 ///     struct Model {
 ///       Tensor<B, 2> weight;
@@ -10,9 +10,9 @@
 ///     visit(model, [](const std::string& path, auto& tensor) { use(path, tensor); });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is not a module here, and be empty where
-/// the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are a
-/// compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
+/// may contain dots ("tx_embedding.0") where the official key has a level that is not a module here. It may be empty
+/// where the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are
+/// a compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
 /// text, or a type that says so (is_option, tensor/module.hpp).
 #pragma once
 
@@ -58,7 +58,7 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// True if a list has a member of this name. One of two optional members may be there, under the same name.
+/// True if a list has a member of this name. Two optional members may share a name if only one is there.
 template <bool optional, class M, class T, class Rest>
 constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name);
 template <bool optional>
@@ -69,7 +69,7 @@ template <bool optional, class M, class T, class Rest>
 constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name) {
   return (list.first.name == name && !(optional && is_optional<T>)) || has_name<optional>(list.rest, name);
 }
-/// The first name that is there twice, "" if there is none. (Several members may have no level of their own.)
+/// The first name that occurs twice, "" if there is none. (Several members may have no level of their own.)
 constexpr std::string_view repeated_name(const NoFields&) { return {}; }
 template <class M, class T, class Rest>
 constexpr std::string_view repeated_name(const FieldList<Field<M, T>, Rest>& list) {
@@ -81,8 +81,8 @@ template <class M>
 concept ConstantFields = requires {
   typename std::bool_constant<(static_cast<void>(M::fields()), true)>;
 };
-/// Two members of one name would share what is kept by name: a place in a file, the moments of an optimiser. A compile
-/// error where fields() is constexpr, else config_error 102.
+/// Two members of one name would share what is stored by name: a place in a file, the moments of an optimiser. This is
+/// a compile error where fields() is constexpr, else config_error 102.
 template <Module M>
 void check_names() {
   if constexpr (ConstantFields<M>) {
@@ -123,7 +123,7 @@ void visit_member(const std::string& path, F& f, First& first, Others&... others
   }
 }
 
-/// An object and those of its fields that are still to be walked over.
+/// An object and its remaining fields.
 template <class List, class Object>
 struct Walk {
   List list;
@@ -173,7 +173,7 @@ void zip(M& a, N& b, F f) { detail::visit_fields("", f, a, b); }
 
 namespace detail {
 
-/// A place that is another for every type.
+/// A variable whose address differs for every type.
 template <class M>
 inline constexpr char type_place = 0;
 

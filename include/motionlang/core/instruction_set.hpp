@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Instruction sets beyond the plain ones of the compiler, chosen while the program runs: one binary for all
-/// processors.
+/// Instruction sets beyond the compiler's default, chosen at run time: one binary for all processors.
 ///
-/// MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) in the environment chooses instead of the processor.
+/// The environment variable MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) overrides the choice.
 #pragma once
 
 #include <motionlang/version.hpp>
@@ -33,7 +32,7 @@ Isa wanted_isa();
 // Clang inlines less into such functions than GCC, and code that is not inlined uses narrow registers.
 #if defined(__x86_64__) && !defined(__clang__)
 #define MOTIONLANG_WIDER_COPIES
-/// avx512, avx2 or portable: the sets that differ for code without products of bfloat16.
+/// avx512, avx2 or portable: the sets that matter for code without products of bfloat16.
 Isa widest_vectors();
 template <class F>
 __attribute__((target(MOTIONLANG_AVX2), flatten)) void with_avx2(const F& f) {

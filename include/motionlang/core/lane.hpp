@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// A handful of numbers that are calculated with at once: one SIMD register as a `ScalarLike`.
+/// Several values that are calculated together: one SIMD register as a `ScalarLike`.
 ///
-/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one; with
-/// `with_widest_lanes` as many as a register of this processor holds. The compiler's vector types are used, so the code
-/// is the same on every processor. Square roots are refined from an estimate (error below 2 ulp).
+/// Geometry over `Lane<float>` computes eight poses at a time with the source text for one. With `with_widest_lanes` it
+/// computes as many as a register of this processor holds. The compiler's vector types are used, so the code is the
+/// same on every processor. Square roots are refined from an estimate (error below 2 ulp).
 #pragma once
 
 #include <array>        // lane access
@@ -15,7 +15,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-// Everything below is inlined: how such vectors are passed between functions depends on the caller's instruction set.
+// Everything below is inlined, because the caller's instruction set decides how such vectors are passed between
+// functions.
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 
 template <Scalar S, int bytes = 32>
@@ -25,10 +26,10 @@ struct Lane {
   using Bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
   typedef Bits BitRegister __attribute__((vector_size(bytes)));
 
-  alignas(bytes) Register v{};  // said, since GCC aligns it less where such registers are not switched on
+  alignas(bytes) Register v{};  // stated, since GCC aligns it less if such registers are not switched on
 
   Lane() = default;
-  /// Not trivial on purpose: other functions then return a lane through memory, whatever their caller was compiled for.
+  /// Not trivial on purpose: functions then return a lane through memory, for whatever set their caller was compiled.
   MOTIONLANG_INLINE Lane(const Lane& other) : v(other.v) {}
   Lane& operator=(const Lane&) = default;
   template <class N>
@@ -51,9 +52,9 @@ struct Lane {
     return from(a.v < b.v ? x.v : y.v);
   }
 
-  /// 1 / sqrt(x) of a normal number x > 0, error below 2 ulp; finite of 0.
-  /// The well-known estimate by shifting the exponent, 3.5 % off, then Householder's iteration: with y = (1 + e) /
-  /// sqrt(x) and h = x y^2, the first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
+  /// 1 / sqrt(x) of a normal number x > 0, error below 2 ulp; finite for 0. It starts from the well-known estimate by
+  /// shifting the exponent, 3.5 % off. Householder's iteration follows: with y = (1 + e) / sqrt(x) and h = x y^2, the
+  /// first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
   friend MOTIONLANG_INLINE Lane inverse_sqrt(const Lane& x) {
     constexpr Bits magic = sizeof(S) == 4 ? static_cast<Bits>(0x5F375A86) : static_cast<Bits>(0x5FE6EB50C7B537A9);
     Register y = (Register)(magic - ((BitRegister)x.v >> 1));
@@ -92,8 +93,8 @@ static_assert(ScalarLike<Lane<float>> && ScalarLike<Lane<double>>);
 
 #undef MOTIONLANG_INLINE
 
-/// Calls f.operator()<Lane<S, bytes>>(), by GCC for the widest registers of this processor, compiled for them with all
-/// that it calls.
+/// Calls f.operator()<Lane<S, bytes>>() with the widest registers of this processor. GCC compiles f and everything that
+/// it calls for them.
 template <Scalar S, class F>
 void with_widest_lanes(const F& f) {
 #if defined(MOTIONLANG_WIDER_COPIES)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// Rows of numbers into lanes, number k of row i in lane i of number k, and back.
+/// Moves rows of values into lanes and back. Value k of row i is lane i of value k.
 ///
-/// Floats go four at a time: a register is made of pieces of 16 bytes, and piece i of register r takes four numbers of
-/// row 4 i + r. In four such registers the squares of four by four that stand at the same piece are transposed.
+/// Floats are moved four at a time. A register consists of pieces of 16 bytes, and piece i of register r holds four
+/// values of row 4 i + r. In four such registers, the four-by-four squares at the same piece are transposed.
 #pragma once
 
 #include <algorithm>  // min
@@ -16,10 +16,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-// Inlined, as all of lane.hpp.
+// Inlined, like all of lane.hpp.
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 
-/// Piece i of four numbers of a register is at from + i * step.
+/// Piece i of a register, four values, is at from + i * step.
 template <int bytes>
 MOTIONLANG_INLINE void load_pieces(const float* from, std::size_t step, Lane<float, bytes>& to) {
   if constexpr (bytes == 16) {
@@ -50,7 +50,7 @@ MOTIONLANG_INLINE void store_pieces(const Lane<float, bytes>& from, float* to, s
   }
 }
 
-/// In every piece: numbers p and q of a, then r and t of b.
+/// In every piece: values p and q of a, then r and t of b.
 template <int p, int q, int r, int t, int bytes>
 MOTIONLANG_INLINE Lane<float, bytes> mix(const Lane<float, bytes>& a, const Lane<float, bytes>& b) {
   constexpr int n = bytes / 4, from[4] = {p, q, n + r, n + t};
@@ -62,7 +62,7 @@ MOTIONLANG_INLINE Lane<float, bytes> mix(const Lane<float, bytes>& a, const Lane
   return mixed;
 }
 
-/// In every piece: number k of in[i] becomes number i of in[k].
+/// In every piece: value k of in[i] becomes value i of in[k].
 template <int bytes>
 MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
   const auto low_a = mix<0, 1, 0, 1>(in[0], in[1]), high_a = mix<2, 3, 2, 3>(in[0], in[1]),
@@ -73,8 +73,8 @@ MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
 
 }  // namespace detail
 
-/// Lane i of number k is from[i * step + k] for the first `count` lanes (at least one); further lanes are as the last
-/// of these.
+/// Lane i of value k is from[i * step + k] for the first `count` lanes (at least one). Further lanes repeat the last of
+/// these.
 template <Scalar S, int bytes>
 MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std::span<Lane<S, bytes>> numbers) {
   using L = Lane<S, bytes>;
@@ -101,7 +101,7 @@ MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std
   }
 }
 
-/// Number k of lane i goes to to[i * step + k] for the first `count` lanes.
+/// Value k of lane i goes to to[i * step + k] for the first `count` lanes.
 template <Scalar S, int bytes>
 MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::size_t step, int count, S* to) {
   using L = Lane<S, bytes>;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// Help against memory that is used after it was freed: a mark for compilers, and marks of free memory for the address
-/// sanitizer.
+/// Protection against memory that is used after it was freed: a mark for compilers, and marks of free memory for the
+/// address sanitizer.
 #pragma once
 
 #include <cstddef>  // sizes
 
 #include <motionlang/version.hpp>
 
-/// Marks a member function or a parameter to which the result refers. Clang warns if it is a temporary, or a local
+/// Marks a member function or a parameter to which the result refers. Clang warns if that is a temporary, or a local
 /// variable of a function that returns the result. GCC has no such mark.
 #if defined(__has_cpp_attribute)
 #if __has_cpp_attribute(clang::lifetimebound)
@@ -34,7 +34,7 @@ inline constexpr bool address_sanitizer = false;
 inline constexpr bool address_sanitizer = false;
 #endif
 
-/// Forbids the use of memory until allow_access: the sanitizer reports every use. Without the sanitizer these calls do
+/// Forbids the use of memory until allow_access. The sanitizer reports every use. Without the sanitizer these calls do
 /// nothing.
 void forbid_access(const void* memory, std::size_t bytes);
 void allow_access(const void* memory, std::size_t bytes);

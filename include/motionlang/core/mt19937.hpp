@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The Mersenne Twister, with both of its seedings. Not for new work (see Philox in rng.hpp): the generators of
-/// PyTorch, NumPy and CPython are built on it, and published runs can be repeated number by number.
+/// The Mersenne Twister, with both of its seedings. Do not use it for new work (see Philox in rng.hpp). The generators
+/// of PyTorch, NumPy and CPython are built on it, and with them published runs can be repeated number by number.
 ///
 /// Source  Matsumoto and Nishimura, "Mersenne Twister" (ACM TOMACS 8, 1998), and the seeding of 2002. `std::mt19937` is
 ///         the same engine, but it has no init_by_array.

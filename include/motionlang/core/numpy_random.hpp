@@ -23,7 +23,7 @@ class NumpyRandom {
  public:
   explicit NumpyRandom(std::uint32_t seed) : words_(seed) {}
 
-  /// Uniform in low ... high-1. Throws config_error 101 if that is empty.
+  /// Uniform in low ... high-1. Throws config_error 101 if that range is empty.
   std::int64_t randint(std::int64_t low, std::int64_t high) {
     if (high <= low) raise<config_error>(101, "NumpyRandom::randint: from ", low, " to below ", high);
     const std::uint64_t largest = static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) - 1;
@@ -59,7 +59,7 @@ class NumpyRandom {
   /// Uniform in [0, 1) with 53 bits.
   double rand() { return words_.uniform53(); }
 
-  /// Standard normal number, by the polar method. Two are made at a time; the second is kept for the next call.
+  /// A standard normal value, by the polar method. Two are made at a time; the second is kept for the next call.
   double randn() {
     if (spare_) return *std::exchange(spare_, std::nullopt);
     double x = 0, y = 0, r2 = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Where each sequence of a packed batch begins: an immutable shared list 0 = o_0 <= o_1 <= ... <= o_n = rows.
+/// The begin of each sequence of a packed batch: an immutable shared list 0 = o_0 <= o_1 <= ... <= o_n = rows.
 #pragma once
 
 #include <cstring>           // memcmp
@@ -12,8 +12,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; whoever keeps a copy keeps the list alive.
-/// To move is to copy: what was moved from keeps its list.
+/// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; every copy keeps the list alive. A move is
+/// a copy, so a moved-from object keeps its list.
 class Offsets {
  public:
   Offsets() : Offsets(std::span<const Index>()) {}

@@ -6,8 +6,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Options that a model or a file does not take, or that contradict each other; a result that would take the place of
-/// what it is made from: a config_error that is the caller's, not the file's.
+/// A config_error that the caller caused, not a file. Examples are options that a model or a file does not take,
+/// options that contradict each other, and a result that would overwrite its source.
 struct option_error : config_error {
   using config_error::config_error;
 };

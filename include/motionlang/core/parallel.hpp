@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// A small pool of threads and `parallel_for`, their number, and the objects that threads of a program may share.
+/// A small pool of threads, `parallel_for`, the number of threads, and the rules for objects that threads share.
 ///
-/// How many   processor_count() threads calculate (core/processors.hpp: what the process is given, in a container too),
-///            at most 256. set_thread_count(n) changes that for the whole process. The results are the same bits
+/// How many   processor_count() threads calculate (core/processors.hpp: the limit of this process, also in a
+///            container), at most 256. set_thread_count(n) changes that for the whole process. The results are the same
+///            bits
 /// From several threads of a program at once
 ///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Threads may
 ///                    copy and use handles of the same tensor. The pool serves one call at a time; other calls wait
@@ -12,10 +13,10 @@
 ///   Autodiff         variables may be shared; operations behind a loss belong to the thread that calls `backward`
 ///   at rest          set_thread_count and set_product_precision (backend/precision.hpp): while no work is running
 ///
-/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
-/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
-/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
-/// while an idle program costs nothing.
+/// Work is split into tasks that never share a sum, and the result of a task does not depend on the thread. So one
+/// thread and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the
+/// processor) and then sleep. So the many short regions of a transformer layer cost well below a microsecond each (on
+/// few cores), and an idle program costs nothing.
 #pragma once
 
 #include <algorithm>  // clamp
@@ -37,11 +38,11 @@ int thread_count();
 /// Threads that `parallel_for` uses here: one inside a task.
 int parallel_width();
 
-/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at
-/// once.
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1. Tasks that run at the same time
+/// have different numbers.
 int thread_number();
 
-/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
+/// Changes the number of threads for the whole process. Do not call it while work is running. Throws config_error 101.
 void set_thread_count(int threads);
 
 /// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
@@ -54,7 +55,7 @@ void parallel_for(Index count, const F& f) {
 }
 
 namespace detail {
-inline constexpr Index worth_a_thread = 16384;  // numbers
+inline constexpr Index worth_a_thread = 16384;  // values
 }
 
 /// Calls f(first, last) for pieces of 0 ... count-1. Work that is too small for two threads is one piece (`cost` values
@@ -71,9 +72,9 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
-/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix with this many rows, for functions that go
-/// through the rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number
-/// of threads.
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix with this many rows. It is for functions
+/// that go through the rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any
+/// number of threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
   const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());

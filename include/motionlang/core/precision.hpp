@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How exactly products of matrices are computed.
+/// The precision of matrix products.
 #pragma once
 
 #include <atomic>       // one setting for all threads
@@ -27,7 +27,7 @@ enum class Precision { fp32, bf16, bf16x3 };
 inline const char* precision_name(Precision p) {
   return p == Precision::bf16 ? "bf16" : p == Precision::bf16x3 ? "bf16x3" : "fp32";
 }
-/// The opposite. Nothing if no precision is called so.
+/// The opposite. Nothing if the name is unknown.
 inline std::optional<Precision> precision_named(std::string_view name) {
   for (const Precision p : {Precision::fp32, Precision::bf16, Precision::bf16x3}) {
     if (name == precision_name(p)) return p;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The number of useful threads: the processors on which this process may run, limited by the processor time of its
-/// control group (containers, batch systems). More threads would use up the group's time by waiting for each other, and
+/// control group (containers, batch systems). More threads would waste the group's time by waiting for each other, and
 /// the system would then stop all of them.
 #pragma once
 
@@ -12,7 +12,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` names the group of
+/// Linux' control groups, version 2, and version 1 where it does the counting. The file `processes` names the group of
 /// this process, and the folders of `root` hold its limits. A file that cannot be read sets no limit.
 struct ControlGroups {
   std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";

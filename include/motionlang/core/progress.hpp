@@ -9,9 +9,9 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
-/// Without exceptions false ends the program, like an error: there the C functions can be cancelled (motionlang/c).
-/// Like a pointer: the callable must outlive it, so a temporary one does not compile.
+/// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. It may be empty.
+/// Without exceptions, false ends the program like an error, but the C functions can be cancelled (motionlang/c). The
+/// callable must outlive it, so a temporary one does not compile.
 class Progress {
  public:
   Progress() = default;
@@ -22,7 +22,7 @@ class Progress {
           return (*reinterpret_cast<F*>(object))(done, total);
         }) {}
 
-  /// Throws `cancelled` if the caller answers false.
+  /// Throws `cancelled` if the caller returns false.
   void operator()(Index done, Index total) const {
     if (call_ != nullptr && !call_(object_, done, total)) detail::throw_exception(cancelled());
   }

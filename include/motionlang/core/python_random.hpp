@@ -114,8 +114,8 @@ class PythonRandom {
     return out;
   }
 
-  /// `random.sample(range(len(counts)), k, counts=counts)`: element i stands counts[i] times in the list that is drawn
-  /// from. Throws config_error 101 if there are fewer than k or a count is negative.
+  /// `random.sample(range(len(counts)), k, counts=counts)`: draws from a list that has element i counts[i] times.
+  /// Throws config_error 101 if the list has fewer than k elements or a count is negative.
   std::vector<Index> sample_counts(std::span<const Index> counts, Index k) {
     for (Index c : counts) {
       if (c < 0) raise<config_error>(101, "PythonRandom::sample_counts: count ", c);
@@ -137,8 +137,8 @@ class PythonRandom {
     if (n <= 0) raise<config_error>(101, "PythonRandom::", call, ": a list of ", n);
     return static_cast<std::uint64_t>(n);
   }
-  /// Up to this size a list is copied and drawn from, above it numbers are drawn again until they are new:
-  /// 21 + 4^ceil(log_4(3k)) for k > 5, else 21.
+  /// Up to this size, a list is copied and drawn from. Above it, numbers are drawn again until they are new. The size
+  /// is 21 + 4^ceil(log_4(3k)) for k > 5, else 21.
   static Index largest_pool(Index k) {
     Index table = 1;
     while (k > 5 && table < 3 * k) table *= 4;

@@ -9,9 +9,10 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The value that n others are not above; n below the number of values.
+/// The value at position n of the sorted values, counted from 0. n is less than their number.
 double nth_smallest(std::vector<double> values, std::size_t n);
-/// The value below which a share of the values is; 0 of none.
+/// The value at this share of the sorted values: 0 gives the smallest, 0.5 the median, 1 the largest. 0 for an empty
+/// list.
 double quantile(std::vector<double> values, double share);
 
 MOTIONLANG_NAMESPACE_END

@@ -19,7 +19,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Philox4x32-10. `seed` is the key, `stream` and `position` are the counter: any number of any stream can be computed
+/// Philox4x32-10. `seed` is the key, `stream` and `position` are the counter. Any number of any stream can be computed
 /// without the ones before it, so results do not depend on batch order or threads.
 ///
 ///     Philox rng{.seed = 7};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// How two operands of a broadcasting operation lie in memory, reduced to the cases that a vectorised loop can handle.
+/// The memory layout of two operands of a broadcasting operation, reduced to the cases that a vectorised loop can
+/// handle.
 #pragma once
 
 #include <optional>  // no simple pattern
@@ -18,8 +19,7 @@ struct BroadcastPattern {
   Operand a, b;
 };
 
-/// The pattern of a and b in the result shape s, or nothing if it takes more than one change between walked and
-/// repeated.
+/// The pattern of a and b in the result shape s. Nothing if walked and repeated axes alternate more than once.
 inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const Shape& b, const Shape& s) {
   BroadcastPattern p;
   int group = 0;  // 0: inner, 1: outer; from the last axis backwards

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The part of the Eigen backend that a model needs: its operations, and bodies of the kernels, arithmetic among
-/// them. Those that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
+/// The part of the Eigen backend that a model needs: its operations, and the bodies of kernels such as arithmetic. The
+/// bodies that include Eigen (functions and maxima) come with <motionlang/backend/eigen.hpp>.
 #pragma once
 
 #include <motionlang/backend/dense_ops.hpp>
@@ -28,11 +28,11 @@ struct EigenFunctions {
 };
 
 #ifndef MOTIONLANG_INSTANTIATED
-/// Complete where the bodies of these functions are.
+/// This type is complete where the bodies of these functions are.
 template <Scalar S>
 struct EigenBodies;
 
-/// The functions for units that may lack their bodies: the compiler says it, not the linker.
+/// The functions for units that may lack their bodies. The compiler then reports it, not the linker.
 template <Scalar S>
 struct CheckedEigenFunctions {
   using tensor = Dense<S>;

@@ -2,8 +2,8 @@
 /// The difference of relu(x) and gelu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
 ///
 /// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal
-/// distribution function). g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one
-/// instruction so take 14 instructions.
+/// distribution function). g is below 0.17 and vanishes above c = 5.5. This takes 14 instructions on processors that
+/// look up 32 values in one instruction.
 #pragma once
 
 #include <motionlang/core/concepts.hpp>
@@ -18,7 +18,7 @@ struct GeluTable {
   alignas(64) float by_power[degree + 1][cells];
 };
 
-/// Taylor's series in every cell, whose powers 5 and 6 are replaced by lower ones (Chebyshev's economisation).
+/// Taylor's series in every cell. Lower powers replace its powers 5 and 6 (Chebyshev's economisation).
 constexpr GeluTable make_gelu_table() {
   constexpr int terms = 16;
   GeluTable table{};
@@ -31,8 +31,8 @@ constexpr GeluTable make_gelu_table() {
       q[n] = -p[n - 1] / n;
       g[n] = c * q[n] + q[n - 1];
     }
-    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) =
-    // 0), T_5(u) / 16 for u^5.
+    // Subtracts polynomials that are small for |u| <= 1, u = d / (1/8): u^2 T_4(u) / 8 for u^6 (it keeps g(0) = 0), and
+    // T_5(u) / 16 for u^5.
     constexpr double square = GeluTable::width * GeluTable::width / 4;
     g[4] += g[6] * square, g[2] -= g[6] * square * square / 8;
     g[3] += g[5] * square * 20 / 16, g[1] -= g[5] * square * square * 5 / 16;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// The kernels behind the Eigen and xtensor backends: one text, compiled for several instruction sets, chosen at run
+/// The kernels behind the Eigen and xtensor backends: one source, compiled for several instruction sets, chosen at run
 /// time.
 ///
-/// The files *.inc are included once per instruction set, with the compiler told to generate code for it;
-/// `kernels<S>()` is the table of the best one that this processor has. A program built without any -march therefore
-/// runs as fast as one built for the machine. Other processors use the first table, in 16-byte vectors of the compiler
-/// (SSE2, NEON, ...). Nothing here knows about tensors or threads: pointers, sizes, and ranges of rows.
+/// The files *.inc are included once per instruction set, and the compiler generates code for that set. `kernels<S>()`
+/// is the table of the best set that this processor has. So a program that is built without -march runs as fast as one
+/// that is built for the machine. Other processors use the first table, in 16-byte vectors of the compiler (SSE2, NEON,
+/// ...). Kernels know pointers, sizes and ranges of rows, but no tensors or threads.
 #pragma once
 
 #include <algorithm>    // min, max
@@ -34,7 +34,7 @@ template <class S>
 struct Gemm {
   Index m = 0, n = 0, k = 0;
   const S* a = nullptr;
-  Index lda = 0;  // distance of rows of a (of its transpose, (k x m), when a_transposed)
+  Index lda = 0;  // distance between rows of a (of its transpose, (k x m), if a_transposed)
   bool a_transposed = false;
   const S* panels = nullptr;
   S* c = nullptr;
@@ -43,10 +43,10 @@ struct Gemm {
   const S* residual = nullptr;
   Index ldr = 0;
   Activation act = Activation::none;
-  const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
+  const std::byte* after = nullptr;  // read after this product: each panel prefetches its share of it
   Index after_bytes = 0;
 
-  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if
+  /// The place in `after` for a thread that has multiplied panels first, first + 1, ... of `count`; `otherwise` if
   /// there is no `after`.
   const std::byte* following(Index first, Index count, const void* otherwise) const {
     return after == nullptr ? static_cast<const std::byte*>(otherwise) : after + after_bytes / 64 * first / count * 64;
@@ -99,7 +99,7 @@ struct AdamwStep {
   S beta1{}, rest1{}, beta2{}, rest2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
 };
 
-/// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.
+/// y[i] = op(a[i], b[i]). A repeated operand has one value for all i.
 enum class BinaryOp { add, sub, mul, div, maximum };
 template <class S>
 struct Binary {
@@ -110,7 +110,7 @@ struct Binary {
   S* y = nullptr;  // may be a or b
 };
 
-/// Products with the same panels by tiles of bfloat16, three for every float (Precision::bf16x3, float_tiles.inc).
+/// Products with the same panels in tiles of bfloat16, three for every float (Precision::bf16x3, float_tiles.inc).
 struct FloatTiles {
   Index tile_rows;
   Index (*gemm_rows)(Index k);
@@ -125,7 +125,7 @@ struct Kernels {
   const char* name;
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
-  Index (*gemm_scratch)(Index k);  // numbers
+  Index (*gemm_scratch)(Index k);  // values
   void (*pack_rows)(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels);
   bool (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
@@ -141,7 +141,7 @@ struct Kernels {
   void (*row_sums)(const S* x, Index n, Index first, Index last, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
 };
-/// The same of training: a table of its own, so that a program that does not train does not compile it.
+/// The same for training. It is a table of its own, so programs that do not train do not compile it.
 template <class S>
 struct GradientKernels {
   Index (*attention_scratch)(Index queries, Index keys, Index width);
@@ -153,13 +153,13 @@ struct GradientKernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
-/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels
-/// that are the same for all instruction sets, except numbers below 2^-126.
+/// Products of values that are rounded to bfloat16, with sums in float, and attention with such products. B is packed
+/// in panels that are the same for all instruction sets, except values below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
-  Index (*gemm_scratch)(Index k);  // numbers
+  Index (*gemm_scratch)(Index k);  // values
   void (*pack_rows)(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels);
   bool (*pack_transposed)(const float* b, Index k, Index n, Index stride, Index first, Index last,
                           std::uint16_t* panels);
@@ -172,7 +172,7 @@ struct Bf16Kernels {
   void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
                              float* scratch);
 };
-/// Columns of a panel, and its rows: k, filled up to whole tiles.
+/// The columns of a panel, and its rows: k, padded to whole tiles.
 inline constexpr Index bf16_columns = 32;
 constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }
 
@@ -203,7 +203,7 @@ MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
 
-// Without the optimiser the wider kernels would only take longer to compile.
+// Without the optimiser the wider kernels would only compile more slowly.
 #if defined(__x86_64__) && defined(__OPTIMIZE__)
 #define MOTIONLANG_WIDE_KERNELS
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
@@ -236,7 +236,7 @@ namespace detail::avx512 {
 //
 #include <motionlang/backend/detail/float_tiles.inc>
 
-/// The kernels of AVX-512 under the name of AMX, whose tiles (float_tiles) go with them.
+/// The kernels of AVX-512 under the name of AMX, because its tiles (float_tiles) belong to them.
 inline const Kernels<float>& amx_table() {
   static const Kernels<float> t = [] {
     Kernels<float> k = table<float>();
@@ -277,7 +277,7 @@ const Kernels<S>* kernels_for(Isa isa) {
   }
   return &portable::table<S>();
 }
-/// Those of training for the instruction set of `kernels`.
+/// The kernels for training of the instruction set of `kernels`.
 template <class S>
 const GradientKernels<S>& gradient_kernels_of(const Kernels<S>& kernels) {
 #if defined(MOTIONLANG_WIDE_KERNELS)
@@ -288,7 +288,7 @@ const GradientKernels<S>& gradient_kernels_of(const Kernels<S>& kernels) {
 #endif
   return portable::gradient_table<S>();
 }
-/// Tiles that belong to `kernels`, or nothing: all products are made of multiply-adds.
+/// The tiles that belong to `kernels`. Nothing if all products use multiply-adds.
 inline const FloatTiles* float_tiles_of(const Kernels<float>& kernels) {
 #if defined(MOTIONLANG_WIDE_KERNELS)
   if (kernels.isa == Isa::amx) return &avx512::float_tiles();
@@ -297,8 +297,8 @@ inline const FloatTiles* float_tiles_of(const Kernels<float>& kernels) {
 #endif
   return nullptr;
 }
-/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the
-/// speed of products in float); else float instructions.
+/// The same for products of bfloat16. AMX is best, then vdpbf16ps, then float instructions. On processors with AMX,
+/// vdpbf16ps runs at half the speed of products in float.
 inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
@@ -346,7 +346,7 @@ inline const Bf16Kernels*& current_bf16_kernels() {
 /// The kernels of other precisions than fp32. Only backend/precision.hpp and searches in bfloat16 compile them.
 inline std::atomic<const Bf16Kernels*& (*)()> bf16_products{nullptr};
 inline std::atomic<const FloatTiles* (*)(const Kernels<float>&)> tile_products{nullptr};
-/// Makes bf16_product_kernels() callable. Whoever packs panels in bfloat16 calls it before.
+/// Makes bf16_product_kernels() callable. Call it before packing panels in bfloat16.
 inline void use_bf16_products() { bf16_products.store(&current_bf16_kernels, std::memory_order_relaxed); }
 /// The kernels of products in bfloat16. Precondition: use_bf16_products() was called.
 inline const Bf16Kernels& bf16_product_kernels() { return *bf16_products.load(std::memory_order_relaxed)(); }

@@ -12,7 +12,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A time in seconds, finite and not beyond `latest_time`; nothing if the whole text is none.
+/// A finite time in seconds, at most `latest_time`. Nothing if the text is not such a time.
 std::optional<double> parse_seconds(std::string_view text);
 
 /// Shortest decimal form, as Python prints a float: 5.5, 8.0, 1e-05, 1e+16.

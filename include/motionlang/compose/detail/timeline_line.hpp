@@ -22,7 +22,7 @@ template <class... T>
   raise<timeline_error>(id, name, ":", place.line, ":", place.column, ": ", what...);
 }
 
-/// One line of a file, split at '#'. Knows where it stands.
+/// One line of a file, split at '#'. It knows its place in the file.
 class TimelineLine {
  public:
   TimelineLine(std::string_view line, Index number, std::string_view name) : line_(line), number_(number), name_(name) {
@@ -63,7 +63,7 @@ class TimelineLine {
     return *t;
   }
 
-  /// The parts that the fields from `first` on name.
+  /// The parts that are named by the fields from `first` on.
   BodyParts parts(std::size_t first, const BodyPartition& body) const {
     BodyParts parts;
     for (std::size_t i = first; i < fields_.size(); ++i) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// Floating-point values as decimal text, by the C library alone: for standard libraries without `from_chars` and
-/// `to_chars` for them (standard_library.hpp), whose results these functions give to the last character.
+/// Floating-point values as decimal text, made by the C library alone. This is for standard libraries that lack
+/// `from_chars` and `to_chars` for them (standard_library.hpp). The results are the same to the last character.
 ///
-/// strtod and printf of all C libraries round correctly, but their decimal point is the locale's. So strtod reads whole
-/// numbers with an exponent here, and whatever printf writes between digits is taken for a point. Slower than
+/// strtod and printf of all C libraries round correctly, but their decimal point is the locale's. So strtod gets whole
+/// numbers with an exponent here, and anything that printf writes between digits counts as a point. This is slower than
 /// `to_chars`: a microsecond or two for a value.
 #pragma once
 
@@ -43,7 +43,7 @@ struct Decimal {
   }
 };
 
-/// Begins with `word` in letters of any case?
+/// True if the text begins with `word` in letters of any case.
 inline bool starts_with_word(std::string_view text, std::string_view word) {
   if (text.size() < word.size()) return false;
   for (std::size_t i = 0; i < word.size(); ++i)
@@ -66,7 +66,7 @@ std::size_t read_word(std::string_view text, F& value) {
   return end != text.npos && text[end] == ')' ? end + 1 : 3;
 }
 
-/// The exponent at `p`, which is moved behind it; 0 if there is none.
+/// The exponent at `p`, and moves `p` behind it; 0 if there is none.
 inline long long read_exponent(const char*& p, const char* last) {
   const char* at = p;
   if (at == last || (*at | 0x20) != 'e') return 0;
@@ -80,10 +80,10 @@ inline long long read_exponent(const char*& p, const char* last) {
   return negative ? -out : out;
 }
 
-/// The number at `p`, which is moved behind it; no digits if there is none.
+/// The number at `p`, and moves `p` behind it; no digits if there is none.
 inline Decimal read_digits(const char*& p, const char* last) {
-  // More digits never decide: no value halfway between two doubles has more than 767. It only matters whether they are
-  // all zero, and one digit says so.
+  // More digits never decide, because no value halfway between two doubles has more than 767. It only matters if they
+  // are all zero, and one digit tells that.
   constexpr std::size_t most = 768;
   Decimal out;
   bool any = false, behind_point = false, more = false;
@@ -131,7 +131,7 @@ std::from_chars_result read_decimal(const char* first, const char* last, F& valu
   return {p, std::errc{}};
 }
 
-/// The text that printf wrote, with a point in place of the locale's, which may have several bytes.
+/// The text that printf wrote, with a point in place of the locale's decimal point, which may have several bytes.
 inline std::string with_point(std::string_view printed) {
   std::string out;
   bool inside = false;
@@ -154,7 +154,7 @@ inline std::string printed(const char* format, int places, double x) {
   return with_point(all);
 }
 
-/// x > 0 to `count` digits, the nearest such number.
+/// x > 0 rounded to `count` digits.
 inline Decimal rounded_decimal(double x, int count) {
   const std::string text = printed("%.*e", count - 1, x);
   const std::size_t e = text.find('e');
@@ -163,7 +163,7 @@ inline Decimal rounded_decimal(double x, int count) {
   return out;
 }
 
-/// The next number of as many digits.
+/// The next number with as many digits.
 inline Decimal next_decimal(Decimal d) {
   std::size_t i = d.digits.size();
   while (i > 0 && d.digits[i - 1] == '9') d.digits[--i] = '0';
@@ -174,11 +174,11 @@ inline Decimal next_decimal(Decimal d) {
   return d;
 }
 
-/// The fewest digits that are read back as x > 0; the nearest to x of those.
+/// The fewest digits that are read back as x > 0. Of several such numbers, the nearest to x.
 template <class F>
 Decimal shortest_decimal(F x) {
-  // A number of digits10 digits survives the way through a normal F. So the shortest, if it has no more digits than
-  // that, is what remains without the zeros at the end.
+  // A number of digits10 digits survives conversion to a normal F and back. So if the shortest has no more digits than
+  // that, it is this number without the zeros at its end.
   for (int count = x < std::numeric_limits<F>::min() ? 1 : std::numeric_limits<F>::digits10;; ++count) {
     Decimal out = rounded_decimal(x, count);
     // The gap above a power of two is twice the gap below. So the nearest number may be too far below, while the next
@@ -204,7 +204,7 @@ inline std::string scientific_text(const Decimal& d) {
 }
 /// ddd.ddd
 inline std::string fixed_text(const Decimal& d, double x) {
-  // The digits of a whole number are all written as they are.
+  // All digits of a whole number are written.
   if (d.exponent >= 0) return printed("%.*f", 0, x);
   std::string out = d.digits;
   const auto places = static_cast<std::size_t>(-d.exponent);
