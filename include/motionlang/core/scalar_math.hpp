@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// The elementary functions of `ScalarLike` types, for the built-in ones.
+/// The elementary functions of `ScalarLike` types, for built-in types.
 ///
-/// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Name lookup by argument finds
-/// `sqrt(Tensor)`, but not `std::sqrt` for a built-in number: hence these overloads, which must be visible first.
+/// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Argument-dependent lookup finds
+/// `sqrt(Tensor)`, but not `std::sqrt` for a built-in type. These overloads fill that gap, and must be visible first.
 #pragma once
 
 #include <cmath>   // the functions themselves
@@ -26,8 +26,8 @@ inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
 /// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10. Its last digit often differs
-/// from that of the C library. Published tables of frequencies need it: after thousands of frames it decides the fourth
-/// digit.
+/// from that of the C library. Published tables of frequencies need it, because after thousands of frames it decides
+/// the fourth digit.
 inline float torch_exp(float x) {
   if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
   if (x > 100.0f) return std::numeric_limits<float>::infinity();
@@ -40,8 +40,8 @@ inline float torch_exp(float x) {
   return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
 }
 
-/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is to be
-/// differentiated, neither may be NaN, even where it is not taken.
+/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is
+/// differentiated, neither may be NaN, even where it is not chosen.
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
 constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
 

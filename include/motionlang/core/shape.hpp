@@ -12,7 +12,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Sizes, positions and counts. Signed, so that differences are what they look like.
+/// Sizes, positions and counts. The type is signed, so that differences may be negative.
 using Index = std::ptrdiff_t;
 
 /// Up to six sizes, slowest axis first. A shape without axes is a scalar and has one element.
@@ -69,7 +69,7 @@ class Shape {
 
 namespace detail {
 
-/// "(2, 60, 512)"; a negative size stands for any.
+/// "(2, 60, 512)"; a negative size means any size.
 std::string shape_text(std::span<const Index> sizes);
 
 }  // namespace detail
@@ -77,7 +77,7 @@ std::string shape_text(std::span<const Index> sizes);
 /// "(2, 60, 512)"
 inline std::string to_string(const Shape& s) { return detail::shape_text(s.sizes()); }
 
-/// Axis counted from the end when negative; an error when out of range.
+/// An axis, counted from the end if negative. Throws shape_error 203 if it is out of range.
 constexpr int normalize_axis(int axis, int rank, const char* op) {
   const int a = axis < 0 ? axis + rank : axis;
   if (a < 0 || a >= rank) raise<shape_error>(203, op, ": axis ", axis, " of a tensor of rank ", rank);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty
-/// functions.
+/// Sorts short lists. std::sort is faster on long ones, but each use of it compiles some thirty functions.
 #pragma once
 
 #include <cstddef>  // size_t
@@ -11,8 +10,8 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps
-/// whatever the list. `List` is a vector.
+/// Sorts by `less`. The order of equal elements is not defined. Heap sort: n log n steps for any list. `List` is a
+/// vector.
 template <class List, class Less>
 void sort(List& list, Less less) {
   const auto sift_down = [&](std::size_t i, std::size_t size) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The parts of C++20 that libc++ lacks, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14),
-/// `from_chars` and `to_chars` of floating-point values. The same bits and the same characters as with every other
+/// The parts of C++20 that libc++ lacks on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14), and
+/// `from_chars` and `to_chars` of floating-point values. The bits and characters are the same as with every other
 /// standard library.
 #pragma once
 
@@ -30,7 +30,7 @@ constexpr To bit_cast(const From& from) {
 using std::from_chars;
 using std::to_chars;
 #else
-// Templates, because libc++ has some of the functions for floating-point values and deletes the others.
+// These are templates, because libc++ has some of the functions for floating-point values and deletes the others.
 template <std::integral N>
 std::from_chars_result from_chars(const char* first, const char* last, N& value, int base = 10) {
   return std::from_chars(first, last, value, base);

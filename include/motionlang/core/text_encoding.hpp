@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Texts in other encodings than UTF-8, which some programs write, as UTF-8.
+/// Converts texts in other encodings, which some programs write, to UTF-8.
 #pragma once
 
 #include <optional>     // other encodings
@@ -10,11 +10,11 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A text in UTF-16 or UTF-32 as UTF-8, known by its byte order mark or by the zero bytes of its first two letters;
-/// nothing if it is neither. Units without a character become U+FFFD.
+/// A text in UTF-16 or UTF-32 as UTF-8. It is recognised by its byte order mark, or by the zero bytes of its first two
+/// letters. Nothing if it is neither. Units without a character become U+FFFD.
 std::optional<std::string> from_wide_text(std::string_view bytes);
 
-/// A text of which each byte is one character, U+0000 to U+00FF (ISO 8859-1), as UTF-8.
+/// A text with one byte per character, U+0000 to U+00FF (ISO 8859-1), as UTF-8.
 std::string from_latin1(std::string_view bytes);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Texts line by line, their blanks and small letters.
+/// Splits texts into lines, trims blanks, and lower-cases letters.
 #pragma once
 
 #include <algorithm>    // min
@@ -10,10 +10,10 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// A letter of ASCII in small, whatever the locale.
+/// The lower case of an ASCII letter, whatever the locale.
 constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-/// Without the blanks at both ends.
+/// The text without the blanks at both ends.
 constexpr std::string_view trim(std::string_view s) {
   constexpr std::string_view blanks = " \t\r\n\v\f";
   const std::size_t first = s.find_first_not_of(blanks);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Objects of which every thread has its own.
+/// Objects that every thread has for itself.
 #pragma once
 
 #include <cstdlib>  // abort
 
 #include <motionlang/version.hpp>
 
-// MinGW's GCC gives the memory of thread_local variables back before it destroys them, so there the system keeps them.
+// MinGW's GCC frees the memory of thread_local variables before it destroys them, so there the system keeps them.
 #if defined(_WIN32) && !defined(__clang__)
 #define MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
 extern "C" {
@@ -18,8 +18,8 @@ __declspec(dllimport) int __stdcall FlsSetValue(unsigned long key, void* value);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one
-/// type apart.
+/// The calling thread's T. It is made at first use and destroyed when the thread ends. `Tag` distinguishes objects of
+/// one type.
 template <class T, class Tag = T>
 T& thread_object() {
 #ifdef MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS

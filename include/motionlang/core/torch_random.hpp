@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// PyTorch's CPU generator: `torch.manual_seed(seed)` followed by `torch.randn` or `torch.rand`, for parity with
-/// published runs. CUDA streams are another generator and not covered.
+/// published runs. The streams of CUDA come from another generator, which is not covered.
 ///
 /// Source      torch 1.13, aten/src/ATen/native/cpu/DistributionTemplates.h (normal_fill) and
 ///             ATen/core/DistributionsHelper.h (small draws)
-/// Differs     by less than 1e-6 from torch's vectorised kernels, which approximate log and cos; uniform numbers and
-///             the float64 path have no such difference
+/// Differs     by less than 1e-6 from torch's vectorised kernels, which approximate log and cos. Uniform values and the
+///             float64 path do not differ
 #pragma once
 
 #include <cmath>     // log, cos, sin
@@ -22,7 +22,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class TorchRandom {
  public:
-  /// The low 32 bits of the seed count, as in PyTorch.
+  /// Only the low 32 bits of the seed count, as in PyTorch.
   explicit TorchRandom(std::uint64_t seed = 5489) : words_(static_cast<std::uint32_t>(seed)) {}
 
   /// `torch.rand`: 24 bits of one word for float, 53 bits of two words for double.
@@ -32,10 +32,10 @@ class TorchRandom {
   }
   void uniform(std::span<float> out) { uniform<float>(out); }
 
-  /// `torch.randn` of a whole tensor of out.size() elements. The result depends on how a draw is cut into tensors:
-  ///   fewer than 16 elements: one pair of numbers at a time in double, the second kept for the next small draw;
-  ///   otherwise all are filled with uniform numbers first and then every block of 16 is transformed (Box-Muller,
-  ///   element j with element j + 8); when blocks do not fit, the last 16 elements are drawn again.
+  /// `torch.randn` of a whole tensor of out.size() elements. The result depends on the division of a draw into tensors.
+  /// Fewer than 16 elements: one pair of values at a time in double, the second kept for the next small draw.
+  /// Otherwise, all elements are first filled with uniform values. Then every block of 16 is transformed (Box-Muller,
+  /// element j with element j + 8). If blocks do not fit, the last 16 elements are drawn again.
   template <Scalar S>
   void normal(std::span<S> out) {
     if (out.size() < block) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
+/// UTF-8, one code point at a time, strictly. There are no classes of characters here.
 #pragma once
 
 #include <cstddef>      // size_t
@@ -55,8 +55,8 @@ constexpr std::string_view utf8_head(std::string_view text, std::size_t bytes) {
 /// Appends the bytes of a code point (up to U+10FFFF).
 void append_utf8(std::string& out, char32_t c);
 
-/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
-/// in `keep` stays.
+/// For messages and lists: '?' replaces control characters, which terminals obey, and bytes that are not UTF-8.
+/// Characters in `keep` stay.
 std::string printable(std::string_view text, std::string_view keep = {});
 
 MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Motions as ACTOR and its classifiers see them: rows of rotations and the way of the root, windows of frames,
-/// points.
+/// Motions in the form that ACTOR and its classifiers read: rows of rotations and the path of the root, windows of
+/// frames, and points.
 #pragma once
 
 #include <filesystem>
@@ -22,18 +22,18 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct ActorClipsConfig {
   std::string pose = "rot6d";  // "xyz", "rotvec", "rotquat", "rotmat"
-  bool translation = true;     // the way of the root is a row of its own; not of xyz
-  bool global = true;          // the rotation of joint 0 is there; without it all face +Z; not of xyz
+  bool translation = true;     // the path of the root is a row of its own; not for xyz
+  bool global = true;          // the rotation of joint 0 is there; without it all face +Z; not for xyz
   bool turned_ahead = true;    // every clip begins facing +Z
-  bool camera = false;         // rotations in the world of a camera, where figures stand on their heads, as published
+  bool camera = false;         // rotations in the world of a camera, where figures are upside down, as published
   double fps = 30;
   Index num_frames = 60;    // of a training item; -1: all of the clip, -2: between min_len and max_len
-  Index sampling_step = 1;  // frames that are left out between; -1: as many as fit
+  Index sampling_step = 1;  // frames from one to the next; -1: the largest step that fits
   bool random_step = false;
   bool random_frames = false;  // any frames of the clip, in their order
   Index min_len = 60, max_len = 100;
 
-  /// Throws config_error 102 where one setting leaves nothing to another.
+  /// Throws config_error 102 if settings contradict each other.
   void require_sound() const;
   static constexpr auto fields() {
     using C = ActorClipsConfig;
@@ -43,30 +43,30 @@ struct ActorClipsConfig {
                               &C::random_frames, "min_len", &C::min_len, "max_len", &C::max_len);
   }
   bool is_xyz() const { return pose == "xyz"; }
-  /// Joints of a frame that have a row, all its rows, and numbers of each.
+  /// Joints with a row in each frame, all its rows, and the values of each row.
   Index rotations() const { return is_xyz() || global ? 24 : 23; }
   Index joints() const { return rotations() + (is_xyz() || !translation ? 0 : 1); }
   Index numbers() const;
   Index width() const { return joints() * numbers(); }
-  /// The number in a frame at which the way of the root begins.
+  /// The position in a frame at which the path of the root begins.
   Index way() const { return rotations() * numbers(); }
 };
 
 /// Throws config_error 103 for an unknown pose.
 RowMaker actor_row_maker(const ActorClipsConfig& config);
 
-/// The frames of an item (features/frame_sampling.hpp), the way counted from the first of them. (frames, width)
+/// The frames of an item (features/frame_sampling.hpp). The path starts at the first of them. (frames, width)
 std::vector<float> actor_window(const DescribedMotion& motion, const ActorClipsConfig& config, PythonRandom& random);
 
 /// A clip on SMPL's 24 joints from rows.
 Motion actor_motion(std::span<const float> rows, const ActorClipsConfig& config);
 
-/// All labels of the data, sorted: the number of a class is its place here.
+/// All labels of the data, sorted. The number of a class is its place here.
 std::vector<std::string> labels_of(const DescribedMotions& data);
 /// The number of each motion's class. Throws config_error 103 for a label that is not a class.
 std::vector<Index> classes_of(const std::vector<DescribedMotion>& motions, std::span<const std::string> labels);
 
-/// Positions of the 24 joints, metres, as the root of the first frame of the window stood at the origin. (frames, 72)
+/// Positions of the 24 joints in metres, relative to the root of the first frame of the window. (frames, 72)
 template <Backend B>
 Sequences<B> joint_points(const Sequences<B>& x, const ActorClipsConfig& config) {
   if (config.is_xyz()) return x;

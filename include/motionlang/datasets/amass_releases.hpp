@@ -2,10 +2,10 @@
 /// Known errors in the files of AMASS, and folders that change their names between releases.
 ///
 ///     sequence.fps = corrected_amass_fps(path, sequence.fps);
-///     // The file of an annotation, of whatever release.
+/// The file of an annotation, of any release.
 ///     for (const std::string& file : amass_paths(babel.feat_p)) use(file);
 ///
-/// No reader corrects a rate by itself: a file that was resampled lies below the same name and says what is true.
+/// No reader corrects a rate by itself, because a resampled file may have the same name and a correct rate.
 /// Source  TEACH (Athanasiou et al., 3DV 2022), amass_files
 #pragma once
 
@@ -18,7 +18,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames per second of a sequence as it was released, whatever its file says.
+/// The true frames per second of a released sequence, whatever its file says.
 struct AmassRate {
   std::string_view path;  // a part of it
   double fps = 0;
@@ -26,10 +26,11 @@ struct AmassRate {
 inline constexpr std::array<AmassRate, 3> amass_rates{
     {{"BMLhandball", 240}, {"20160930_50032", 59}, {"20161014_50033", 59}}};
 
-/// fps: what the file says; the result where it is right.
+/// fps: the rate in the file. Returns it if it is right, otherwise the true rate.
 double corrected_amass_fps(std::string_view path, double fps);
 
-/// Folders of data sets: as annotations of HumanML3D, BABEL and their like have them, and as they are released today.
+/// Folders of data sets: the names in annotations such as those of HumanML3D and BABEL, and the names of today's
+/// release.
 struct AmassRename {
   std::string_view before, today;
 };
@@ -42,7 +43,7 @@ inline constexpr std::array<AmassRename, 8> amass_renames{{{"BioMotionLab_NTroje
                                                            {"TCD_handMocap", "TCDHands"},
                                                            {"Transitions_mocap", "Transitions"}}};
 
-/// The path of a sequence, then those with the names before and today where they differ from it.
+/// The path of a sequence, followed by its older and newer names if they differ from it.
 std::vector<std::string> amass_paths(std::string_view path);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// How STMC's training data were prepared from AMASS: another frame rate, and mirrored copies. For parity; for clips of
-/// one's own use kinematics/motion_tools.hpp.
+/// The preparation of STMC's training data from AMASS: another frame rate, and mirrored copies. This is for parity; for
+/// your own clips use kinematics/motion_tools.hpp.
 ///
 /// Source  STMC, prepare/amasstools/fix_fps.py and smpl_mirroring.py
 #pragma once
@@ -25,7 +25,7 @@ struct AmassPoses {
 
 namespace detail {
 
-/// Numbers of one pose. Throws shape_error 205 unless both arrays have the same number of frames.
+/// The number of values of one pose. Throws shape_error 205 unless both arrays have the same number of frames.
 template <Scalar S>
 std::size_t amass_width(std::span<const S> poses, std::span<const S> trans, const char* op) {
   const std::size_t frames = trans.size() / 3;
@@ -37,7 +37,7 @@ std::size_t amass_width(std::span<const S> poses, std::span<const S> trans, cons
 
 /// Spherical interpolation of vectors that keep their lengths as weights:
 ///     (sin((1-t) h) a + sin(t h) b) / sin h,   h: the angle between a and b; linear if |cos h| > 0.9995 or one is zero
-/// Not a rotation halfway between two rotations, but what the data were made with.
+/// This is not a rotation halfway between two rotations, but the data were made with it.
 template <Scalar S>
 Vec3<S> slerp_of_vectors(const Vec3<S>& a, const Vec3<S>& b, S t) {
   const S lengths = norm(a) * norm(b), cosine = lengths > 0 ? dot(a, b) / lengths : S(1);
@@ -48,9 +48,9 @@ Vec3<S> slerp_of_vectors(const Vec3<S>& a, const Vec3<S>& b, S t) {
 
 }  // namespace detail
 
-/// floor(T new / old) frames; frame i shows the source at (i + 1/2) old / new - 1/2, not before its first frame.
-/// Coordinates are float32, as published. Translations linear, poses by slerp of their rotation vectors.
-/// Throws shape_error 205, config_error 101 unless both rates are positive.
+/// floor(T new / old) frames; frame i shows the source at (i + 1/2) old / new - 1/2, but not before its first frame.
+/// Coordinates are float32, as published. Translations are linear, poses a slerp of their rotation vectors. Throws
+/// shape_error 205, and config_error 101 unless both rates are positive.
 template <Scalar S>
 AmassPoses<S> amass_resample(std::span<const S> poses, std::span<const S> trans, double old_fps, double new_fps) {
   detail::require_rates("amass_resample", old_fps, new_fps);
@@ -72,8 +72,8 @@ AmassPoses<S> amass_resample(std::span<const S> poses, std::span<const S> trans,
   return out;
 }
 
-/// Left and right exchanged: partners swap their rotation vectors, whose y and z change sign, and the path its x.
-/// Exact. Throws shape_error 205 unless poses have the 22 or 24 joints of SMPL.
+/// Left and right exchanged, exactly. Partners swap their rotation vectors, whose y and z change sign, and the path
+/// changes the sign of x. Throws shape_error 205 unless poses have the 22 or 24 joints of SMPL.
 template <Scalar S>
 AmassPoses<S> amass_mirror(std::span<const S> poses, std::span<const S> trans) {
   const std::size_t width = detail::amass_width(poses, trans, "amass_mirror"), frames = trans.size() / 3;

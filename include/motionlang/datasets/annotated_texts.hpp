@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Texts of motions from one form into another: BABEL's JSON, the annotation JSON of TMR and STMC, the caption files of
+/// Converts texts of motions between BABEL's JSON, the annotation JSON of TMR and STMC, and the caption files of
 /// HumanML3D and KIT-ML.
 ///
 ///     const auto motions = read_annotated_texts("babel/train.json");
@@ -15,17 +15,17 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The entries of BABEL's JSON that have texts, or those of an annotation file: the file tells. Throws io_error 401,
-/// 403, config_error 101 if no motion has a text, 107.
+/// The entries with texts of BABEL's JSON or of an annotation file. The content decides which one it is. Throws
+/// io_error 401, 403, config_error 101 if no motion has a text, 107.
 std::vector<AnnotatedMotion> read_annotated_texts(const FilePath& path);
 
-/// Words have no tags, which only T2M's evaluator asks for. Times of a text for the whole motion are 0 and 0.
+/// Words have no tags, which only T2M's evaluator needs. The times of a text for the whole motion are 0 and 0.
 std::vector<MotionCaption> captions_of(const AnnotatedMotion& motion);
-/// Caption files cannot tell a text from 0 to 0 seconds from one for the whole motion: takes texts of no duration out.
-/// Returns how many.
+/// Removes texts of no duration and returns their number. Caption files cannot distinguish a text from 0 to 0 seconds
+/// from one for the whole motion.
 std::size_t drop_momentary_texts(AnnotatedMotion& motion);
-/// The caption files of motions: contents by name, "000001.txt". `folder` stands in messages.
-/// Throws config_error 102 for two ids with one name, timeline_error 510 for a text that a caption file cannot hold.
+/// The caption files of motions: contents by name, "000001.txt". Messages name `folder`. Throws config_error 102 if two
+/// ids have one name, and timeline_error 510 for a text that a caption file cannot hold.
 std::map<std::string, std::string> caption_files(const std::vector<AnnotatedMotion>& motions,
                                                  const std::string& folder = "texts");
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The annotation JSON of TMR and STMC: which texts describe which seconds of which AMASS sequence. Read entry by
-/// entry, written in the published layout.
+/// The annotation JSON of TMR and STMC: the texts for ranges of seconds of AMASS sequences. It is read entry by entry
+/// and written in the published layout.
 ///
 ///     {"000000": {"path": "KIT/3/kick_high_left02_poses", "duration": 5.82, "annotations": [
 ///         {"seg_id": "000000_0", "text": "a man kicks.", "start": 0.0, "end": 5.82}, ...]}, ...}
@@ -30,7 +30,7 @@ struct Annotation {
   std::string seg_id;  // "<id>_<number>"
   std::string text;
   double start = 0, end = 0;  // seconds
-  std::string babel_id{};     // of a label of BABEL: its seg_id there
+  std::string babel_id{};     // for a label of BABEL: its seg_id there
   bool operator==(const Annotation&) const = default;
 };
 
@@ -42,10 +42,10 @@ struct AnnotatedMotion {
   bool operator==(const AnnotatedMotion&) const = default;
 };
 
-/// An annotation file that is being read. Entries are parsed when they are asked for.
+/// An annotation file that is open for reading. Entries are parsed on request.
 class AnnotationFile {
  public:
-  /// From a file that is open already.
+  /// From a file that is already open.
   explicit AnnotationFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static AnnotationFile open(const FilePath& path);
@@ -61,7 +61,8 @@ class AnnotationFile {
   /// The motion of an entry. Throws what load throws for its values.
   static AnnotatedMotion parse(const std::string& id, const JsonView& view);
 
-  /// The ids of a split that have an entry, in the order of the split. Others are left out silently, as published.
+  /// The ids of a split that have an entry, in the order of the split. The others are left out without a warning, as
+  /// published.
   std::vector<std::string> select(std::span<const std::string> split) const;
 
  private:
@@ -69,17 +70,17 @@ class AnnotationFile {
 };
 
 /// The training texts of TMR: texts of 2 to 10 seconds. A split whose name contains "test" keeps all. Motions without
-/// any are left out of the split. Evaluation takes the first text.
+/// such texts are left out of the split. Evaluation takes the first text.
 std::vector<Annotation> training_annotations(const AnnotatedMotion& motion, std::string_view split, double least = 2,
                                              double most = 10);
 
-/// The frames of a text: int(start fps) up to int(end fps), as far as the motion goes.
+/// The frames of a text: int(start fps) up to int(end fps), cut at the end of the motion.
 FrameSlice annotated_frames(const Annotation& a, double fps, Index frames);
 
-/// The entry of the mirrored motion: "M" in front of id, seg_id and path, and captions of the other side.
+/// The entry of the mirrored motion: "M" in front of id, seg_id and path, and captions with the sides exchanged.
 AnnotatedMotion mirrored(AnnotatedMotion motion);
 
-/// The text of an annotation file, laid out as the published ones.
+/// The text of an annotation file in the layout of the published ones.
 /// Laws    AnnotationFile::from_text(annotations_json(x)) loads x
 /// Throws  io_error 403 for a repeated id, a text that is not UTF-8, and times that are not valid
 std::string annotations_json(std::span<const AnnotatedMotion> motions);

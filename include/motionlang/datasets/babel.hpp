@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// BABEL: texts for whole sequences of AMASS and for stretches of them. Read entry by entry; the stretches as TEACH and
-/// SINC take them; and all texts as an entry of the annotation JSON of TMR and STMC.
+/// BABEL: texts for whole sequences of AMASS and for segments of them. It is read entry by entry. TEACH and SINC get
+/// the segments. All texts can also become an entry of the annotation JSON of TMR and STMC.
 ///
 ///     const auto file = BabelFile::open("train.json");
 ///     for (const std::string& id : file.ids()) {
@@ -33,8 +33,8 @@ struct BabelLabel {
   bool operator==(const BabelLabel&) const = default;
 };
 
-/// By one annotator. Labels stand in the order of the file: not sorted, perhaps overlapping, the last one perhaps a few
-/// milliseconds longer than the sequence.
+/// Labels by one annotator, in the order of the file. They are not sorted and may overlap, and the last one may be a
+/// few milliseconds longer than the sequence.
 struct BabelAnnotation {
   std::string babel_lid, anntr_id;
   bool mul_act = false;  // several actions
@@ -51,11 +51,11 @@ struct BabelSequence {
   bool operator==(const BabelSequence&) const = default;
 };
 
-/// A file that is being read: train, val, test (no labels), extra_train, extra_val (several annotations for a
+/// A file that is open for reading: train, val, test (no labels), or extra_train, extra_val (several annotations for a
 /// sequence).
 class BabelFile {
  public:
-  /// From a file that is open already.
+  /// From a file that is already open.
   explicit BabelFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static BabelFile open(const FilePath& path);
@@ -88,16 +88,16 @@ class BabelFile {
   JsonMembers members_;
 };
 
-/// The replacement for a word of a label: "foward" by "forward", or by several words, or by none.
+/// The replacement for a word of a label. "foward" becomes "forward", several words, or none.
 using SpellingTable = std::unordered_map<std::string, std::string>;
 
-/// The label word by word through the table, joined by single blanks, which also surround words that are replaced by
-/// nothing. The published table is the user's to supply.
+/// Replaces the words of a label by the table and joins them by single blanks. A word that is replaced by nothing
+/// leaves both of its blanks. The published table is not part of this library.
 std::string clean_babel_label(std::string_view label, const SpellingTable& spelling = {});
 
-/// The stretches of an annotation in a motion of `frames` frames, in the order of the file and nothing left out:
-/// int(start fps) up to int(end fps), cut at the end of the motion, perhaps empty. Throws config_error 101 unless the
-/// rate is positive and finite.
+/// The segments of an annotation in a motion of `frames` frames, in the order of the file, with nothing left out. Each
+/// goes from int(start fps) up to int(end fps), is cut at the end of the motion, and may be empty. Throws config_error
+/// 101 unless the rate is positive and finite.
 std::vector<BabelSegment> babel_intervals(std::span<const BabelLabel> labels, double fps, Index frames,
                                           const SpellingTable& spelling = {});
 
@@ -105,14 +105,14 @@ struct BabelSegmentOptions {
   bool keep_transitions = false;  // TEACH pairs actions by the transition between them
 };
 
-/// Those to train on, sorted by start and end: without empty ones, those without text and excluded labels. Throws
-/// config_error 101 unless the rate is positive and finite.
+/// The segments for training, sorted by start and end. Empty ones, those without a text and those with excluded labels
+/// are left out. Throws config_error 101 unless the rate is positive and finite.
 std::vector<BabelSegment> babel_segments(std::span<const BabelLabel> labels, double fps, Index frames,
                                          const SpellingTable& spelling = {}, const BabelSegmentOptions& options = {});
 
-/// The texts of a sequence as an entry of the annotation JSON: those of the whole sequence, then those of stretches, in
-/// the order of the file. The id has five digits or more, the path is that of AMASS: without the first of the two
-/// folders and without extension. Labels without a word are left out, no others.
+/// The texts of a sequence as an entry of the annotation JSON: those of the whole sequence, then those of segments, in
+/// the order of the file. The id has five digits or more. The path is that of AMASS: without the first of the two
+/// folders and without extension. Only labels without a word are left out.
 /// Throws  io_error 403 for a sequence without feat_p or dur
 AnnotatedMotion annotated_motion(const BabelSequence& sequence, const SpellingTable& spelling = {});
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Motions of AMASS with the labels of BABEL, as SINC and TEACH learn from them. Every item is one DescribedMotion: its
-/// id is the published key, "seg-4242-0"; its rows are turned ahead as one motion; its texts are labels. Of SINC they
-/// are about all of it; of TEACH there are two, one behind the other, and what is between them is the transition.
+/// Motions of AMASS with the labels of BABEL, from which SINC and TEACH learn. Every item is one DescribedMotion. Its
+/// id is the published key, "seg-4242-0", its rows are turned to face ahead as one motion, and its texts are labels.
+/// Labels of SINC describe all of it. TEACH has two labels, one after the other, with the transition between them.
 #pragma once
 
 #include <filesystem>  // where motions are
@@ -26,12 +26,12 @@ DataConfig split_config(const Data& c) {
 }
 
 struct SincDataConfig {
-  std::string types = "seg+seq+spatial_pairs";       // what is learnt, in any order; or with separate_pairs
-  Index shortest = 15, window = 300;                 // frames; of longer ones, `window` from a random place
-  Index longest = 800;                               // of what is validated with
+  std::string types = "seg+seq+spatial_pairs";       // what is learnt, in any order; separate_pairs may be added
+  Index shortest = 15, window = 300;                 // frames; a longer item gives `window` from a random place
+  Index longest = 800;                               // for validation
   Index simultaneous_max = 4;                        // labels at the same time
-  double proportion = 0.5;                           // of single actions that are combined with one of other body parts
-  bool random = false;                               // with any action, and random parts
+  double proportion = 0.5;                           // share of single actions that get a partner with other parts
+  bool random = false;                               // combine any actions, with random parts
   double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
   std::uint64_t split_seed = 1;
 
@@ -53,7 +53,7 @@ struct SincDataConfig {
 };
 
 struct TeachDataConfig {
-  Index shortest = 15, longest = 750;                // frames of either action, the second with its transition
+  Index shortest = 15, longest = 750;                // frames of either action; the second includes its transition
   double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
   std::uint64_t split_seed = 1;
 
@@ -72,11 +72,11 @@ struct TeachDataConfig {
 struct BabelSources {
   std::filesystem::path data{};        // folder of the motions
   std::filesystem::path babel{};       // BABEL's own JSON
-  std::filesystem::path validation{};  // another, to validate with; then all of `babel` is for training
+  std::filesystem::path validation{};  // another file for validation; then all of `babel` is for training
   std::filesystem::path splits{};      // folder with lists of ids; "": at random
-  std::filesystem::path spelling{};    // JSON of what words of labels are replaced by; "": by themselves
+  std::filesystem::path spelling{};    // JSON of replacements for words of labels; "": none
 
-  /// Throws config_error 102 without `babel`, and for `validation` beside `splits`.
+  /// Throws config_error 102 without `babel`, and if `validation` and `splits` are both set.
   void require_sound() const;
 };
 
@@ -84,13 +84,13 @@ struct BabelSources {
 struct BabelItem {
   std::string key;
   FrameSlice frames;
-  std::vector<DescribedText> texts;  // their frames count from the first one of the item
+  std::vector<DescribedText> texts;  // their frames count from the first frame of the item
 };
 struct BabelItems {
   std::vector<BabelItem> items;
   LeftOut left_out{};
 };
-/// The items of a sequence of this many frames.
+/// Makes the items of a sequence of this many frames.
 using BabelReader = std::function<BabelItems(const BabelSequence& sequence, Index frames, const SpellingTable& spelling,
                                              bool training)>;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Stretches of a motion with a text, as BABEL has them. What TEACH and SINC make of them: teach_pairs.hpp,
-/// simultaneous_segments.hpp. Read by datasets/babel.hpp.
+/// Segments of a motion with a text, as in BABEL. teach_pairs.hpp and simultaneous_segments.hpp make the items of TEACH
+/// and SINC from them. datasets/babel.hpp reads them.
 #pragma once
 
 #include <array>        // excluded labels
@@ -21,14 +21,14 @@ struct BabelSegment {
   bool is_transition() const { return text == "transition"; }
 };
 
-/// Labels that TEACH and SINC train nothing on.
+/// Labels from which TEACH and SINC learn nothing.
 inline constexpr std::array<std::string_view, 7> babel_excluded_labels{"t-pose", "a-pose", "a pose",    "t pose",
                                                                        "tpose",  "apose",  "transition"};
 bool is_babel_excluded(std::string_view label);
 
-/// The segments that SINC takes, in their order: without empty ones and excluded labels. One without text stays here
-/// (it
-/// counts as simultaneous with others) and is nothing to train on. Source  SINC sinc/data/tools/extract_pairs.py
+/// The segments that SINC takes, in their order, without empty ones and excluded labels. A segment without text stays
+/// here, because it counts as simultaneous with others, but is not trained on. Source  SINC
+/// sinc/data/tools/extract_pairs.py
 std::vector<BabelSegment> sinc_segments(std::vector<BabelSegment> segments);
 
 MOTIONLANG_NAMESPACE_END

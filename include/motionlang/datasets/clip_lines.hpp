@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Tables of clips: what happens when in which file, as captions or as labels, which annotation files have, too. And
-/// the clips that they name.
+/// Tables of clips: the action in a range of a file, as captions or as labels. Annotation files give such labels, too.
+/// Also finds the clips that these files name.
 #pragma once
 
 #include <filesystem>
@@ -14,13 +14,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A line of a table, or a stretch of an annotation file.
+/// A line of a table, or a segment of an annotation file.
 struct ClipLine {
   std::string place;               // "captions.tsv:12", for messages
-  std::string id;                  // in lists of ids: the clip, or what the annotation file calls the motion
-  std::string clip;                // path in the folder of clips; with the extension where others have the same without
+  std::string id;                  // in lists of ids: the clip, or the name of the motion in the annotation file
+  std::string clip;                // path in the folder of clips; with the extension if others have the same without it
   double start = 0, end = 0;       // seconds; to the end of the clip: infinite
-  BodyParts parts{};               // that captions are about; nothing for labels
+  BodyParts parts{};               // the parts that captions describe; none for labels
   std::vector<std::string> texts;  // captions, or labels
   std::filesystem::path file{};    // of the clip; "": there is none
   std::string animation{};         // in a file of several: "Waving" of the clip "figure.glb#Waving"
@@ -44,8 +44,8 @@ class ClipFolder {
  public:
   explicit ClipFolder(std::filesystem::path folder);
 
-  /// The file of a clip: .bvh, .amc, .npz, .npy, .glb or .vrma; "" if there is none. Throws io_error 403, which begins
-  /// with the place of the name, if several files fit.
+  /// The file of a clip: .bvh, .amc, .npz, .npy, .glb or .vrma; "" if there is none. Throws io_error 403 if several
+  /// files fit. The message begins with the place of the name.
   std::filesystem::path file(const std::string& clip, const std::string& place);
   /// Finds the file of a line, and of what follows. The clip, and an id that is the clip, lose an extension that no
   /// doubt needs. If no file has the name, an animation begins behind its last #.
@@ -54,10 +54,10 @@ class ClipFolder {
  private:
   using Stems = std::multimap<std::string, std::filesystem::path>;  // files by their names without extension
   const Stems& listed(const std::filesystem::path& folder);
-  /// The files that have this path without their extensions.
+  /// The files with this path if extensions are ignored.
   std::vector<std::filesystem::path> namesakes(const std::filesystem::path& name);
 
-  std::vector<std::filesystem::path> places_;  // folders in which paths begin
+  std::vector<std::filesystem::path> places_;  // folders in which paths start
   std::map<std::filesystem::path, Stems> listed_;
 };
 
@@ -66,22 +66,22 @@ class ClipFolder {
 /// more time is wanted, separated by commas: "repeat", "hold", "then CLIP"; and "seated".
 /// Throws io_error 401, 403 with file and line.
 std::vector<ClipLine> read_captions(const std::filesystem::path& path, const std::filesystem::path& data);
-/// clip, start, end, label; or clip, label: all of it; clips as in captions. Throws io_error 401, 403 with file and
-/// line.
+/// Lines "clip, start, end, label", or "clip, label" for the whole clip; clips as in captions. Throws io_error 401, 403
+/// with file and line.
 std::vector<ClipLine> read_labels(const std::filesystem::path& path, const std::filesystem::path& data);
 
-/// The stretches of an annotation file with the labels that each has; some may have none, some several.
-///     the unified file of TMR    "label" or "act_cat" of an annotation, which is besides what others read there
-///     BABEL's own                "act_cat" of the stretches, or of the whole where there are no stretches
+/// The segments of an annotation file with their labels. A segment may have none or several.
+///     the unified file of TMR    "label" or "act_cat" of an annotation, beside its other members
+///     BABEL's own                "act_cat" of the segments, or of the whole if there are no segments
 /// data     the folder of clips
-/// labels   a table with two columns in their place: what a stretch (seg_id), a motion (its id) or a text is labelled;
+/// labels   a table of two columns that replaces them: a segment (seg_id), a motion (its id) or a text, and its label;
 ///          "": none
-/// Throws   io_error 401, 403, config_error 107 with the place; io_error 403 if no stretch has a label
+/// Throws   io_error 401, 403, config_error 107 with the place; io_error 403 if no segment has a label
 std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& annotations,
                                                 const std::filesystem::path& data, const std::filesystem::path& labels);
 
-/// "CMU/CMU/141/141_05_poses.npz" of BABEL, which has the folder of the data set twice, as the path of a clip.
-/// place: of this name. Throws what ClipFolder::file throws.
+/// BABEL's "CMU/CMU/141/141_05_poses.npz", which has the folder of the data set twice, as the path of a clip. place:
+/// where this name was read. Throws what ClipFolder::file throws.
 std::string babel_clip(ClipFolder& clips, const std::string& feat_p, const std::string& place);
 
 /// The clip of a line on our skeleton, at its own frame rate, of .bvh, .amc, .npz (AMASS), .npy, .glb or .vrma files in
@@ -90,7 +90,7 @@ std::string babel_clip(ClipFolder& clips, const std::string& feat_p, const std::
 /// file lacks, 102 if it has several and the line names none, and what the readers throw.
 Motion read_clip(const std::filesystem::path& data, const ClipLine& line);
 
-/// The frames of its clip that a line is about.
+/// The frames of its clip that a line describes.
 FrameSlice frames_of(const Motion& clip, const ClipLine& line);
 /// These frames. Throws io_error 403 if there are fewer than `least`.
 Motion segment_of(const Motion& clip, const ClipLine& line, Index least);

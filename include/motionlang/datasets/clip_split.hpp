@@ -20,7 +20,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Training (0), validation (1) or test (2) of every clip: by lists of ids, else at random.
 class ClipSplit {
  public:
-  /// lists: folder of train.txt, val.txt and test.txt; "": at random, by the shares of `config`
+  /// lists: folder of train.txt, val.txt and test.txt. "": at random, by the shares of `config`
   ClipSplit(const std::filesystem::path& lists, const DataConfig& config, std::vector<std::string> clips) {
     if (!lists.empty()) {
       for (const int part : {0, 1, 2}) {
@@ -41,7 +41,7 @@ class ClipSplit {
                validation = static_cast<std::size_t>(std::lround(config.validation_share * count));
     for (std::size_t i = 0; i < clips.size(); ++i) part_[clips[i]] = i < test ? 2 : i < test + validation ? 1 : 0;
   }
-  /// -1 for a clip that is on no list, neither with an extension nor without.
+  /// -1 for a clip that is on no list, with or without an extension.
   int of(const std::string& clip) const {
     auto found = part_.find(clip);
     if (found == part_.end() && is_motion_file(clip))

@@ -13,12 +13,12 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct DataConfig {
-  double min_seconds = 2, max_seconds = 10;  // of what is trained on and validated with
-  double test_share = 0.2;                   // of the clips, where there are no lists of ids
+  double min_seconds = 2, max_seconds = 10;  // for training and validation
+  double test_share = 0.2;                   // of the clips, if there are no lists of ids
   double validation_share = 0.05;
   std::uint64_t split_seed = 1;
-  bool mirror = false;  // mirrored clips with mirrored captions as well, of clips in a table, for training
-  std::vector<std::string> actions{};  // labels to learn; none: all that there are
+  bool mirror = false;                 // for training, also mirror clips of a table and their captions
+  std::vector<std::string> actions{};  // labels to learn; none: all labels
 
   void require_sound() const {
     for (const auto& [name, value] : {std::pair("test_share", test_share), {"validation_share", validation_share}})

@@ -23,7 +23,7 @@ inline constexpr DataSetForm data_set_forms[]{{"guoh3d", humanml3d_form}, {"kit"
 /// "guoh3d (263 numbers) or kit (251 numbers)"
 std::string known_data_sets();
 
-/// The form with rows of these features; null: there is none.
+/// The form whose rows are these features; null if there is none.
 const DataSetForm* find_data_set_form(std::string_view features);
 
 /// The shape of the array in an .npy file, from its header. Throws io_error 401 to 405.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Motions with texts or labels as rows of features, split into training, validation and test: what ACTOR, TEMOS and
-/// TMR are trained and measured on. They come from a folder of clips with a table, from folders in the form of
-/// HumanML3D or KIT-ML, or from the unified annotation file with the motions that it names.
+/// Motions with texts or labels as rows of features, split into training, validation and test, for ACTOR, TEMOS and
+/// TMR. They come from a folder of clips with a table, from folders in the form of HumanML3D or KIT-ML, or from the
+/// unified annotation file and the motions that it names.
 ///
 ///     const auto data = read_described_motions({.data = "clips", .captions = "captions.tsv"}, DataConfig{},
 ///                                              row_maker("guoh3d"));
@@ -26,7 +26,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Makes rows of `width` numbers of a clip on SMPL's 24 joints, at `fps`.
+/// Makes rows of `width` values from a clip on SMPL's 24 joints, at `fps`.
 struct RowMaker {
   std::string name;
   Index width = 0;
@@ -34,16 +34,16 @@ struct RowMaker {
   std::function<std::vector<double>(const Motion&)> rows;
 };
 
-/// Makes rows of features that the library names. Throws config_error 103 for an unknown name.
+/// Makes rows of named features. Throws config_error 103 for an unknown name.
 RowMaker row_maker(const std::string& features);
 
 struct DescribedText {
   std::string text;
-  FrameSlice frames;                // of the rows, that it is about
-  std::vector<TaggedWord> words{};  // of data sets that have them: lemmas with their parts of speech
+  FrameSlice frames;                // the rows that it describes
+  std::vector<TaggedWord> words{};  // lemmas with their parts of speech, if the data set has them
 };
 struct DescribedMotion {
-  std::string id;           // of a table: "clip@start-end", or "clip": all of it; "M" in front: mirrored
+  std::string id;           // in a table: "clip@start-end", or "clip" for all of it; "M" in front: mirrored
   std::string clip;         // motions of one clip are never split
   std::vector<float> rows;  // (frames, width), not normalised
   std::vector<DescribedText> texts;
@@ -65,30 +65,30 @@ struct DescribedMotions {
 /// The different texts of all parts, sorted.
 std::vector<std::string> all_texts(const DescribedMotions& data);
 
-/// The places of the motions: one of `captions`, `labels` and `annotations`, or a `data` that is a folder in the form
-/// of HumanML3D or KIT-ML; or `annotations` with `labels` for them.
+/// The places of the motions: one of `captions`, `labels` and `annotations`, or a `data` folder in the form of
+/// HumanML3D or KIT-ML. `annotations` may come with `labels` for them.
 struct DataSources {
   std::filesystem::path data{};      // folder
   std::filesystem::path captions{};  // table (clip_lines.hpp)
-  std::filesystem::path labels{};  // table, also of what the stretches, motions or texts of `annotations` are labelled
+  std::filesystem::path labels{};    // table; with `annotations`: labels of their segments, motions or texts
   std::filesystem::path
       annotations{};  // JSON of TMR and STMC; its paths lead to .npy features, .npz (AMASS) or .bvh in `data`
-  std::filesystem::path splits{};  // folder with train.txt, val.txt and test.txt; of HumanML3D the data folder itself
-  bool actions = false;            // labels are wanted, not texts, also where `annotations` has both
-  std::shared_ptr<const AnnotationFile> opened{};  // `annotations`, where it has been opened already
+  std::filesystem::path splits{};  // folder with train.txt, val.txt and test.txt; for HumanML3D the data folder itself
+  bool actions = false;            // take labels, not texts, even if `annotations` has both
+  std::shared_ptr<const AnnotationFile> opened{};  // `annotations` if it is already open
 
   bool labelled() const { return actions || !labels.empty(); }
-  /// Throws config_error 102 for captions beside labels or annotations.
+  /// Throws config_error 102 for captions together with labels or annotations.
   void require_sound() const;
 };
 
-/// The features of what is ready-made there, by the width of its rows: of the first clip to train on of a data set, or
-/// of the first .npy file that the annotation file, which stays open, names. "" where there are clips only.
-/// Throws io_error 401 to 405, 407 for rows of another width.
+/// The features of the ready-made rows in the data, by their width. It reads the first training clip of a data set, or
+/// the first .npy file of the annotation file, which stays open. "" if there are only clips. Throws io_error 401 to
+/// 405, 407 for rows of another width.
 std::string ready_made_features(DataSources& sources);
 
 /// Throws io_error 401, 403, ... of files (with the line of the table), config_error 102 if the sources contradict each
-/// other or ready-made data cannot have the features of `rows`, io_error 407 for ready-made rows of another width.
+/// other or ready-made data are not the features of `rows`, and io_error 407 for ready-made rows of another width.
 DescribedMotions read_described_motions(const DataSources& sources, const DataConfig& config, const RowMaker& rows,
                                         Progress progress = {});
 

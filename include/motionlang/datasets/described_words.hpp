@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The words of described motions, as TM2T reads and writes them.
+/// The words of described motions for TM2T.
 #pragma once
 
 #include <algorithm>
@@ -14,11 +14,11 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Lemmas of a text: those of the data set, else by approximation.
+/// Lemmas of a text: those of the data set, otherwise approximate ones.
 inline std::vector<TaggedWord> words_of(const DescribedText& text, const GloVe& words) {
   return text.words.empty() ? words.tokens(text.text) : text.words;
 }
-/// The words of all texts to train on, behind the marks, with drawn vectors.
+/// The words of all training texts, after the marks, with random vectors.
 inline GloVe words_of(const DescribedMotions& data, Index width, Philox rng) {
   const std::vector<std::string> marks{"sos", "eos", "unk"};
   const GloVe none(marks, std::vector<float>(3), 1);

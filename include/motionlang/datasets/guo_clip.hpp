@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Which clips, and which frames of them, the loader of Guo et al. hands to its evaluator and its models. The caption
-/// beside them is `GloVe::framed`.
+/// The clips, and their frames, that the loader of Guo et al. passes to its evaluator and its models. `GloVe::framed`
+/// makes the captions for them.
 ///
 /// Source  text-to-motion data/dataset.py, Text2MotionDatasetV2
 #pragma once
@@ -20,13 +20,13 @@ struct GuoClipLimits {
 };
 inline GuoClipLimits guo_clip_limits(bool kit) { return {.least = kit ? 24 : 40}; }
 
-/// The clips that are kept, the shortest first; of equals in their order.
+/// The clips that are kept, the shortest first; equal lengths stay in their order.
 std::vector<Index> guo_kept_clips(std::span<const Index> lengths, const GuoClipLimits& limits = {});
 
-/// Frames of an item: the whole units of the clip, one less where `shorter`, which one coin in three says.
-/// Throws config_error 101 if that leaves none.
+/// The frames of an item: the whole units of the clip, one less if `shorter`, which is true for one item in three.
+/// Throws config_error 101 if no unit is left.
 Index guo_item_frames(Index frames, bool shorter, Index unit = 4);
-/// The same, from a random start on: NumPy draws the coin, then Python the start.
+/// The same from a random start. NumPy draws `shorter`, then Python the start.
 FrameSlice guo_item(Index frames, NumpyRandom& coin, PythonRandom& start, Index unit = 4);
 
 MOTIONLANG_NAMESPACE_END

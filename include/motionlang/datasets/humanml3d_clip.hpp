@@ -15,15 +15,15 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct AddedClip {
   Index frames = 0;
   double fps = 0;
-  std::size_t captions = 0;  // that the data set has of this id already
+  std::size_t captions = 0;  // captions of this id that the data set already has
 };
 
-/// Writes features and joints of a motion on the joints of the features or on SMPL's, and its id to all.txt. Captions
-/// of this id that are there already stay.
+/// Writes features and joints of a motion, on the joints of the features or on SMPL's, and adds its id to all.txt.
+/// Existing captions of this id stay.
 /// fps      frames per second of the clip; 0: those of the features
 /// replace  replaces another motion of this id
-/// Throws   config_error 102 if the clips of the data set are of the other form, or if another motion has this id and
-///          is not to be replaced; what MotionFeatures::from_motion and write_humanml3d_clip throw
+/// Throws   config_error 102 if the clips of the data set have the other form, or if another motion has this id and
+///          `replace` is not set; what MotionFeatures::from_motion and write_humanml3d_clip throw
 AddedClip add_humanml3d_clip(const std::filesystem::path& folder, const std::string& id, const Motion& motion,
                              const DataSetForm& form, double fps = 0, bool replace = false);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Data sets in the form of HumanML3D, which KIT-ML and most own data take, too: read clip by clip, and written.
+/// Reads and writes data sets in the form of HumanML3D, clip by clip. KIT-ML and most private data have this form, too.
 ///
 ///     new_joint_vecs/<id>.npy  (N, 263) float32        texts/<id>.txt      captions (humanml3d_texts.hpp)
 ///     new_joints/<id>.npy      (N, 22, 3) float32      Mean.npy, Std.npy   (263) float32
@@ -46,7 +46,7 @@ struct HumanMl3dClip {
   bool is_finite() const;
 };
 
-/// A folder that is being read. Nothing is kept in memory: every call reads its files.
+/// A folder that is open for reading. Nothing is kept in memory: every call reads its files.
 class HumanMl3dFolder {
  public:
   explicit HumanMl3dFolder(FilePath folder, const HumanMl3dForm& form = {}) : folder_(std::move(folder)), form_(form) {}
@@ -76,24 +76,25 @@ class HumanMl3dFolder {
   HumanMl3dForm form_;
 };
 
-/// The items that the published loaders make of a clip: one item of the whole clip with the captions of all of it, and
-/// one for each caption with times of its own.
+/// The items that the published loaders make of a clip: one with the captions of the whole clip, and one for each
+/// caption with times of its own.
 struct HumanMl3dItem {
   FrameSlice frames;
   std::vector<std::size_t> captions;  // numbers among those of the clip
   bool operator==(const HumanMl3dItem&) const = default;
 };
-/// Items of a length that the loaders keep; none if the clip itself is too short or too long. Seconds count at 20
+/// The items whose length the loaders keep. None if the clip itself is too short or too long. Seconds count at 20
 /// frames per second, for KIT-ML too, as published.
 std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption> captions, Index frames,
                                            const HumanMl3dForm& form = {});
 
-/// Writes the files of a clip, captions last, and makes the folders that are missing. Write the lists of ids
-/// (write_ids) when all clips are there: a list then names no clip that is not whole.
+/// Writes the files of a clip, captions last, and makes missing folders. Write the lists of ids (write_ids) after all
+/// clips, so that a list never names an incomplete clip.
 /// Throws io_error 401, 403 for an id that leads out of the folder, shape_error 205 if the values do not fit the form,
 /// timeline_error 510 as format_captions
 void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, const HumanMl3dForm& form = {});
-/// Mean.npy and Std.npy, of FeatureStatistics for instance. Throws io_error 401, shape_error 205 for another width.
+/// Writes Mean.npy and Std.npy, for example from FeatureStatistics. Throws io_error 401, and shape_error 205 for
+/// another width.
 void write_humanml3d_statistics(const FilePath& folder, std::span<const float> mean, std::span<const float> deviation,
                                 const HumanMl3dForm& form = {});
 

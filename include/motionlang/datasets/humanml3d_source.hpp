@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// From raw AMASS to the joints that HumanML3D begins with: which frames a row of index.csv takes, and the axes. The
-/// body is the caller's: a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
+/// The joints from which HumanML3D starts, from raw AMASS: the frames for a row of index.csv, and the axes. The caller
+/// supplies the body as a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
 ///
 /// Source   Guo et al. (CVPR 2022), HumanML3D raw_pose_processing.ipynb
-/// World    in: Z up, metres (AMASS); out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips come as joints that are Y up
-///          and stay as they are, and the index is not applied to them.
+/// World    in: Z up, metres (AMASS). out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips are already joints with Y
+///          up. They stay as they are, and the index is not applied to them.
 ///
 ///     const auto joints = humanml3d_source_joints<double>(row, frames, fps, [&](std::span<const Index> numbers) {
 ///       return posed_joints(model, sequence, numbers);      // (numbers.size(), J), J >= 22
@@ -34,27 +34,28 @@ struct HumanMl3dSource {
 };
 
 struct HumanMl3dSourceOptions {
-  /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant. true: it is
-  /// kept.
+  /// The published program slices [start:-1], which drops the last frame even if the clip goes to the end. true keeps
+  /// it.
   bool keep_last_frame = false;
 };
 
 inline bool is_humanact12(std::string_view source_path) { return source_path.find("humanact12") != source_path.npos; }
-/// HumanML3D has two bodies: everybody but "male" is posed with the female one.
+/// HumanML3D has two bodies: the female one for everybody except "male".
 inline bool humanml3d_uses_male_body(std::string_view gender) { return gender == "male"; }
 
-/// Frames at 20 per second that are dropped before the index counts: people stand in a T-pose there.
+/// Frames at 20 per second that are dropped before the index counts, because people stand in a T-pose there.
 Index humanml3d_lead(std::string_view source_path);
 
-/// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to
-/// end. An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
-/// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (except end -1).
+/// The frames of a sequence for a row of the index: every floor(fps / 20)-th after the lead, from start to end. An end
+/// behind the last frame means the last frame, as in Python's slices. Empty if the sequence is too short. Throws
+/// config_error 101 for a rate below 20 frames per second and for negative frames (except end -1).
 std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, Index frames, double fps,
                                            const HumanMl3dSourceOptions& options = {});
 
-/// The first 22 joints of the frames of a row, (frames, 22). `pose` takes frame numbers and gives their joints,
-/// (frames, J) with J >= 22: of AMASS Z up, of HumanAct12 as its files have them (give 20 as their fps).
-/// Throws config_error 101 as humanml3d_source_frames, shape_error 205 if `pose` gives other than whole frames.
+/// The first 22 joints of the frames of a row, (frames, 22). `pose` takes frame numbers and returns their joints,
+/// (frames, J) with J >= 22. For AMASS they are Z up; for HumanAct12 they are those of its files (give 20 as their
+/// fps). Throws config_error 101 as humanml3d_source_frames, and shape_error 205 if `pose` does not return whole
+/// frames.
 template <Scalar S, class Pose>
 std::vector<Vec3<S>> humanml3d_source_joints(const HumanMl3dSource& row, Index frames, double fps, Pose&& pose,
                                              const HumanMl3dSourceOptions& options = {}) {
@@ -78,9 +79,9 @@ std::vector<Vec3<S>> humanml3d_source_joints(const HumanMl3dSource& row, Index f
   return out;
 }
 
-/// Joints of some frames of a sequence with a body model, (frames, J), in the sequence's own world. The model takes the
-/// first rotations and shape coefficients that it has use for: SMPL-H all 52 joints, HumanML3D 10 coefficients.
-/// Throws shape_error 205 if the sequence has fewer of them, 203 for a frame that it lacks.
+/// Joints of some frames of a sequence with a body model, (frames, J), in the sequence's own world. The model takes as
+/// many rotations and shape coefficients as it has: SMPL-H all 52 joints, HumanML3D 10 coefficients. Throws shape_error
+/// 205 if the sequence has fewer, and 203 for a missing frame.
 template <Backend B>
 std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, const AmassSequence& sequence,
                                                    std::span<const Index> frames) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The captions of a clip of HumanML3D or KIT-ML (texts/<id>.txt), and index.csv, which says what the clips were cut
-/// from.
+/// The captions of a clip of HumanML3D or KIT-ML (texts/<id>.txt), and index.csv, which lists the sources of the clips.
 ///
 ///     caption#word/POS word/POS ...#start#end          seconds; 0.0 and 0.0: the whole clip; "nan" is 0
 ///
@@ -27,22 +26,22 @@ struct MotionCaption {
 };
 
 /// Fields are split off from the right, so a caption may contain '#'. Lines with fewer than four fields are skipped, as
-/// published. Throws io_error 403, with the line, for a time that is not valid.
+/// published. Throws io_error 403, with the line, for an invalid time.
 std::vector<MotionCaption> parse_captions(std::string_view text, std::string_view name = "captions");
 /// Throws io_error 401, 403.
 std::vector<MotionCaption> read_captions(const FilePath& path);
 
-/// `name` stands in messages.
+/// Messages name `name`.
 /// Laws    parse_captions(format_captions(x)) equals x
-/// Throws  timeline_error 510 for a caption or word that other readers would take apart: with '#', a line end, blanks
-///         at its ends or in a word, '/' in a tag; io_error 403 for a time that is not valid
+/// Throws  timeline_error 510 for a caption or word that other readers would split: with '#', a line end, blanks at its
+///         ends or in a word, '/' in a tag; io_error 403 for an invalid time
 std::string format_captions(std::span<const MotionCaption> captions, std::string_view name = "captions");
 
-/// The caption of the mirrored clip: other sides in the text and in its words.
+/// The caption of the mirrored clip, with left and right exchanged in the text and in its words.
 MotionCaption mirrored(MotionCaption caption);
 
-/// index.csv: a head line, then source_path,start_frame,end_frame,new_name.
-/// Throws io_error 403, with the line, for another number of fields and for a frame below -1 or not an integer.
+/// Parses index.csv: a header line, then source_path,start_frame,end_frame,new_name. Throws io_error 403, with the
+/// line, for another number of fields, and for a frame that is below -1 or not an integer.
 std::vector<HumanMl3dSource> parse_humanml3d_index(std::string_view text, std::string_view name = "index.csv");
 /// Throws io_error 401, 403.
 std::vector<HumanMl3dSource> read_humanml3d_index(const FilePath& path);

@@ -3,7 +3,7 @@
 ///
 ///     <id>_annotations.json   ["A person waves.", ...]
 ///     <id>_meta.json          {"nb_annotations": 1, ...}
-///     <id>_fke.csv            a head line; then an index and x, y, z of MMM's 21 joints on each line, millimetres
+///    <id>_fke.csv            a header line; then an index and x, y, z of MMM's 21 joints on each line, millimetres
 ///
 /// Source  Plappert et al. (2016); the csv files from the preprocessing of Ghosh et al., which TEMOS
 ///         reads; thesis 4.3.1
@@ -30,19 +30,19 @@ struct KitRecording {
   Index frames() const { return static_cast<Index>(joints.size() / joint_count); }
 };
 
-/// The positions in a text of _fke.csv. Throws io_error 403, with the line, unless every line has 64 numbers. The
+/// The positions in the text of a _fke.csv. Throws io_error 403, with the line, unless every line has 64 numbers. The
 /// first is an index, which is only checked.
 std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name = "fke.csv");
 
-/// A folder that is being read. Nothing is kept in memory: every call reads its files.
+/// A folder that is open for reading. Nothing is kept in memory: every call reads its files.
 class KitRecordings {
  public:
   explicit KitRecordings(FilePath folder) : folder_(std::move(folder)) {}
 
   /// All ids with a _meta.json, sorted. Throws io_error 401.
   std::vector<std::string> ids() const;
-  /// The texts of a recording; none if its meta data say so: TEMOS skips such recordings.
-  /// Throws io_error 401, 403 (malformed; a number of texts other than announced), config_error 107.
+  /// The texts of a recording. None if its metadata say so; TEMOS skips such recordings. Throws io_error 401, 403
+  /// (malformed; another number of texts than announced), config_error 107.
   std::vector<std::string> annotations(const std::string& id) const;
   /// Throws as annotations and parse_kit_joints.
   KitRecording load(const std::string& id) const;

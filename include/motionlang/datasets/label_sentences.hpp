@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Labels of actions at the same time as sentences. Where a file says which of their words are verbs, the second verb
-/// gets its -ing form, as in the paper of SINC.
+/// Joins labels of simultaneous actions to sentences. If a file marks the verbs among their words, the second verb gets
+/// its -ing form, as in the paper of SINC.
 ///
 ///     const LabelSentences sentence_of(Conjunction::while_, "tags.txt");
 ///     sentence_of(std::vector<std::string>{"walk", "wave"});                      // "walk while waving"
 ///
 /// Source   thesis B.2.2; SINC sinc/model/sinc.py gerund_augment
-/// Differs  words are tagged beforehand, by spaCy, in a file of captions in HumanML3D's form
+/// Differs  Words are tagged in advance, by spaCy, in a file of captions in HumanML3D's form
 #pragma once
 
 #include <filesystem>  // file of words
@@ -29,9 +29,9 @@ class LabelSentences {
   /// Throws  config_error 102 for a file where has_gerund is false, and what read_captions throws
   explicit LabelSentences(Conjunction conjunction, std::filesystem::path tags = {});
 
-  /// Throws config_error 103, with the sentences, if the file lacks those of some of these motions.
+  /// Throws config_error 103, with the sentences, if the file lacks sentences of these motions.
   void require(const std::vector<const DescribedMotion*>& motions) const;
-  /// Throws config_error 103 for a sentence that the file lacks; `require` finds them beforehand.
+  /// Throws config_error 103 for a sentence that the file lacks; `require` finds them in advance.
   std::string operator()(std::span<const std::string> labels) const;
 
   Conjunction conjunction() const { return conjunction_; }

@@ -28,7 +28,7 @@ class LeftOut {
       reason.more = reason.more || theirs.more;
     }
   }
-  /// "5 left out: 3 too short (a, b), 2 without a label (d, e)", with the first names of each reason; "0 left out".
+  /// "5 left out: 3 too short (a, b), 2 without a label (d, e)", with the first names for each reason; or "0 left out".
   std::string text() const {
     Index all = 0;
     for (const auto& [why, reason] : reasons_) all += reason.count;

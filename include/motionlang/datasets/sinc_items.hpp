@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The training item of SINC in one step: an item as it is, or one combined with an action of other body parts.
+/// Draws a training item of SINC: an item as it is, or one combined with an action of other body parts.
 ///
 ///     const SincItems items(list_of_items, table);
 ///     const SincElement e = items.draw(k, {}, rng);
@@ -16,7 +16,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Where an item comes from, the first word of its key: "seg", "seq", "spatial_pairs", "separate_pairs".
+/// The source of an item, the first word of its key: "seg", "seq", "spatial_pairs", "separate_pairs".
 enum class SincSource { segment, sequence, simultaneous, pair };
 
 struct SincItem {
@@ -26,7 +26,7 @@ struct SincItem {
 };
 
 struct SincDrawOptions {
-  double proportion = 0.5;  // of single actions that get a partner
+  double proportion = 0.5;  // share of single actions that get a partner
   bool synthetic = true;
   bool random = false;  // any partner, any parts: the ablation
   SincWindow window{};
@@ -46,17 +46,17 @@ concept UniformDraws = requires(G& g, std::uint32_t n) {
   { g.below(n) } -> std::integral;
 };
 
-/// All items, and which can be combined. Holds a table of parts by reference.
+/// All items, and their possible partners. Holds a table of parts by reference.
 class SincItems {
  public:
   SincItems(std::vector<SincItem> items, const BodyPartTable& table);
 
-  /// Single actions whose first label moves no part that the first label of item k moves: by label in the order of the
-  /// table, then in their own. Throws config_error 103 for a label without parts.
+  /// Single actions whose first label moves no part that the first label of item k moves. They are ordered by label, as
+  /// in the table, then as they came. Throws config_error 103 for a label without parts.
   std::vector<Index> partners(Index k) const;
 
-  /// Draws: whether a partner is wanted (for every item), the partner, in random mode twelve bits, the window.
-  /// Throws config_error 101 for a number that is not an item, 103 for a label without parts.
+  /// Draws in this order: if there is to be a partner (for every item), the partner, twelve bits in random mode, the
+  /// window. Throws config_error 101 for a number that is not an item, 103 for a label without parts.
   template <UniformDraws G>
   SincElement draw(Index k, const SincDrawOptions& options, G& rng) const {
     const SincItem& item = at(k);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Pairs of actions that follow one another, out of overlapping segments of one motion: what TEACH is trained on.
+/// Pairs of consecutive actions, from overlapping segments of one motion. TEACH is trained on them.
 ///
 ///     for (const ActionPair& pair : teach_pairs(babel_intervals(labels, 30, frames))) {
 ///       const PairFrames cut = pair.frames();
@@ -8,8 +8,8 @@
 ///
 /// Source    thesis A.2.3, "Data handling"; TEACH (Athanasiou et al., 3DV 2022) teach/data/babel.py separate_actions
 /// Notation  segment S -> (start, end); X before S: X begins and ends earlier and touches S; X after S likewise
-/// Differs   from the paper: two overlapping actions are not parted in the middle of their overlap but half of it after
-///           the end of the first one, as the code does
+/// Differs   from the paper, as the code does: two overlapping actions are not divided in the middle of their overlap,
+///           but half of it after the end of the first one
 #pragma once
 
 #include <optional>  // pairs without transition
@@ -21,8 +21,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames of a pair: the parts lie end to end. Published: the last frame of each, and of the second action the frame
-/// behind its last.
+/// Frames of a pair; the parts follow each other without a gap. As published, each part lacks its last frame, and the
+/// second action the frame after its last.
 struct PairFrames {
   FrameRange first;
   std::optional<FrameRange> transition;
@@ -39,12 +39,12 @@ struct ActionPair {
   BabelSegment second;
   bool operator==(const ActionPair&) const = default;
 
-  /// A transition counts only where the actions do not touch each other.
+  /// A transition counts only if the actions do not touch each other.
   PairFrames frames() const;
 };
 
-/// Every action with the ones that it touches, and every transition with the actions on both sides, in the order of the
-/// segments; each pair once. `segments` may stand in any order.
+/// Every action with the actions that it touches, and every transition with the actions on both sides, in the order of
+/// the segments. Each pair occurs once. `segments` may have any order.
 std::vector<ActionPair> teach_pairs(std::span<const BabelSegment> segments);
 
 /// Frames that TEACH trains on; its evaluation takes up to 100,000.
@@ -54,8 +54,8 @@ struct TeachLengths {
 /// True if the first action, and the second one with its transition, are neither too short nor too long.
 bool is_teach_length(const PairFrames& frames, const TeachLengths& limits = {});
 
-/// Pairs as one segment with both texts ("walk, sit down"): what the baseline "Joint" is trained on. Of several with
-/// the same times the first.
+/// Pairs as one segment with both texts ("walk, sit down"), for training the baseline "Joint". Of several pairs with
+/// the same times, the first.
 std::vector<BabelSegment> joined_pairs(std::span<const ActionPair> pairs);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The training set: captioned segments of motion capture, and the samples that are made from them.
+/// The training set of the bundled model: captioned segments of motion capture, and random samples from them.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +20,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct CaptionedSegment {
   std::string clip;
   Motion motion;
-  BodyParts parts;  // that the captions are about
+  BodyParts parts;  // that the captions describe
   std::vector<std::string> captions;
   std::optional<Loop> loop;    // of a motion that is one cycle again and again: any part of it, for as long as wanted
   bool grounded = true;        // never in the air, so that it may be played slower or faster
@@ -32,7 +32,7 @@ struct CaptionedSegment {
   double seconds() const { return static_cast<double>(action) / motion.fps; }
 };
 
-/// One sample to train on: features (frames, 205), not normalised, and a caption.
+/// One training sample: features (frames, 205), not normalised, and a caption.
 struct TrainingSample {
   std::vector<float> features;
   Index frames = 0;
@@ -51,21 +51,21 @@ struct SampleOptions {
   double mirror = 0.5;
   double speed = 0.2;    // factors 1 - speed ... 1 + speed
   double stretch = 0.5;  // the slowest factor at which one whole action fills a longer sample
-  double tempo = 0.15;   // probability of half as fast or nearly twice as fast, and the caption says so
-  double reverse = 0.3;  // probability that steady walking ahead is played backwards, and the caption says so
+  double tempo = 0.15;   // probability of half or nearly twice the speed; the caption says so
+  double reverse = 0.3;  // probability that steady walking ahead is played backwards; the caption says so
 };
 
 class TrainingSet {
  public:
-  /// Reads captions.tsv and the clips that it names below `data`. `progress` gets the number of clips read.
-  /// Throws io_error 401, 403.
+  /// Reads captions.tsv and the clips that it names below `data`. `progress` receives the number of clips read. Throws
+  /// io_error 401, 403.
   TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data, Progress progress);
 
   const std::vector<CaptionedSegment>& segments() const { return segments_; }
   double seconds() const;
   /// 16 digits that change with any clip or caption.
   std::string fingerprint() const;
-  /// All captions and their mirror images: what a tokenizer learns from.
+  /// All captions and their mirror images, from which a tokenizer learns.
   std::vector<std::string> all_captions() const;
 
   /// A sample that depends on the generator only:
@@ -98,11 +98,11 @@ class TrainingSet {
   Choice all_{}, bases_{}, still_{}, overlays_{};  // bases: nothing about the arms; overlays: only arms, head, spine
 };
 
-/// The caption of steady walking that is played backwards in time: "forward" and "ahead" are "backwards".
-/// Nothing for captions that do not say where the walking goes, and for those that say more than that.
+/// The caption of steady walking that is played backwards in time: "forward" and "ahead" become "backwards". Nothing
+/// for captions that name no direction, or say more than that.
 std::optional<std::string> reversed_caption(const std::string& caption);
 
-/// "left" and "right", "clockwise" and "counterclockwise" exchanged, word by word.
+/// Exchanges "left" and "right", and "clockwise" and "counterclockwise", word by word.
 std::string mirrored_caption(const std::string& caption);
 
 MOTIONLANG_NAMESPACE_END

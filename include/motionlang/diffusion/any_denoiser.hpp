@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// One of the three published denoisers, where which one it is shows only when a file is read.
+/// One of the three published denoisers, for code that learns only from a file which one it is.
 #pragma once
 
 #include <motionlang/diffusion/mdm.hpp>
@@ -8,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Exactly one of the members is set. The names of its parameters stand behind that of the member.
+/// Exactly one of the members is set. The names of its parameters start with that of the member.
 template <Backend B>
 struct AnyDenoiser {
   std::optional<MdmSmplDenoiser<B>> mdm_smpl{};
@@ -24,7 +24,7 @@ struct AnyDenoiser {
     return mdm_smpl ? mdm_smpl->traits() : mdm ? mdm->traits() : motiondiffuse->traits();
   }
 
-  /// Texts as they are, for MDM, or what the others make of them before the first step.
+  /// The texts as they are for MDM, or encoded by the other two before the first step.
   struct EncodedText {
     TextFeatures<B> text;
     std::optional<typename MdmSmplDenoiser<B>::EncodedText> mdm_smpl{};

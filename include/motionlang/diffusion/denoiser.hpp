@@ -14,7 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///     all            everything (the released GRU of MDM)
 enum class BatchMates { none, longest_text, all };
 
-/// Properties of a denoiser that a host has to know.
+/// Properties of a denoiser that its caller has to know.
 struct DenoiserTraits {
   Prediction prediction = Prediction::x0;
   Index crop_frames = 0;            // > 0: every crop has exactly this many frames (MDM and MotionDiffuse: 196)
@@ -27,7 +27,7 @@ struct DenoiserTraits {
   Index longest() const { return crop_frames > 0 ? crop_frames : longest_crop; }
 };
 
-/// A network that cleans noisy sequences given a text for each.
+/// A network that removes noise from sequences, given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
 /// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), except
 ///          the last digits in bf16x3 (core/precision.hpp)
@@ -39,7 +39,7 @@ concept Denoiser = Module<D> &&
   { d.traits() } -> std::same_as<DenoiserTraits>;
 };
 
-/// A denoiser that does a part of its work on the texts alone, which is the same at every step:
+/// A denoiser that does part of its work on the texts alone, once for all steps:
 ///     d(x, t, d.encode(text)) == d(x, t, text)
 /// Models   MdmSmplDenoiser, MotionDiffuseDenoiser, AnyDenoiser
 template <class D, class B>
@@ -48,10 +48,10 @@ concept EncodesText = Denoiser<D, B> &&
   { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
 };
 
-/// Denoises frames with several texts each: sequence i of x with the texts uses.begin(i) ...
-/// uses.end(i) - 1, such as a text and none, for guidance. t: a step for each text. Throws shape_error 204 for other
-/// numbers of sequences, texts or steps. A denoiser that computes once what the texts of a sequence have in common
-/// takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
+/// Denoises frames with several texts each. Sequence i of x has the texts uses.begin(i) ... uses.end(i) - 1, such as a
+/// text and the empty one for guidance. t: a step for each text. Throws shape_error 204 for other numbers of sequences,
+/// texts or steps. A denoiser that shares work between the texts of a sequence takes `uses` after x (MdmSmplDenoiser,
+/// AnyDenoiser):
 ///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
 template <Backend B, Denoiser<B> D, class Text>
 Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
@@ -62,7 +62,7 @@ Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const 
     return denoiser(repeat_sequences(x, uses), t, text);
 }
 
-/// The texts as they are passed to a denoiser at every step.
+/// The texts in the form that a denoiser receives at every step.
 template <Backend B, Denoiser<B> D>
 auto encoded_text(const D& denoiser, TextFeatures<B> text) {
   if constexpr (EncodesText<D, B>)

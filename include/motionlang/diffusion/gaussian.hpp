@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// The Gaussian diffusion process: all coefficients of a schedule, noising, the posterior, and the four things that a
-/// network may predict, converted into each other.
+/// The Gaussian diffusion process: the coefficients of a schedule, noising, the posterior, and conversions between the
+/// four quantities that a network may predict.
 ///
 /// Notation (Ho et al. 2020)   beta_t, alpha_t = 1 - beta_t, abar_t = prod_{s <= t} alpha_s, abarp_t = abar_{t-1} (1
 ///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications
 ///                             of noise.
-/// Precision   tables are built in double, the entry for t is rounded to the tensor's scalar, then one multiplication
-///             and one addition per term in the order written: what the published code does, and what parity needs.
+/// Precision   Tables are built in double, and the entry for t is rounded to the tensor's scalar. Each term then takes
+///             one multiplication and one addition in the order written, as in the published code. Parity needs this.
 #pragma once
 
 #include <cmath>   // sqrt
@@ -22,9 +22,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The quantity that a network predicts from x_t.
 enum class Prediction { x0, eps, score, x_prev };
 
-/// How much noise an ancestral step adds.
+/// The amount of noise that an ancestral step adds.
 ///   posterior_std        the standard deviation of q(x_{t-1} | x_t, x0), 0 at t = 0: DDPM as written in the papers
-///   posterior_variance   the variance itself: a quirk of the released STMC code with which all its results were made
+///  posterior_variance   the variance itself: a quirk of the released STMC code, which made all its results
 enum class NoiseScale { posterior_std, posterior_variance };
 
 /// fixed_small: the posterior variance; fixed_large: beta_t (and the posterior variance at t = 1 for t = 0).
@@ -51,13 +51,13 @@ class GaussianDiffusion {
   double beta(Index t) const { return beta_[at(t)]; }
   double alpha(Index t) const { return 1 - beta_[at(t)]; }
   double abar(Index t) const { return abar_[at(t)]; }
-  /// 1 / abar. Throws config_error 104 where nothing of x0 is left: neither noise nor score tell anything of it.
+  /// 1 / abar. Throws config_error 104 if nothing of x0 is left, since then neither noise nor score determine it.
   double inverse_abar(Index t) const;
   double abarp(Index t) const { return t == 0 ? 1 : abar_[at(t) - 1]; }
   double abarn(Index t) const { return t + 1 == steps() ? 0 : abar_[at(t) + 1]; }
   /// Variance of the posterior (thesis eq. 6.4): beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
   double posterior_variance(Index t) const { return beta(t) * (1 - abarp(t)) / (1 - abar(t)); }
-  /// Its logarithm, with index 1 in place of index 0.
+  /// Its logarithm. Index 0 takes the value of index 1.
   double posterior_log_variance(Index t) const;
   double large_variance(Index t) const;
   /// Weights of x0 and x_t in the posterior mean (thesis eq. 6.3).
@@ -88,8 +88,8 @@ Tensor<B, R> coefficients(std::span<const Index> t, F f) {
   return Tensor<B, R>::from(std::span<const typename B::scalar>(values), s);
 }
 
-/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps: the steps 0 ... t of thesis eq. 6.1 at once (Ho et al. 2020, eq. 4).
-/// One t per leading index, or one for all.
+/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps. This is steps 0 ... t of thesis eq. 6.1 at once (Ho et al. 2020, eq.
+/// 4). One t per leading index, or one for all.
 template <Backend B, int R>
 Tensor<B, R> q_sample(const GaussianDiffusion& d, const Tensor<B, R>& x0, std::span<const Index> t,
                       const Tensor<B, R>& eps) {
@@ -121,7 +121,7 @@ Tensor<B, R> posterior_mean_from_score(const GaussianDiffusion& d, const Tensor<
          coefficients<B, R>(t, [&](Index i) { return d.beta(i) / std::sqrt(d.alpha(i)); }) * score;
 }
 
-/// x0 from whatever the network predicted.
+/// x0 from any prediction of the network.
 ///     eps:    sqrt(1/abar) x_t - sqrt(1/abar - 1) eps
 ///     score:  x_t / sqrt(abar) + (1 - abar) / sqrt(abar) score
 ///     x_prev: x_prev / c0 - ct / c0 x_t
@@ -157,7 +157,7 @@ Tensor<B, R> score_from_x0(const GaussianDiffusion& d, const Tensor<B, R>& x0, c
   return coefficients<B, R>(t, [&](Index i) { return std::sqrt(d.abar(i)) / (1 - d.abar(i)); }) * x0 -
          coefficients<B, R>(t, [&](Index i) { return 1 / (1 - d.abar(i)); }) * x_t;
 }
-/// Any prediction into any other (not into x_prev, which is a sample).
+/// Converts any prediction into any other (except x_prev, which is a sample).
 template <Backend B, int R>
 Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Prediction to, const Tensor<B, R>& value,
                                 const Tensor<B, R>& x_t, std::span<const Index> t) {

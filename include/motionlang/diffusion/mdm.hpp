@@ -12,8 +12,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 enum class MdmArch { trans_enc, trans_dec, gru };
 enum class MdmCondition { text, action, none };
-/// The rows before the frames in trans_dec: nothing, the time embedding with the text's (all checkpoints of
-/// 2022-2023), or the time embedding alone (DistilBERT models).
+/// The rows before the frames in trans_dec: none, the time embedding with the text's (all checkpoints of 2022-2023), or
+/// the time embedding alone (DistilBERT models).
 enum class MdmClassToken { none, time_plus_text, time_only };
 
 struct MdmConfig {
@@ -37,13 +37,13 @@ struct MdmConfig {
   Index max_len = 1024;
 };
 
-/// e = time MLP(pe[t]) + text projection(m * text): one conditioning vector per sequence. m = 0, i.e. features that are
-/// zero, is the unconditional call; the projection's bias remains. Actions are one-hot features.
+/// e = time MLP(pe[t]) + text projection(m * text): one conditioning vector per sequence. m = 0, that is, zero
+/// features, gives the unconditional call; the projection's bias remains. Actions are one-hot features.
 ///     trans_enc   [e, frames] + positions -> post-norm encoder -> frames
 ///     trans_dec   frames (+ class token) + positions attend to e (or to every text token plus time)
 ///     gru         GRU(Linear([features, e]) + positions)
 /// Source  Tevet et al. (2023), section 3; GuyTevet/motion-diffusion-model model/mdm.py, whose keys are the field names
-/// Shapes  a published [batch, J, C, frames] motion is here frames rows of J * C features
+/// Shapes  a published motion [batch, J, C, frames] is frames rows of J * C features here
 template <Backend B>
 struct MdmDenoiser {
   Linear<B> pose_embedding;
@@ -65,7 +65,7 @@ struct MdmDenoiser {
                               &M::gru, "output_process.poseFinal", &M::pose_final, "positions", &M::positions, "config",
                               &M::config);
   }
-  /// The official name of a parameter: the GRU's are numbered, not nested.
+  /// The official name of a parameter. Those of the GRU are numbered, not nested.
   static std::string official_key(const std::string& path) { return gru_key(path); }
 
   MdmDenoiser() = default;

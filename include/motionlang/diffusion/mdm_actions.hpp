@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// MDM for actions: motions for classes, which stand where MDM for texts has a text.
+/// MDM for actions: generates motions for classes, with an action in place of a text.
 ///
 ///     const GaussianDiffusion diffusion(CosineSchedule{.steps = 1000});
 ///     const MdmActions<B> mdm{.denoiser = network, .diffusion = diffusion};
-///     // Frames of rotations and way, as ACTOR has them.
+/// Frames of rotations and path, as in ACTOR.
 ///     const auto motions = mdm.generate(actions, Philox{.seed = 7});
 ///
-/// An unconstrained model (HumanAct12 without its classes) has one class, which it does not look at.
+/// An unconstrained model (HumanAct12 without its classes) has one class, which it ignores.
 /// Source  Tevet et al., "Human motion diffusion model" (ICLR 2023), section 4.2; MDM model/mdm.py
 #pragma once
 
@@ -18,7 +18,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct MdmActionOptions {
-  Index steps = 0;                   // evenly kept of the model's; 0: all
+  Index steps = 0;                   // evenly chosen from the model's; 0: all
   std::optional<double> guidance{};  // the model's own unless given
   SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
   Progress progress{};
@@ -28,7 +28,7 @@ template <Backend B>
 struct MdmActions {
   MdmDenoiser<B> denoiser;  // conditioned on actions, or on nothing
   GaussianDiffusion diffusion;
-  double guidance = 1;  // the published models were trained without empty actions, and have none
+  double guidance = 1;  // the published models were trained without empty actions, so they have no guidance
 
   /// A motion of the denoiser's `crop_frames` for each action. The noise of a motion depends on the generator and on
   /// its place.
@@ -55,7 +55,7 @@ struct MdmActions {
     const auto network = [&](const Tensor<B, 2>& x, Index t) {
       const std::vector<Index> at(static_cast<std::size_t>(n), process.network_t(t));
       const auto of = [&](const TextFeatures<B>& f) { return denoiser(Sequences<B>(x, offsets), at, f).rows; };
-      // two calls: the GRU runs over its batch
+      // Two calls, because the GRU runs over its batch.
       return weight == 1 ? of(wanted) : guide(of(wanted), of(nothing), weight);
     };
     const auto noise = [&](Index draw) {

@@ -21,7 +21,7 @@ struct MdmSmplConfig {
   Index ff_size = 2048;
   Index num_layers = 8;
   Index num_heads = 8;
-  Index nb_registers = 2;  // may be none
+  Index nb_registers = 2;  // may be 0
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
@@ -30,13 +30,12 @@ struct MdmSmplConfig {
   Index longest_crop() const { return max_len - 2 - nb_registers; }
 };
 
-/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
-/// the frames are read off its end.
+/// The sequence [time, text ..., registers, frames] plus sinusoidal positions goes through a pre-norm transformer
+/// encoder. The frames are the last rows of the result.
 /// Source   thesis 6.2.4 ("Multi-track timeline control", Petrovich et al. 2024); nv-tlabs/stmc src/model/mdm_smpl.py,
 ///          whose state-dict keys (behind "denoiser.") are the field names
-/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
-///          the batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) none
-///          does.
+/// Caution  Texts of several tokens are placed as the published code pads them: frames follow the longest text of the
+///          batch. So such a sequence depends on the rest of its batch. With one token per text (CLIP, ours) none does.
 /// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {
@@ -78,7 +77,7 @@ struct MdmSmplDenoiser {
         positions(c.max_len, c.latent_dim),
         dropout_p(c.dropout) {}
 
-  /// Behind the tokens for time and text and the registers.
+  /// The frames that fit after the tokens for time and text and the registers.
   DenoiserTraits traits() const {
     return {.longest_crop =
                 MdmSmplConfig{.nb_registers = register_count(), .max_len = positions.rows().size(0)}.longest_crop(),
@@ -110,8 +109,8 @@ struct MdmSmplDenoiser {
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
     return sequence(x, t, encode(text));
   }
-  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is
-  /// computed once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
+  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout. Work that they share is done
+  /// once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
     const ModuleScope scope(*this);
@@ -148,7 +147,7 @@ struct MdmSmplDenoiser {
     if (!registers) return concat_tokens(time, text.tokens);
     return concat_tokens(time, text.tokens, repeat_sequence(*registers, text.tokens.count()));
   }
-  /// Rows after a text have the positions that they have behind the longest text of the batch and its padding.
+  /// Rows after a text have the positions that follow the longest text of the batch and its padding.
   static PoolVector<PositionGap> gaps(const EncodedText& text) {
     const Offsets& texts = text.tokens.offsets;
     PoolVector<PositionGap> out;

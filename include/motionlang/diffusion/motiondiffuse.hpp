@@ -23,7 +23,7 @@ struct MotionDiffuseConfig {
   Index text_num_heads = 4;
   Index text_ff_size = 2048;
   Activation activation = Activation::gelu;
-  bool no_eff = false;  // standard attention, which in the released code masks nothing
+  bool no_eff = false;  // standard attention, which masks nothing in the released code
 };
 
 /// "Stylization": Linear(silu(LN(h) (1 + scale) + shift)), scale and shift from the embedding of time and text.
@@ -40,7 +40,7 @@ struct StylizationBlock {
   StylizationBlock(Index width, Index time_width, Rng auto& rng)
       : emb_layer(time_width, 2 * width, rng), out_layer(width, width, rng), norm(width) {}
 
-  /// h and x (rows, width), emb (sequences, time width): x with what is made of h added
+  /// h and x (rows, width), emb (sequences, time width): adds the result for h to x
   Tensor<B, 2> operator()(const Tensor<B, 2>& h, const Tensor<B, 2>& emb, const Offsets& offsets,
                           const Tensor<B, 2>& x) const {
     const ModuleScope scope(*this);
@@ -79,7 +79,7 @@ struct MotionDiffuseAttention {
     if (cross) text_norm.emplace(c.text_latent_dim);
   }
 
-  /// Self-attention when there is no text.
+  /// Self-attention if there is no text.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>* text, const Tensor<B, 2>& emb) const {
     const ModuleScope scope(*this);
     const auto n = norm(x.rows), source = text == nullptr ? n : (*text_norm)(text->rows);
@@ -131,11 +131,11 @@ struct MotionDiffuseBlock {
   }
 };
 
-/// Predicts the noise. Frames beyond a sequence's length are simply absent: linear attention gives masked frames no
+/// Predicts the noise. Frames beyond a sequence's length are absent, because linear attention gives masked frames no
 /// weight. With `no_eff` the released mask shifts whole rows of scores and hides nothing, so there all frames must be
 /// given.
-/// Source  Zhang et al. (2022), section 3; mingyuan-zhang/MotionDiffuse text2motion/models/transformer.py, keys
-///         as there (without the CLIP tower, whose states after the last layer norm are the input)
+/// Source  Zhang et al. (2022), section 3; mingyuan-zhang/MotionDiffuse text2motion/models/transformer.py, with its
+///         keys (without the CLIP tower, whose states after the last layer norm are the input)
 template <Backend B>
 struct MotionDiffuseDenoiser {
   Tensor<B, 2> sequence_embedding;  // (num_frames, latent)
@@ -180,12 +180,12 @@ struct MotionDiffuseDenoiser {
     return {.prediction = Prediction::eps, .crop_frames = config.num_frames, .uses_lengths = !config.no_eff};
   }
 
-  /// The part that depends on the text alone; it is the same at every step.
+  /// The part that depends only on the text. It is the same at every step.
   struct EncodedText {
     Tensor<B, 2> xf_proj;  // (sequences, 4 latent)
     Sequences<B> xf_out;   // text rows, text width
   };
-  /// Throws shape_error 204 unless every text has an end token, 203 if that lies outside the text.
+  /// Throws shape_error 204 unless every text has an end token, and 203 if the end token is outside the text.
   EncodedText encode(const TextFeatures<B>& text) const {
     if (static_cast<Index>(text.end_position.size()) != text.count()) {
       raise<shape_error>(204, "MotionDiffuseDenoiser: ", text.count(), " texts, ", text.end_position.size(),

@@ -2,9 +2,9 @@
 /// From noise to a sample: ancestral (DDPM), DDIM with its inversion, and PLMS.
 ///
 /// The loops know nothing of motion. They call
-///     network(x, t) -> what the network predicts at index t of the process (already guided), same shape as x
-///     noise(draw)   -> standard normal numbers of that shape; draw 0 is the first after the initial tensor
-///     fix(x0, t)    -> the clean estimate that is used (inpainting, stitching); identity if not given
+///    network(x, t) -> the network's prediction at index t of the process (already guided), with the shape of x
+///    noise(draw)   -> standard normal values of that shape; draw 0 is the first after the initial tensor
+///    fix(x0, t)    -> the clean estimate to use (inpainting, stitching); identity if not given
 #pragma once
 
 #include <algorithm>    // min
@@ -26,11 +26,11 @@ struct StepOptions {
   bool clip = false;  // x0 to [-1, 1]
 };
 
-/// The process with this many of its steps, evenly kept; all of them for 0. Throws config_error 105.
+/// The process with this many of its steps, evenly chosen; 0: all of them. Throws config_error 105.
 GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps);
 
-/// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a
-/// batch it sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
+/// Standard normal values (sequences, frames, features). Every sequence has its own stream, so it sees the same noise
+/// alone and in a batch. draw: 0 for the initial tensor, 1, 2, ... for the steps.
 template <Backend B>
 Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
   using S = typename B::scalar;
@@ -43,7 +43,7 @@ Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
   return Tensor<B, 3>::from(std::span<const S>(values), shape);
 }
 
-/// How a whole reverse process is run.
+/// Options of a whole reverse process.
 struct SamplingOptions {
   enum class Sampler { ddpm, ddim };
   Sampler sampler = Sampler::ddpm;
@@ -88,9 +88,9 @@ Tensor<B, R> clean_estimate(const GaussianDiffusion& d, const Tensor<B, R>& x, c
 
 }  // namespace detail
 
-/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise, a sample of thesis eq. 6.2.
-/// t: one index per sample, or one for all. When the network predicts x_{t-1}, that is the mean.
-/// Differs from thesis eq. 6.2 with NoiseScale::posterior_variance: the factor is the variance, as STMC's code has it.
+/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise, a sample of thesis eq. 6.2. t: one index
+/// per sample, or one for all. If the network predicts x_{t-1}, this is the mean. Differs from thesis eq. 6.2 with
+/// NoiseScale::posterior_variance: the factor is the variance, as in STMC's code.
 template <Backend B, int R, class Fix = detail::KeepX0>
 AncestralStep<B, R> ancestral_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
                                    const Tensor<B, R>& noise, std::span<const Index> t, const StepOptions& options = {},
@@ -104,14 +104,14 @@ AncestralStep<B, R> ancestral_step(const GaussianDiffusion& d, const Tensor<B, R
   return {std::move(x0), std::move(mean), std::move(x_prev)};
 }
 
-/// Called after every step with the index just made and the tensors of that step. Does nothing by default.
+/// Called after every step with the new index and the tensors of that step. Does nothing by default.
 struct IgnoreSteps {
   void operator()(Index, const auto&) const {}
 };
 
-/// All steps from index `first` (the last of the process when -1) down to 0. Returns the x0 of the last step, which is
-/// also the last x (c0 is 1 and the noise factor 0 at t = 0); of a network that predicts x_{t-1}, what it says last.
-/// Throws `cancelled` if progress says so.
+/// All steps from index `first` (-1: the last of the process) down to 0. Returns the x0 of the last step. It equals the
+/// last x, because c0 is 1 and the noise factor 0 at t = 0. If the network predicts x_{t-1}, returns its last
+/// prediction. Throws `cancelled` if progress says so.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise,
                               const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
@@ -144,8 +144,8 @@ AncestralStep<B, R> ddim_step(const GaussianDiffusion& d, const Tensor<B, R>& x,
   return {std::move(x0), std::move(mean), std::move(x_prev)};
 }
 
-/// A whole DDIM run, from index `first` (the last of the process when -1) on. It saves time only on a respaced process.
-/// `noise` is asked for only if eta > 0, but then at every step.
+/// A whole DDIM run, from index `first` on (-1: the last of the process). It saves time only on a respaced process.
+/// `noise` is called only if eta > 0, but then at every step.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ddim(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise, double eta,
                          const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
@@ -165,7 +165,7 @@ Tensor<B, R> sample_ddim(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
   return x;
 }
 
-/// From a sample towards its noise: one step from index t to t + 1 (DDIM, eta = 0, backwards).
+/// From a sample towards its noise: one step of DDIM from index t to t + 1 (eta = 0, backwards).
 ///     x_{t+1} = sqrt(abarn) x0 + sqrt(1 - abarn) eps
 template <Backend B, int R>
 Tensor<B, R> ddim_inversion_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output, Index t,
@@ -176,7 +176,7 @@ Tensor<B, R> ddim_inversion_step(const GaussianDiffusion& d, const Tensor<B, R>&
 }
 
 /// Pseudo linear multistep (Liu et al. 2022) of order 2 ... 4: DDIM steps with an extrapolated eps. The first step
-/// averages the eps at (x, t) and at the Euler prediction; later ones use as many old values as there are. Returns the
+/// averages the eps at (x, t) and at the Euler prediction. Later steps use as many old values as there are. Returns the
 /// x0 of the last step. Throws config_error 101 for another order.
 template <Backend B, int R, class Network, class Watch = IgnoreSteps>
 Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, int order,
@@ -197,7 +197,7 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
     const T e = predict(x, t);
     T used = e;
     switch (t == 0 ? 0 : std::min<std::size_t>(old.size() + 1, static_cast<std::size_t>(order))) {
-      case 0:  // the last step takes x0 of the network itself
+      case 0:  // the last step returns the network's own x0
         break;
       case 1:
         used = (e + predict(advance(x, e, t).x_prev, t - 1)) * 0.5;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Noise schedules: how much noise step t adds.
+/// Noise schedules: the amount of noise that step t adds.
 #pragma once
 
 #include <vector>  // lists of betas
@@ -28,7 +28,7 @@ struct LinearSchedule {
   double beta(Index t) const;
 };
 
-/// Linear in the square root, as latent diffusion has it.
+/// Linear in the square root, as in latent diffusion.
 struct ScaledLinearSchedule {
   Index steps = 1000;
   double b0 = 0.00085, b1 = 0.012;
@@ -36,8 +36,8 @@ struct ScaledLinearSchedule {
   double beta(Index t) const;
 };
 
-/// Nichol and Dhariwal (2021), eq. 17; the schedule of MDM and, with 100 steps, of STMC (the thesis cites Chen 2023,
-/// the released code has this one):
+/// Nichol and Dhariwal (2021), eq. 17. The schedule of MDM and, with 100 steps, of STMC (the thesis cites Chen 2023,
+/// but the released code has this one):
 ///     f(u) = cos((u + s) / (1 + s) pi / 2)^2,   beta_t = min(1 - f((t + 1) / steps) / f(t / steps), 0.999)
 struct CosineSchedule {
   Index steps = 100;
@@ -46,7 +46,7 @@ struct CosineSchedule {
   double beta(Index t) const;
 };
 
-/// Chen (2023), what the thesis cites; no published checkpoint uses it.
+/// Chen (2023), which the thesis cites; no published checkpoint uses it.
 ///     v(u) = cos((u (end - start) + start) pi / 2)^(2 tau)
 ///     alpha_bar(u) = clip((v(1) - v(u)) / (v(1) - v(0)), clip_min, 1)
 struct ChenCosineSchedule {

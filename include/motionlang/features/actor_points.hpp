@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// ACTOR's motions on an SMPL body: from rotations to points. What its loss compares and its metrics read.
+/// ACTOR's motions on an SMPL body: from rotations to the points that its loss compares and its metrics read.
 ///
 ///     vertices  the surface, where SMPL puts it      a2m    18 joints of Action2Motion    vibe  49 joints of VIBE
 ///     smpl      24 joints                            a2mpl  28: both together
@@ -18,14 +18,14 @@ inline constexpr std::array<std::string_view, 5> actor_point_names{"vertices", "
 /// Throws config_error 103.
 ActorPoints parse_actor_points(std::string_view name);
 
-/// Numbers of the points among 54: 24 joints of SMPL, the 21 vertices of `body_points`, 9 that a regressor takes from
-/// the surface. None for vertices.
+/// Numbers of the points among 54: the 24 joints of SMPL, the 21 vertices of `body_points`, and 9 that a regressor
+/// computes from the surface. None for vertices.
 std::span<const Index> actor_point_numbers(ActorPoints points);
 
 struct ActorPointOptions {
-  ActorFeatureOptions features{};  // what the motions are made of
-  bool translate = true;           // "vertstrans": moved by the way since the first frame, if the features have one
-  Vec3<double> global_rotation = actor_global_rotation;  // of joint 0 where the features have none: a rotation vector
+  ActorFeatureOptions features{};  // the features of the motions
+  bool translate = true;           // "vertstrans": moved by the path since the first frame, if the features have one
+  Vec3<double> global_rotation = actor_global_rotation;  // of joint 0 if the features have none: a rotation vector
   double second_beta = 0;                                // the second coefficient of the shape; the others are 0
 };
 
@@ -47,7 +47,7 @@ Tensor<B, 3> actor_54_points(const PosedBody<B>& posed, const Tensor<B, 2>* J_re
 
 }  // namespace detail
 
-/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points but vertices are
+/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points except vertices are
 /// relative to the root of their frame. J_regressor_extra (9, vertices) may be null for vertices and smpl.
 /// Differentiable.
 /// Throws  shape_error 204 if motion, body and point set do not fit, config_error 101 for a second coefficient that the

@@ -9,12 +9,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// True if a motion has exactly the joints of these features, SMPL's or MMM's: rows are then made of it as it is.
+/// True if a motion has exactly the joints of these features, SMPL's or MMM's. Its rows then need no retargeting.
 bool has_joints_of(const MotionFeatures& features, const Motion& motion);
-/// True if a motion has the joints of any of the known features, in their order: a reader of a joint array, which has
-/// no names, takes it for what it is.
+/// True if a motion has the joints of any known features, in their order. A joint array has no names, so its reader
+/// recognises it by its joints.
 bool has_joints_of_arrays(const Motion& motion);
-/// The motion as it is if it has the joints of these features, otherwise on SMPL's. Throws what on_smpl throws.
+/// The motion itself if it has the joints of these features, otherwise the motion on SMPL's. Throws what on_smpl
+/// throws.
 Motion on_joints_of(const MotionFeatures& features, const Motion& motion);
 
 /// The rows of a motion on any joints, (frames, features.width), not normalised.

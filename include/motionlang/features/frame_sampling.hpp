@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Which frames of a clip the published systems take: other frame rates, parts, windows for training. For parity; to
-/// resample clips of one's own use kinematics/motion_tools.hpp.
+/// The frames of a clip that the published systems take: other frame rates, parts, windows for training. This is for
+/// parity. To resample your own clips use kinematics/motion_tools.hpp.
 #pragma once
 
 #include <algorithm>  // min, max, sort
@@ -22,16 +22,16 @@ inline void require_rates(const char* function, double from, double to) {
 
 }  // namespace detail
 
-/// TEMOS: frames 0, s, 2s, ..., s = floor(old / new); 120 frames per second become 13.33 where 12.5 are asked for.
-/// Source  TEMOS temos/data/sampling/framerate.py subsample. Throws config_error 101 unless 0 < new <= old.
+/// TEMOS: frames 0, s, 2s, ..., s = floor(old / new). From 120 frames per second to 12.5 it gives 13.33. Source  TEMOS
+/// temos/data/sampling/framerate.py subsample. Throws config_error 101 unless 0 < new <= old.
 std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps);
 
 /// TEACH and SINC: floor(new / old frames) frames spread evenly from the first to the last, rounded down.
 /// Source  TEACH scripts/process_amass.py process_sequence. Throws config_error 101 unless both rates are positive.
 std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps);
 
-/// TEMOS: values between the frames on straight lines, (frames, width) -> ((frames - 1) k + 1, width),
-/// k = floor(new / old). In double, as published. Throws config_error 101, shape_error 205.
+/// TEMOS: linear interpolation between the frames, (frames, width) -> ((frames - 1) k + 1, width), k = floor(new /
+/// old). In double, as published. Throws config_error 101, shape_error 205.
 template <Scalar S>
 std::vector<double> upsample_linearly(std::span<const S> values, Index width, double old_fps, double new_fps) {
   detail::require_rates("upsample_linearly", old_fps, new_fps);
@@ -54,42 +54,42 @@ std::vector<double> upsample_linearly(std::span<const S> values, Index width, do
   return out;
 }
 
-/// Consecutive frames. Of none, `first` is -1.
+/// Consecutive frames. Without frames, `first` is -1.
 struct FrameSlice {
   Index first = -1, length = 0;
   bool operator==(const FrameSlice&) const = default;
 };
-/// TMR: seconds to frames, rounded down, as far as the clip goes. Source  TMR src/data/motion.py AMASSMotionLoader.
-/// Throws config_error 101 for a negative time, or unless the rate is positive.
+/// TMR: seconds to frames, rounded down and cut at the end of the clip. Source  TMR src/data/motion.py
+/// AMASSMotionLoader. Throws config_error 101 for a negative time, or unless the rate is positive.
 FrameSlice slice_of_seconds(double start, double end, double fps, Index frames);
 
 struct ActorFrameOptions {
   Index frames = 60;         // to take
-  bool random_step = false;  // "random_conseq": the step is drawn, too
+  bool random_step = false;  // "random_conseq": the step is random, too
   Index step = 1;            // -1: the largest that fits
   bool scattered = false;    // "random": any frames, in their order; there is no step
 };
 
-/// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame; of
-/// others, every step-th frame from a random start on. The last possible start is never drawn, as published. Scattered
-/// frames are drawn by this generator, too; the published program has NumPy's for them.
+/// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame. From
+/// others, it takes every step-th frame from a random start. The last possible start never occurs, as published.
+/// Scattered frames use this generator, too, while the published program uses NumPy's for them.
 /// Source  ACTOR src/datasets/dataset.py _get_item_data_index
-/// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
+/// Throws  config_error 101 unless 2 frames or more are asked for, out of 1 or more
 std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random);
 
-/// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible
-/// start is never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
+/// SINC: the frames of a training item. From a longer clip it takes consecutive frames from a random start. The last
+/// possible start never occurs, as published. Evaluation takes whole clips (`request` 0) of 15 to 800 frames.
 /// Source   SINC sinc/data/sampling
-/// Differs  from thesis B.3.1, as published: clips of 15 to 600 frames are evaluated there
+/// Differs  from thesis B.3.1, as published, where clips of 15 to 600 frames are evaluated
 struct SincWindow {
   Index request = 300;  // frames to take; 0: all
   Index shortest = 15;
-  Index longest = 600;  // looked at only where all are taken
+  Index longest = 600;  // used only if all frames are taken
 
   bool accepts(Index frames) const { return frames >= shortest && (request > 0 || frames <= longest); }
-  /// The largest start that is drawn.
+  /// The largest start that may be drawn.
   Index largest_start(Index frames) const { return request > 0 ? std::max<Index>(0, frames - request - 1) : 0; }
-  /// below(n) draws a number of 0 ... n - 1.
+  /// below(n) draws a value of 0 ... n - 1.
   template <class F>
   FrameSlice of(Index frames, F below) const {
     const Index length = request > 0 ? std::min(request, frames) : frames;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Joint positions from the 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251. The other direction:
-/// guoh3d_extraction.hpp; which number is what: Guoh3dSlots in layout.hpp.
+/// Joint positions from the 263 values per frame of HumanML3D ("guoh3dfeats"), or KIT's 251. The other direction is in
+/// guoh3d_extraction.hpp. Guoh3dSlots in layout.hpp explains the values.
 ///
 /// Source  Guo et al. (CVPR 2022), motion_representation.ipynb recover_root_rot_pos, recover_from_ric,
 ///         recover_from_rot
@@ -17,7 +17,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The path of the root. `turn` takes directions of the world to those seen from the body.
+/// The path of the root. `turn` converts directions of the world to those seen from the body.
 template <Scalar S>
 struct Guoh3dRoot {
   std::vector<Quaternion<S>> turn;  // (frames)
@@ -25,8 +25,8 @@ struct Guoh3dRoot {
 };
 
 struct Guoh3dRecovery {
-  /// Adds the frame behind the last one: as features of T frames of joints are T - 1 rows, this gives all T back. Its
-  /// positions are those of the last row moved by the last row's velocities.
+  /// Adds the frame after the last one. Features of T frames of joints are T - 1 rows, and this gives all T frames
+  /// back. Its positions are those of the last row, moved by the velocities of that row.
   bool last_frame = false;
 };
 
@@ -37,7 +37,7 @@ Vec3<S> vector_at(std::span<const S> values, Index at) {
   const auto i = static_cast<std::size_t>(at);
   return {values[i], values[i + 1], values[i + 2]};
 }
-/// Rows of the features. Throws shape_error 205 if they are not whole, config_error 101 for a body without joints.
+/// Rows of the features. Throws shape_error 205 if they are not whole, and config_error 101 for a body without joints.
 template <Scalar S>
 std::size_t guoh3d_rows(std::string_view function, std::span<const S> features, Index joints) {
   const Index width = Guoh3dSlots{joints}.size();
@@ -108,7 +108,7 @@ std::vector<Vec3<S>> guoh3d_joints(std::span<const S> features, Index joints = 2
   return out;
 }
 
-/// The same from the rotations of the rows, on bones of other lengths.
+/// The same from the rotations of the rows, with bones of other lengths.
 /// offsets  (joints), see chain_offsets
 /// Throws   shape_error 204, 205, config_error 101, 106
 template <Scalar S>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// The 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251, from joint positions: onto the reference
-/// skeleton, onto the floor, facing +Z, then rotations, velocities and contacts. Back: guoh3d.hpp.
+/// The 263 values per frame of HumanML3D ("guoh3dfeats"), or KIT's 251, from joint positions. The joints are put onto
+/// the reference skeleton and the floor and turned to face +Z. Rotations, velocities and contacts follow. The other
+/// direction is in guoh3d.hpp.
 ///
 ///     auto features = guoh3d_features(humanml3d_chains(), joints);     // (frames, 22) -> (frames - 1, 263)
 ///
-/// Another body is another ChainSkeleton. Which number is what: Guoh3dSlots in layout.hpp.
+/// Another body is another ChainSkeleton. Guoh3dSlots in layout.hpp explains the values.
 ///
 /// Source  Guo et al. (CVPR 2022), motion_representation.ipynb process_file, extract_features
 /// World   Y up; velocities and turns per frame (20 frames per second, KIT 12.5)
@@ -26,12 +27,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The defaults are as published.
 struct Guoh3dOptions {
   ChainRotationOptions rotations{.facing = {.sigma = 20}};
-  /// false: where the heading passes 180 degrees, the turn of that frame gets the wrong sign.
+  /// false: if the heading passes 180 degrees, the turn of that frame gets the wrong sign.
   bool fix_yaw_sign = false;
 };
 
-/// Without what the published code gets wrong: the heading follows hips and shoulders alike, does not jump behind the
-/// first frame, passes 180 degrees, and a bone may be opposite to its zero direction.
+/// Options without the errors of the published code. The heading follows hips and shoulders alike, does not jump after
+/// the first frame, and passes 180 degrees. A bone may be opposite to its zero direction.
 inline Guoh3dOptions guoh3d_corrected() {
   return {.rotations = {.facing = {.sigma = 20, .legacy_forward = false},
                         .fix_first_frame = true,
@@ -41,7 +42,7 @@ inline Guoh3dOptions guoh3d_corrected() {
 
 namespace detail {
 
-/// A turn about Y, as the rotation of a root is: two products for each coordinate instead of a quaternion's.
+/// A turn about Y, like the rotation of a root. It takes two products for each coordinate instead of a quaternion's.
 template <ScalarLike T>
 struct LevelTurn {
   T c, s;  // cosine and sine
@@ -52,15 +53,15 @@ struct LevelTurn {
 
 }  // namespace detail
 
-/// Joints on the floor; frame 0 stands at x = z = 0 and faces +Z.
+/// Joints on the floor. Frame 0 is at x = z = 0 and faces +Z.
 template <Scalar S>
 struct GroundedJoints {
   std::vector<Vec3<S>> joints;  // (frames, joints)
   S floor{};                    // height of the lowest joint of the clip, before
-  Quaternion<S> turn{};         // that all joints have been turned by, last
+  Quaternion<S> turn{};         // last turn of all joints
 };
 
-/// first   how the facing direction of frame 0 is found; as published, from this frame alone. A body that faces -Z is
+/// first   how to find the facing direction of frame 0; as published, from this frame alone. A body that faces -Z is
 ///         turned by 180 degrees; published: NaN
 /// Throws  shape_error 205 if the joints are not whole frames, config_error 101 (sigma) and 106
 template <Scalar S>
@@ -106,19 +107,19 @@ std::vector<S> guoh3d_contacts(const ChainSkeleton& skeleton, std::span<const Ve
   return out;
 }
 
-/// The rotation from one root rotation to the next; its y is the sine of half the turn.
-/// fix_sign: the shorter way round.
+/// The rotation from one root rotation to the next. Its y is the sine of half the turn. fix_sign: along the shorter
+/// arc.
 template <ScalarLike T>
 Quaternion<T> guoh3d_turn(const Quaternion<T>& root, const Quaternion<T>& next, bool fix_sign = false) {
   const Quaternion<T> q = next * inverse(root);
   return fix_sign ? where_less(q.w, T(0), T(-1), T(1)) * q : q;
 }
-/// The way of the root to the next frame, seen from the body there.
+/// The displacement of the root to the next frame, seen from the body there.
 template <ScalarLike T>
 Vec3<T> guoh3d_root_velocity(const Quaternion<T>& next, const Vec3<T>& now_position, const Vec3<T>& next_position) {
   return rotate(next, next_position - now_position);
 }
-/// A joint seen from the body: x and z relative to the body's root, the height above the floor.
+/// A joint seen from the body: x and z relative to the body's root, and the height above the floor.
 template <ScalarLike T>
 Vec3<T> guoh3d_position(const Quaternion<T>& root, const Vec3<T>& root_position, const Vec3<T>& joint) {
   return rotate(root, joint - Vec3<T>{root_position.x, T(0), root_position.z});
@@ -126,8 +127,8 @@ Vec3<T> guoh3d_position(const Quaternion<T>& root, const Vec3<T>& root_position,
 
 namespace detail {
 
-/// One row, or one in each lane: rotations of the frame, the root's of the next, joints of both. Number 0 is left as
-/// the sine of half the turn.
+/// One row, or one in each lane: rotations of the frame, root rotation of the next frame, joints of both. Value 0 is
+/// left as the sine of half the turn.
 template <ScalarLike T>
 void guoh3d_row(const ChainSkeleton& skeleton, bool fix_yaw_sign, std::span<const Quaternion<T>> local,
                 const Quaternion<T>& next_root, std::span<const Vec3<T>> now, std::span<const Vec3<T>> next, T* to) {
@@ -205,8 +206,8 @@ std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<con
   return out;
 }
 
-/// The whole way.
-/// joints   (frames, joints), of anybody, anywhere
+/// All steps together.
+/// joints   (frames, joints), of any person at any place
 /// lengths  (joints), bones of the reference skeleton
 /// result   (frames - 1, 12 J - 1)
 /// With fix_first_frame the smooth heading of frame 0 is turned onto +Z, so that the identity is right there.
@@ -220,7 +221,7 @@ std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Ve
                                       options.rotations.fix_first_frame ? smooth : published);
   return guoh3d_from_grounded(skeleton, std::span<const Vec3<S>>(grounded.joints), options);
 }
-/// With the lengths of the skeleton itself. Throws config_error 101 if it has none, as KIT's.
+/// The same with the lengths of the skeleton itself. Throws config_error 101 if it has none, like KIT's.
 template <Scalar S>
 std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
                                const Guoh3dOptions& options = {}) {

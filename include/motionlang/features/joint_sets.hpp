@@ -22,7 +22,7 @@ inline constexpr std::array<std::size_t, 21> mmm_of_smplh{0, 3, 9, 12, 15, 16, 1
                                                           1, 4, 7, 59, 10, 2,  5,  8,  62, 11};
 
 /// points  (frames, 73), metres, Z up
-/// trans   (frames), where the first root of the result is put, whatever its units and axes: so it is published
+/// trans   (frames), the place of the first root of the result, without regard to its units and axes, as published
 /// result  (frames, 21, 22 or 73)
 /// Throws  config_error 103 for an unknown name, shape_error 205
 template <Scalar S>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// Which numbers of a feature vector belong to which body part, and what they mean. Composition needs nothing but the
-/// former from a representation.
+/// The body part and the meaning of each value of a feature vector. Composition needs only the body parts of a
+/// representation.
 ///
-/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
-///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule. In
-///         other bodies the part with the path takes the place of the legs.
-///         Meanings and units: HumanML3D motion_representation.ipynb; STMC src/tools/smplrifke_feats.py; TEMOS
+/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity. The
+///         values of the root and the foot contacts belong to the legs. The tables are generated from that rule. In
+///         other bodies the part with the path takes the place of the legs. Meanings and units: HumanML3D
+///         motion_representation.ipynb; STMC src/tools/smplrifke_feats.py; TEMOS
 ///         temos/transforms/joints2jfeats/rifke.py; TMR src/rifke.py
 #pragma once
 
@@ -30,24 +30,24 @@ struct IndexRange {
 /// The meaning of some values of a feature vector. A table of these covers the vector without gap or overlap.
 struct FeatureRange {
   IndexRange numbers;
-  std::string_view meaning;  // with `joints`: of each of them
+  std::string_view meaning;  // with `joints`: of each joint
   std::string_view unit;     // "1": none; frames are those of the features
-  IndexRange joints{};       // they follow one another, each with as many numbers; empty: the root's numbers, contacts
+  IndexRange joints{};       // in order, each with equally many values; empty: the root's values, contacts
 };
 
-/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
-/// and their ranges, or `from_owner`:
+/// A feature vector divided into body parts: every value belongs to exactly one. Your own representation is a name, a
+/// size and the ranges, or `from_owner`:
 ///
 ///     const auto owner = [](Index i) { return i < 40 ? BodyPart::legs : BodyPart::head; };
 ///     auto layout = FeatureLayout::from_owner("my features", 64, owner);
 struct FeatureLayout {
   std::string name;
-  Index size = 0;                                              // numbers of one frame
+  Index size = 0;                                              // values of one frame
   std::array<std::vector<IndexRange>, most_body_parts> parts;  // ascending and separate, in the order of the parts
   BodyPartition body{};                                        // whose parts; the human body unless given
 
   /// From a function position -> BodyPart, or the number of a part. Throws config_error 102 for a part that the body
-  /// does not have.
+  /// lacks.
   template <class F>
   static FeatureLayout from_owner(std::string name, Index size, F owner) {
     return from_owner(std::move(name), size, BodyPartition(), std::move(owner));
@@ -92,7 +92,7 @@ inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
     {{136, 205}, "position relative to the pelvis, seen from the body: x, y, z", "m", {1, 24}},
 }};
 
-/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+/// The places in the vector of HumanML3D (22 joints: 263 values) and of KIT (21: 251); 12 J - 1 in all.
 ///
 ///     0              turn of the heading to the next frame: half the angle, radians
 ///     1:3            velocity of the root along x and z, seen from the body of the next frame
@@ -109,14 +109,14 @@ struct Guoh3dSlots {
   constexpr IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
   constexpr IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
   constexpr Index size() const { return contacts().end; }
-  /// The seven groups whose deviations are published as one number each.
+  /// The seven groups for which one deviation each was published.
   constexpr std::array<IndexRange, 7> groups() const {
     return {{{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()}};
   }
 };
 
-/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs, or to
-/// the part with the path.
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts belong to the legs,
+/// or to the part with the path.
 FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
                                  const BodyPartition& body = {});
 
