@@ -1,25 +1,23 @@
 // SPDX-License-Identifier: MIT
-/// The feature vectors that systems are trained on, by name: from a clip to rows of numbers, and from these to joints
-/// and clips.
+/// The feature vectors of the systems, by name: from a clip to rows of values, and from these to joints and clips.
 ///
 ///     const MotionFeatures& f = motion_features("guoh3d");
 ///     const auto rows = f.from_motion(resample(retarget(clip), f.fps));
 ///     const Motion back = motion_of_rows(f, rows);
 ///
-///     guoh3d              263   20    HumanML3D's, of TMR   a row less than the clip has frames; positions alone
-///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the
-///                         clip's; else as guoh3d
-///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
-///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
-///                          positions alone
-///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
-///     smplvelp-published  135   12.5  TEMOS on SMPL         with the published turn, which is not a heading: see
-///                         SmplVelpOptions
-///     smplrifke           205   20    STMC
-///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a
-///                         camera
-/// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
-/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM:
+///    guoh3d              263   20    HumanML3D's, also TMR's: one row less than frames; positions only
+///    kit                 251   12.5  KIT's: 21 joints of MMM, mirrored, 640 units per metre, bones as long as the
+///                        clip's; otherwise like guoh3d
+///    rifke                67   12.5  TMR's canonical view, 22 joints; positions only
+///    rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
+///                         positions only
+///    smplvelp            135   12.5  TEMOS on SMPL with the exact heading, so that it can be inverted
+///    smplvelp-published  135   12.5  TEMOS on SMPL with the published turn, which is not a heading: see
+///                        SmplVelpOptions
+///    smplrifke           205   20    STMC
+///    actor               150   20    ACTOR and MDM's models of actions: 6D rotations and path, in the world of a
+///                        camera
+/// With positions only, the clip that comes back has rotations that fit them (motion_from_joints.hpp).
 ///         text-to-motion utils/paramUtil.py, TEMOS temos/transforms
 #pragma once
 
@@ -32,17 +30,17 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct MotionFeatures {
   std::string_view name;
   Index width = 0;
-  double fps = 0;    // that the published systems use
-  Index joints = 0;  // of `joints_of`: the first ones of `skeleton`
+  double fps = 0;    // of the published systems
+  Index joints = 0;  // of `joints_of`: the first joints of `skeleton`
   const Skeleton& (*skeleton)();
-  FeatureLayout (*layout)();             // which numbers belong to which body part
-  std::span<const FeatureRange> ranges;  // what the numbers mean
-  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws
-  /// config_error 103 if the joints are others, shape_error 205 if it is too short.
+  FeatureLayout (*layout)();             // the body part of each value
+  std::span<const FeatureRange> ranges;  // the meaning of the values
+  /// The rows of a clip on SMPL's 24 joints or on the joints of `skeleton`, at its own frame rate. Throws config_error
+  /// 103 for other joints, and shape_error 205 if it is too short.
   std::vector<double> (*from_motion)(const Motion& motion);
-  /// (frames, joints), Y up, from the origin on. Throws shape_error 205.
+  /// (frames, joints), Y up, starting at the origin. Throws shape_error 205.
   std::vector<Vec3<double>> (*joints_of)(std::span<const double> rows);
-  /// A clip on the joints of `skeleton`; null where the rows have no rotations.
+  /// A clip on the joints of `skeleton`. Null if the rows have no rotations.
   Motion (*to_motion)(std::span<const double> rows, double fps);
 };
 
@@ -61,8 +59,8 @@ Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
   return out;
 }
 
-/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor.
-/// In the world of the camera the figure stands on its head: it is turned by 180 degrees about x.
+/// Rotations and root path as ACTOR and MDM have them from videos, as a clip on SMPL's 24 joints, on the floor. In the
+/// world of the camera the figure is upside down, so it is turned by 180 degrees about x.
 template <Scalar S>
 Motion motion_of_actor(const ActorMotion<S>& from, double fps) {
   const auto upright = axis_rotation(0, std::numbers::pi);
@@ -91,9 +89,9 @@ std::vector<Vec3<double>> joints_of_rifke(std::span<const double> rows);
 inline constexpr Index mmm_joints = 21;
 inline constexpr double mmm_units_per_metre = 640;
 
-/// The vector from between the ankles to the head, mean over the frames; of MMM's or of SMPL's joints.
+/// The vector from the middle of the ankles to the head, as a mean over the frames, for MMM's or SMPL's joints.
 Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count);
-/// The way back. The joints are in metres or, if they are large, in KIT's units.
+/// The inverse. The joints are in metres or, if the values are large, in KIT's units.
 std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints);
 
 std::vector<double> kit_rows_of(const Motion& motion);
@@ -115,7 +113,7 @@ std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> rows);
 
 }  // namespace detail
 
-/// The way back: what ACTOR's networks read of a clip on SMPL's 24 joints. Throws config_error 103 for other joints.
+/// The inverse: the input of ACTOR's networks for a clip on SMPL's 24 joints. Throws config_error 103 for other joints.
 std::vector<double> actor_rows_of_motion(const Motion& motion, const ActorFeatureOptions& options = {});
 
 namespace detail {
@@ -154,7 +152,7 @@ inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
 }};
 
 /// The clip of rows, on the joints of the features.
-/// fps     0: as the published systems have it
+/// fps     0: that of the published systems
 /// Throws  shape_error 205, numeric_error 301 for values that are not finite, config_error 101 for such a rate
 Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps = 0);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Features to zero mean and unit deviation, and back.
+/// Converts features to zero mean and unit deviation, and back.
 #pragma once
 
 #include <motionlang/tensor/module.hpp>
@@ -8,7 +8,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
-/// Statistics are saved with a model but not trained. eps matters only where std is 0.
+/// Statistics are saved with a model but not trained. eps matters only if std is 0.
 template <Backend B>
 struct Normalizer {
   static constexpr bool trainable = false;

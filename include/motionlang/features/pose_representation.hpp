@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Rotations as numbers of a feature vector, the way ACTOR, TEMOS, TEACH and SINC write them, and ACTOR's motions made
-/// of them.
+/// Rotations as values of a feature vector, as in ACTOR, TEMOS, TEACH and SINC, and ACTOR's motions from them.
 ///
 ///     rotvec   3   rotation vector, radians
 ///     rotquat  4   quaternion, w first
@@ -25,7 +24,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
 inline constexpr std::array<std::string_view, 4> pose_representation_names{"rotvec", "rotquat", "rotmat", "rot6d"};
 
-/// Numbers of one rotation.
+/// The number of values of one rotation.
 constexpr Index size(PoseRepresentation r) {
   constexpr Index sizes[] = {3, 4, 9, 6};
   return sizes[static_cast<int>(r)];
@@ -46,7 +45,7 @@ void append_quaternion(std::vector<S>& out, const Quaternion<S>& q) {
 
 }  // namespace detail
 
-/// Appends the numbers of a matrix.
+/// Appends the values of a matrix.
 template <Scalar S>
 void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>& m) {
   switch (r) {
@@ -58,14 +57,14 @@ void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>
       out.insert(out.end(), m.m.begin(), m.m.begin() + size(r));  // rows
   }
 }
-/// Appends the numbers of a rotation vector, which rotvec keeps as it is.
+/// Appends the values of a rotation vector, which rotvec keeps unchanged.
 template <Scalar S>
 void append_rotation(std::vector<S>& out, PoseRepresentation r, const AxisAngle<S>& v) {
   if (r == PoseRepresentation::rotvec) return detail::append_vector(out, v.v);
   if (r == PoseRepresentation::rotquat) return detail::append_quaternion(out, to_quaternion(v));
   append_rotation(out, r, to_matrix(v));
 }
-/// The matrix of the numbers, which may be whole tensors. Throws shape_error 205.
+/// The matrix for the values, which may be whole tensors. Throws shape_error 205.
 template <ScalarLike S>
 Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
   if (std::ssize(n) != size(r)) {
@@ -86,21 +85,21 @@ Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
 
 struct ActorFeatureOptions {
   PoseRepresentation rotations = PoseRepresentation::rot6d;
-  bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
+  bool translation = true;  // one more row: the root's path since frame 0, padded with zeros
   bool global = true;       // false: without joint 0
 
   /// Rows of a frame of this many joints.
   Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
 };
-/// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
+/// ACTOR's rotation of joint 0 if features have none: a figure that is upside down in the world of the camera.
 inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
 
-/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the
+/// A frame of ACTOR: a rotation of each joint, then the root's path (see `actor_frame_features`), which belongs to the
 /// part with the path: 150.
 FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
                            const ActorFeatureOptions& options = {}, const BodyPartition& body = {});
 
-/// The meaning of the values of `actor_layout`. World: that of a camera, in which figures stand on their heads.
+/// The meaning of the values of `actor_layout`. World: that of a camera, in which figures are upside down.
 inline constexpr std::array<FeatureRange, 4> actor_ranges{{
     {{0, 6}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
     {{6, 144}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 24}},
@@ -132,7 +131,7 @@ std::vector<S> actor_frame_features(std::span<const R> poses, std::span<const Ve
   }
   return out;
 }
-/// The same with time last, as its repository has it: (rows, numbers, frames).
+/// The same with time last, as in its repository: (rows, numbers, frames).
 template <class R, Scalar S>
 std::vector<S> actor_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
                               const ActorFeatureOptions& options = {}) {
@@ -151,8 +150,8 @@ struct ActorMotion {
   std::vector<Vec3<S>> root;          // (frames), since frame 0
 };
 
-/// features  (frames, rows numbers), as `actor_frame_features` gives them and networks have them
-/// Joint 0 is `actor_global_rotation` where the features have none; the root stays where it is without a translation.
+/// features  (frames, rows numbers), as `actor_frame_features` returns them and networks use them
+/// Joint 0 is `actor_global_rotation` if the features have none. Without a translation the root stays in place.
 /// Throws    shape_error 205 if the features are not whole frames, config_error 101 for no joints
 template <Scalar S>
 ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, const ActorFeatureOptions& options = {}) {
@@ -173,8 +172,8 @@ ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, con
   return out;
 }
 
-/// The same of positions (its representation "xyz"), with the root of frame 0 at the origin.
-/// joints (frames, joints) -> (joints, 3, frames). Throws shape_error 205.
+/// The same for positions (representation "xyz"), with the root of frame 0 at the origin. joints (frames, joints) ->
+/// (joints, 3, frames). Throws shape_error 205.
 template <Scalar S>
 std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index joints) {
   if (joints < 1 || std::ssize(positions) % joints != 0) {

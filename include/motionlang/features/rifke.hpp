@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// Rotation invariant forward kinematic encoding of joint positions ("rifke"): TEMOS' 64 numbers of the 21 joints of
-/// MMM, SINC's 67 and TMR's 67 or 73 of SMPL's joints. There and back.
+/// Rotation invariant forward kinematic encoding of joint positions ("rifke"), and its inverse: TEMOS' 64 values for
+/// the 21 joints of MMM, and SINC's 67 and TMR's 67 or 73 for SMPL's joints.
 ///
 ///     0             height of the root above the floor
-///     1:3J-2        joints 1 ... J-1 seen from the body: x', then y and z as the world has them, one of them turned
+///    1:3J-2        joints 1 ... J-1 seen from the body: x', then y and z of the world, one of them turned
 ///     3J-2          turn of the heading, radians per frame
 ///     3J-1:3J+1     velocity of the root over the ground, seen from the body, per frame
 /// World: Y up with x, z level (TEMOS, any unit), or Z up with x, y level (SINC, TMR).
@@ -26,13 +26,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One of the published variants, or one of one's own.
+/// One of the published variants, or one of your own.
 struct RifkeVariant {
   Index joints = 0;
   bool z_up = false;
   std::array<std::array<int, 2>, 2> across{};  // pairs (right, left) whose difference points across the body
-  std::vector<int> floor{};                    // the lowest of these gives the floor; none: height 0
-  bool wrapped_turns = true;                   // turns in (-pi, pi]; false: they jump where the heading passes pi
+  std::vector<int> floor{};                    // the lowest of these is on the floor; none: height 0
+  bool wrapped_turns = true;                   // turns in (-pi, pi]; false: they jump if the heading passes pi
   bool swapped_forward = false;      // sine and cosine are (-x, y) of the vector across; false: (-y, x), straight ahead
   bool forward_differences = false;  // turns and velocities to the next frame; false: from the one before
   Index size() const { return 3 * joints + 1; }
@@ -85,7 +85,7 @@ inline std::size_t rifke_frames(std::string_view function, std::size_t values, I
   }
   return values / static_cast<std::size_t>(per_frame);
 }
-/// Throws shape_error 203 for a joint that the variant names but does not have.
+/// Throws shape_error 203 if the variant names a joint that it does not have.
 inline void require_joints(const RifkeVariant& variant) {
   auto require = [&](int joint) {
     if (joint < 0 || joint >= variant.joints) raise<shape_error>(203, "rifke: joint ", joint, " of ", variant.joints);
@@ -110,7 +110,7 @@ void filter_forward(std::vector<std::array<S, 2>>& forward) {
 
 /// joints          (frames, J)
 /// forward_filter  smooths the heading, as an option of TEMOS does
-/// The floor is soft: m - ln(1/2 + exp(m - M)) for the lowest (m) and highest (M) of the lowest joint's heights.
+/// The floor is soft: m - ln(1/2 + exp(m - M)) for the lowest (m) and highest (M) height of the lowest joint.
 /// Throws          shape_error 205, 203 if the variant names a joint that it does not have
 template <Scalar S>
 RifkeFeatures<S> rifke_features(const RifkeVariant& variant, std::span<const Vec3<S>> joints,
@@ -173,7 +173,7 @@ RifkeFeatures<S> rifke_features(const RifkeVariant& variant, std::span<const Vec
 }
 
 /// features  (frames, 3 J + 1), not normalised
-/// result    (frames, J); frame 0 stands at the origin with heading 0, on the floor
+/// result    (frames, J); frame 0 is at the origin with heading 0, on the floor
 /// Throws    shape_error 205
 template <Scalar S>
 std::vector<Vec3<S>> rifke_joints(const RifkeVariant& variant, std::span<const S> features) {

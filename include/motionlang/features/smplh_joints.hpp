@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From rotations to the joints that TEMOS, TEACH and SINC compare: an SMPL-H body, and the joints of a set.
+/// From rotations to the joints that TEMOS, TEACH and SINC compare: an SMPL-H body and a set of joints.
 #pragma once
 
 #include <motionlang/features/joint_sets.hpp>
@@ -8,7 +8,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// One sequence on a body of shape 0. name: a set of joint_sets.hpp, or "vertices".
-/// rotations    (frames, 22 or 52, 9), row by row; 22 leave the hands in their mean pose
+/// rotations    (frames, 22 or 52, 9), row by row; with 22 the hands stay in their mean pose
 /// translation  (frames, 3)
 /// result       (frames, points, 3)
 /// Source       thesis 4.3.5, table 4.10; TEMOS temos/transforms/rots2joints/smplh.py

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The 205-vector "smplrifke" of MDM-SMPL and STMC: forward, inverse, and from and to `Motion`. Index ranges of body
-/// parts are in layout.hpp.
+/// The 205-vector "smplrifke" of MDM-SMPL and STMC: forward, inverse, and conversions from and to `Motion`. The ranges
+/// of the body parts are in layout.hpp.
 ///
 ///     0        height of the pelvis above the lowest joint of the clip
 ///     1:3      its velocity x, y, seen from the body
@@ -26,7 +26,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 inline constexpr Index smplrifke_size = 205, smplrifke_rotations = 22, smplrifke_joints = 24;
 
 struct SmplRifkeOptions {
-  double first_angle = 0;  // heading of the first frame; every published generation takes pi
+  double first_angle = 0;  // heading of the first frame; every published generation uses pi
   bool clamp_asin = true;  // false: as published, where rounding beyond [-1, 1] gives NaN
 };
 
@@ -76,8 +76,8 @@ template <Scalar S>
 S wrapped(S angle) {
   return std::atan2(std::sin(angle), std::cos(angle));
 }
-/// Differences to the next frame; the last one continues its two predecessors in a line. Of two frames: the same again;
-/// of one: zero (the published code fails there).
+/// Differences to the next frame. The last one extrapolates its two predecessors linearly. With two frames it is the
+/// same again; with one it is zero (the published code fails there).
 template <class T, class Difference>
 std::vector<T> to_next(std::size_t frames, Difference difference) {
   std::vector<T> d(frames);
@@ -144,8 +144,8 @@ std::vector<S> smplrifke_from_poses(std::span<const S> poses, std::span<const S>
 }
 
 /// features  (frames, 205)
-/// The path starts at x = y = 0 with the heading `first_angle`; the velocity and turn of the last frame are not used,
-/// nor is what heading the first rotation contains.
+/// The path starts at x = y = 0 with the heading `first_angle`. The velocity and turn of the last frame, and the
+/// heading in the first rotation, are not used.
 /// Throws    shape_error 205 if the size is not a multiple of 205
 template <Scalar S>
 SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifkeOptions& options = {}) {
@@ -177,13 +177,13 @@ SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifk
   return out;
 }
 
-/// The features of a clip on SMPL's 24 joints, with the bones that its skeleton has; the hands' own rotations are lost.
+/// The features of a clip on SMPL's 24 joints, with the bones of its skeleton. The rotations of the hands are lost.
 /// Resample to the rate of the model first. Throws config_error 103 if the joints are not SMPL's.
 std::vector<double> smplrifke_from_motion(const Motion& motion);
 
-/// The clip that the features describe, Y up, on a skeleton with SMPL's 24 joints: rotations and the path are taken,
-/// positions of joints are not, so bones keep their lengths. With first_angle 0 the first frame faces +Z, up to what
-/// the pelvis itself turns. Throws shape_error 205, config_error 103 if the joints are not SMPL's.
+/// The clip that the features describe, Y up, on a skeleton with SMPL's 24 joints. It uses rotations and path but not
+/// the positions of joints, so bones keep their lengths. With first_angle 0 the first frame faces +Z, up to the turn of
+/// the pelvis itself. Throws shape_error 205, and config_error 103 if the joints are not SMPL's.
 template <Scalar S>
 Motion smplrifke_to_motion(std::span<const S> features, const SmplRifkeOptions& options = {}, double fps = 20,
                            const Skeleton& skeleton = smpl24_skeleton()) {

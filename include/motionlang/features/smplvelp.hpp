@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The 135-vector of TEMOS ("smplvelp"), TEACH and SINC ("Globalvelandy"): height, velocity over the ground, rotations.
 ///
-///     0        height of the translation, as it is
+///    0        height of the translation, unchanged
 ///     1:3      its velocity x, y; 0 in the first frame
 ///     3:135    22 rotations as two rows of the matrix: the body in the world, then joints 1 ... 21
 /// World: Z up, metres; velocities per frame (TEMOS 12.5 frames per second, TEACH and SINC 30).
@@ -17,11 +17,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct SmplVelpOptions {
   PoseRepresentation rotations = PoseRepresentation::rot6d;
-  /// Turns the clip about Z by what `exact_yaw` says of the first frame (and a quarter, `offset`).
+  /// Turns the clip about Z by the angle of the first frame that `exact_yaw` chooses (and by a quarter, `offset`).
   bool canonicalize = true;
   bool offset = true;
-  /// false, as published: the z of the first rotation vector. It is not a heading, so a second pass turns again.
-  /// true: the heading. Clips that differ by a turn about Z become the same.
+  /// false, as published: the z of the first rotation vector. It is not a heading, so a second pass turns again. true:
+  /// the heading. Clips that differ only by a turn about Z become the same.
   bool exact_yaw = false;
 };
 
@@ -31,7 +31,7 @@ struct SmplVelpMotion {
   std::vector<Vec3<S>> trans;         // (frames)
 };
 
-/// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
+/// smplvelp: the root's height and velocity, then a rotation of each joint, as above: 135 for 22 joints in 6D.
 inline FeatureLayout smplvelp_layout(
     std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
     PoseRepresentation rotations = PoseRepresentation::rot6d, const BodyPartition& body = {}) {
@@ -42,7 +42,7 @@ inline FeatureLayout smplvelp_layout(
   });
 }
 
-/// The meaning of the values of `smplvelp_layout`. World: Z up, turned as SmplVelpOptions say.
+/// The meaning of the values of `smplvelp_layout`. World: Z up, turned as in SmplVelpOptions.
 inline constexpr std::array<FeatureRange, 4> smplvelp_ranges{{
     {{0, 1}, "height of the translation in the world", "m"},
     {{1, 3}, "velocity of the translation since the frame before, in the world: x, y", "m/frame"},
@@ -82,7 +82,7 @@ std::vector<S> smplvelp_features(std::span<const Matrix3<S>> rotations, std::spa
 }
 
 /// features  (frames, 3 + 6 joints), not normalised
-/// The path starts at x = y = 0; the heading stays what the features say. Throws shape_error 205.
+/// The path starts at x = y = 0, and the heading is that of the features. Throws shape_error 205.
 template <Scalar S>
 SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 22,
                                    PoseRepresentation representation = PoseRepresentation::rot6d) {

@@ -4,9 +4,9 @@
 ///     n_k = n_{k-1} + 1,  d = x - mean,  mean += d / n,  m2 += d (x - mean);   std = sqrt(m2 / (n - 1))
 ///
 /// Source  Welford, "Note on a method for calculating corrected sums of squares" (Technometrics 1962). The published
-///         scripts (TEMOS, TMR) concatenate all clips and take torch's unbiased deviation: the same up to rounding.
-///         HumanML3D takes the deviation of the population, n in place of n - 1, skips clips with NaN, and replaces
-///         each deviation by the mean of its group (HumanML3D cal_mean_variance.ipynb):
+///         scripts (TEMOS, TMR) concatenate all clips and take torch's unbiased deviation, which is the same up to
+///         rounding. HumanML3D takes the deviation of the population, with n in place of n - 1, and skips clips with
+///         NaN. It replaces each deviation by the mean of its group (HumanML3D cal_mean_variance.ipynb):
 ///
 ///     for (const auto& clip : clips) statistics.add_finite(std::span<const float>(clip), slots.size());
 ///     auto std = group_means(statistics.population_deviation(), slots.groups());
@@ -24,7 +24,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 class FeatureStatistics {
  public:
   /// Adds the frames of a clip, (frames, features) row by row. Throws shape_error 205 if the values are not whole
-  /// frames, 204 if the clips before had another number of features.
+  /// frames, and 204 if earlier clips had another number of features.
   template <Scalar S>
   void add(std::span<const S> frames, Index features) {
     if (features <= 0 || std::ssize(frames) % features != 0) {
@@ -47,7 +47,7 @@ class FeatureStatistics {
     }
   }
 
-  /// The same, but a clip with a value that is not finite is left out. Returns whether it was added.
+  /// The same, but skips a clip with a value that is not finite. Returns true if the clip was added.
   template <Scalar S>
   bool add_finite(std::span<const S> frames, Index features) {
     const bool finite = std::all_of(frames.begin(), frames.end(), [](S x) { return std::isfinite(x); });
@@ -55,7 +55,7 @@ class FeatureStatistics {
     return finite;
   }
 
-  /// Frames so far.
+  /// Number of frames so far.
   Index count() const { return count_; }
   const std::vector<double>& mean() const { return mean_; }
   /// Unbiased (divided by n - 1). Throws numeric_error 302 below two frames.
@@ -70,7 +70,7 @@ class FeatureStatistics {
   std::vector<double> mean_, squares_;
 };
 
-/// Every value replaced by the mean of its group. Throws shape_error 203 if a group is empty or ends behind the values.
+/// Replaces every value by the mean of its group. Throws shape_error 203 if a group is empty or ends after the values.
 std::vector<double> group_means(std::vector<double> values, std::span<const IndexRange> groups);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Structs that list their fields (core/fields.hpp), to JSON and back: the hyperparameters of a training.
+/// Converts structs that list their fields (core/fields.hpp) to JSON and back: the hyperparameters of a training.
 ///
 ///     struct Rate {
 ///       double lr = 1e-4;
@@ -43,8 +43,7 @@ struct NameCollector {
   }
 };
 
-/// Throws config_error 103 for a member of the document whose name is not in `known`, with the name that is most like
-/// it.
+/// Throws config_error 103 for a member of the document whose name is not in `known`, with the most similar name.
 void require_known_members(const JsonView& view, const std::vector<std::string>& known);
 
 /// Throws what config.require_sound() throws, with the place in front.
@@ -57,11 +56,11 @@ void require_sound_at(const C& config, const std::string& place) {
                       });
 }
 
-/// "losses.kl=1e-4" as the document {"losses": {"kl": 1e-4}}. `name` stands in messages. Throws config_error 103
-/// without "=".
+/// "losses.kl=1e-4" as the document {"losses": {"kl": 1e-4}}. Messages name `name`. Throws config_error 103 without
+/// "=".
 nlohmann::json assignment_json(const std::string& assignment, const std::string& name);
 
-/// Every leaf of a document by its path.
+/// All leaves of a document, by their paths.
 std::map<std::string, std::string> leaf_texts(const nlohmann::ordered_json& document);
 
 }  // namespace detail
@@ -75,9 +74,9 @@ nlohmann::ordered_json config_json(const C& config) {
   return out;
 }
 
-/// Members that the document has replace those of `config`; others stay.
-/// Throws  config_error 103 for a name that is not a member, with the one that is most like it; 107 for a value of the
-///         wrong kind; what config.require_sound() throws, if there is such a function. All begin with the path.
+/// Members of the document replace those of `config`; the others stay.
+/// Throws  config_error 103 for a name that is not a member, with the most similar one; 107 for a value of the wrong
+///         kind; what config.require_sound() throws, if there is such a function. All begin with the path.
 template <Module C>
 void read_config(C& config, const JsonView& view) {
   std::vector<std::string> known;
@@ -89,8 +88,8 @@ void read_config(C& config, const JsonView& view) {
   if constexpr (requires { config.require_sound(); }) detail::require_sound_at(config, view.path());
 }
 
-/// Sets one field: "losses.kl=1e-4" or "features=rifke". The value is JSON, or otherwise a text. `name` stands
-/// in messages. Throws config_error 103 without "=", and as read_config.
+/// Sets one field: "losses.kl=1e-4" or "features=rifke". The value is JSON, or otherwise a text. Messages name `name`.
+/// Throws config_error 103 without "=", and as read_config.
 template <Module C>
 void set_config(C& config, const std::string& assignment, const std::string& name) {
   const nlohmann::json document = detail::assignment_json(assignment, name);
@@ -101,7 +100,7 @@ void set_config(C& config, const std::string& assignment) {
   set_config(config, assignment, assignment);
 }
 
-/// Every leaf as a text, "losses.kl" -> "1e-05": what a checkpoint keeps, to be compared when it is resumed.
+/// All leaves as texts, "losses.kl" -> "1e-05". A checkpoint stores them to compare them when it is resumed.
 template <Module C>
 std::map<std::string, std::string> config_texts(const C& config) {
   return detail::leaf_texts(config_json(config));

@@ -10,7 +10,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's
-/// io.
+/// own.
 class FilePath {
  public:
   FilePath(const char* text) : text_(text) {}
@@ -21,7 +21,7 @@ class FilePath {
 
   const std::string& string() const { return text_; }
   const char* c_str() const { return text_.c_str(); }
-  /// The name of a file in this folder; "" is the current folder, as parent_path() of a bare name has it.
+  /// The name of a file in this folder. "" is the current folder, like parent_path() of a bare name.
   std::string inside(const std::string& name) const { return text_.empty() ? name : text_ + "/" + name; }
   /// The last part without its extension: "walk" of "clips/walk.bvh".
   std::string stem() const {

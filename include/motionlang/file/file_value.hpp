@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Single values of a file, flat: each with the keys that lead to it.
+/// The single values of a file in a flat list, each with its keys.
 #pragma once
 
 #include <cstdint>      // integers
@@ -12,7 +12,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A truth value, a number or a text, and the keys from the root of the file to it: "hyper_parameters/layers/0".
+/// A truth value, a number or a text, with the keys from the root of the file: "hyper_parameters/layers/0".
 struct FileValue {
   std::string path;
   std::variant<bool, std::int64_t, double, std::string> value;

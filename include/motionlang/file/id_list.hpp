@@ -13,17 +13,18 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// True if an id names a file in the folder of its data set: it has no control characters and does not lead out.
+/// True if an id can be the name of a file in the folder of its data set: it has no control characters and does not
+/// lead out.
 bool is_clip_id(std::string_view id);
 
 }  // namespace detail
 
-/// The ids of a text in its order, without blanks around them; empty lines are skipped. Repeated ids stay.
-/// Throws io_error 403, with the line, for an id that cannot be the name of a file below a folder.
+/// The ids in a text, in order, without blanks around them. Empty lines are skipped, and repeated ids stay. Throws
+/// io_error 403, with the line, for an id that cannot name a file below a folder.
 std::vector<std::string> parse_ids(std::string_view text, std::string_view name = "list of ids");
 /// Throws io_error 401 and as parse_ids.
 std::vector<std::string> read_ids(const FilePath& path);
-/// Throws io_error 401, 403 for an id that would not be read again.
+/// Throws io_error 401, and 403 for an id that could not be read again.
 void write_ids(const FilePath& path, std::span<const std::string> ids);
 
 /// Mirrored clips have an M in front of their ids.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The files that work reads, which it must not write: a result would take the place of what it is made from.
+/// The files that some work reads and must not overwrite with its result.
 ///
 ///     const InputFiles inputs{"walk.bvh", "rig.glb"};
 ///     inputs.refuse(output);                           // before long work rather than after it
@@ -27,13 +27,13 @@ class InputFiles {
     for (const auto& file : files) add(file);
   }
 
-  /// "": none. Of a folder, what is read of it: its other files may be results of an earlier run.
+  /// "": none. For a folder, pass the files in it that are read. Its other files may be results of an earlier run.
   void add(const std::filesystem::path& file) {
     std::error_code problem;
     if (!file.empty()) files_.insert(std::filesystem::weakly_canonical(file, problem));
   }
 
-  /// True if a file is one of them, by whatever name: a path with links, or a hard link.
+  /// True if a file is one of them under any name: a path with links, or a hard link.
   bool has(const std::filesystem::path& file) const {
     std::error_code problem, missing;
     const auto is_same = [&](const auto& input) { return std::filesystem::equivalent(input, file, problem); };

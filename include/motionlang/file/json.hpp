@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// JSON documents: reading with positions in the messages, and typed access that names the way to a wrong value. The
-/// only header that includes nlohmann/json.hpp; it costs a translation unit 1.5 s, so include it in few.
+/// JSON documents: reading with positions in messages, and typed access that names the path to a wrong value. This is
+/// the only header that includes nlohmann/json.hpp. That adds 1.5 s to a translation unit, so include it in few.
 ///
 ///     const nlohmann::json document = read_json("config.json");
 ///     const JsonView config(document, "config.json");
@@ -23,7 +23,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Deepest nesting that is read: what works on documents later recurses.
+/// The deepest nesting that is read, because work on documents is recursive.
 inline constexpr int max_json_depth = 256;
 
 namespace detail {
@@ -33,23 +33,23 @@ std::string json_place(std::string_view text, std::size_t byte);
 /// Throws io_error 403 with line and column of a byte of the text.
 [[noreturn]] void raise_json(std::string_view text, std::size_t byte, std::string_view name, std::string_view what);
 
-/// Position behind the string that begins at a quote; npos if it has no end.
+/// The position after the string that begins at a quote; npos if it has no end.
 std::size_t json_string_end(std::string_view text, std::size_t quote);
 
-/// Reads the document in `size` bytes of a text from `begin` on; messages give the place in the whole text.
+/// Reads the document in `size` bytes of a text, starting at `begin`. Messages give the place in the whole text.
 nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::size_t size, std::string_view name);
 
 }  // namespace detail
 
-/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where an object has a
-/// duplicate name.
+/// Reads a document. Messages name `name`. Throws io_error 403 with line and column, also for a duplicate name in an
+/// object.
 nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON");
 
 /// Reads a file. Throws io_error 401, 403.
 nlohmann::json read_json(const FilePath& path);
 
-/// A value inside a document that lives elsewhere, together with the way to it: "config.json: model.layers[2].width".
-/// Every access to a value of the wrong kind throws config_error 107 with that way.
+/// A value inside a document that lives elsewhere, with the path to it: "config.json: model.layers[2].width". Every
+/// access to a value of the wrong kind throws config_error 107 with that path.
 class JsonView {
  public:
   explicit JsonView(const nlohmann::json& document, std::string name = "JSON")
@@ -74,8 +74,8 @@ class JsonView {
   /// Names of the members of an object, sorted.
   std::vector<std::string> keys() const;
 
-  /// bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is not
-  /// an integer, and an integer has to fit.
+  /// Reads bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is not
+  /// an integer, and an integer must fit.
   template <class T>
   T as() const {
     T out{};
@@ -112,7 +112,7 @@ class JsonView {
     if (!fits) raise<config_error>(107, path_, ": ", value_->dump(), " is out of range");
     out = value_->get<T>();
   }
-  /// 20.0 where 20 is due: Python writes such numbers.
+  /// Reads 20.0 as an integer, because Python writes such numbers.
   template <std::integral T>
   void get_whole(T& out) const {
     const auto number = value_->get<double>();

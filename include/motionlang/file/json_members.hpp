@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The members of the object that a JSON file consists of, found without reading their values: a large file of many
-/// entries opens quickly and stays on the disk, an entry is parsed when it is asked for.
+/// The members of a JSON file that is one object, found without reading their values. A large file of many entries
+/// opens quickly and stays on the disk. An entry is parsed when it is requested.
 ///
 ///     const auto file = JsonMembers::open("annotations.json");
 ///     for (const std::string& id : file.keys()) use(file.load(id));
@@ -18,8 +18,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class JsonMembers {
  public:
-  /// Throws io_error 401; 403 if the file is not an object, if a name is duplicated, and at the end of the file where
-  /// something is not closed. Mistakes inside of a value show when it is loaded.
+  /// Throws io_error 401, and 403 if the file is not an object, if a name is duplicated, or if something is not closed
+  /// at the end. Mistakes inside a value show when it is loaded.
   static JsonMembers open(const FilePath& path);
   static JsonMembers from_text(std::string text, std::string name = "JSON");
 
@@ -43,8 +43,7 @@ class JsonMembers {
   const Part& part(const std::string& key) const;
 
   void add_member();
-  /// To the place behind a value: brackets are counted and strings stepped over. What stands between them is for the
-  /// parser.
+  /// Moves behind a value: counts brackets and skips strings. The parser checks everything between them.
   void skip_value();
   void skip_string();
 

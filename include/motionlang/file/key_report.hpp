@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Names of tensors that do not match between a file and a model, as one list that a person can act on.
+/// Names of tensors that do not match between a file and a model, as a list that tells a person what to do.
 #pragma once
 
 #include <cstddef>      // sizes
@@ -11,20 +11,19 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Names that a file lacks, and names that nobody asked for.
+/// Names that a file lacks, and names that the model does not use.
 struct KeyReport {
   std::vector<std::string> missing, unexpected;
 };
 
-/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that
-/// many.
+/// The number of characters to insert, remove or exchange to turn a into b (Levenshtein), but at most `limit`.
 std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
 
-/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are
-/// looked at.
+/// The name that is most similar to `name`; empty if none shares half of it. Only the first 2,000 names of a long list
+/// are compared.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& among);
 
-/// A line for each name, and beside it the name of the other list that is most like it.
+/// A line for each name, with the most similar name of the other list.
 std::string to_string(const KeyReport& report);
 
 namespace detail {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// NumPy arrays: .npy files, versions 1 to 3. Numbers, booleans and texts of fixed width; neither objects (a pickle)
-/// nor records nor complex numbers.
+/// NumPy arrays: .npy files, versions 1 to 3, with numbers, booleans and texts of fixed width. There are no objects
+/// (pickles), records or complex numbers.
 #pragma once
 
 #include <concepts>     // kinds of numbers
@@ -22,8 +22,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Calls f with a value of the element type that NumPy calls kind and size; false if there is no such number. Halves
-/// are handed over as HalfBits.
+/// Calls f with a value of the element type that NumPy calls kind and size. Returns false if there is no such type.
+/// Halves are passed as HalfBits.
 struct HalfBits {
   std::uint16_t bits;
 };
@@ -56,13 +56,13 @@ constexpr char npy_kind = std::same_as<T, bool>       ? 'b'
                           : std::signed_integral<T>   ? 'i'
                           : std::unsigned_integral<T> ? 'u'
                                                       : '?';
-/// Elements that are stored as they are in memory.
+/// Elements that a file stores as they are in memory.
 template <class T>
 concept NpyNumber = std::is_arithmetic_v<T> && sizeof(T) <= 8 && sizeof(bool) == 1;
 
 }  // namespace detail
 
-/// An array as a file holds it: element type, sizes, and the elements, little-endian, in C order (last index fastest).
+/// An array as stored in a file: element type, sizes, and the elements, little-endian, in C order (last index fastest).
 struct NpyArray {
   char kind = 'f';            // f real, i integer, u unsigned, b boolean, S bytes, U text
   std::size_t item_size = 4;  // bytes of one element; a character of U has four
@@ -105,7 +105,7 @@ struct NpyArray {
     return to<T>().front();
   }
 
-  /// All texts as UTF-8, without the NULs that fill them up. Throws io_error 407 if the elements are numbers.
+  /// All texts as UTF-8, without the NULs that pad them. Throws io_error 407 if the elements are numbers.
   std::vector<std::string> texts() const;
   /// The only text. Throws io_error 407 if there are more, or if it is a number.
   std::string text() const;
@@ -154,8 +154,8 @@ extern template std::vector<std::int64_t> NpyArray::to() const;
 
 namespace detail {
 
-/// Bytes of an array of this shape. Throws io_error 405 if they cannot be counted in 63 bits, 404 for elements of no
-/// size.
+/// The number of bytes of an array of this shape. Throws io_error 405 if it does not fit into 63 bits, 404 for elements
+/// of size 0.
 std::size_t checked_size(std::span<const Index> shape, std::size_t item_size, std::string_view where);
 
 /// An array of an element type of NumPy (">f8") and a shape, without its elements. `where` is for messages.
@@ -165,13 +165,14 @@ NpyArray described_array(std::string_view type, std::vector<Index> shape, std::s
 /// Throws io_error 402 if the data have fewer bytes than the array, 403 if they have more, 405 for impossible sizes.
 void check_raw_size(const NpyArray& array, std::size_t bytes, std::string_view where);
 
-/// An array as NumPy stores it, in .npy files and in pickles. `raw` are all its bytes. Throws like the two above.
+/// An array from the bytes that NumPy stores, in .npy files and in pickles. `raw` are all its bytes. Throws like the
+/// two above.
 NpyArray stored_array(std::string_view type, bool fortran_order, std::vector<Index> shape,
                       std::span<const std::byte> raw, std::string_view where);
 
 inline constexpr std::size_t longest_npy_header = 65536;
 
-/// A .npy file in parts: what its header says, and the bytes behind it.
+/// A .npy file in parts: the contents of its header, and the bytes after it.
 struct NpyParts {
   NpyHeader header;
   std::span<const std::byte> raw;
@@ -181,7 +182,7 @@ struct NpyParts {
 /// header.
 NpyParts npy_parts(std::span<const std::byte> bytes, std::string_view file);
 
-/// Compares the header of a .npy file, of which the first bytes are given, with its size. Throws as parse_npy.
+/// Checks the header of a .npy file, in its first bytes, against its size. Throws as parse_npy.
 void check_npy_size(std::span<const std::byte> head, std::uint64_t size, std::string_view file);
 
 }  // namespace detail

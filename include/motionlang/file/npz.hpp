@@ -7,8 +7,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// An archive that is being read. Arrays are read when they are asked for: members that we cannot read (objects) do not
-/// disturb the others.
+/// An archive that is open for reading. Arrays are read on request, so members that we cannot read (objects) do not
+/// affect the others.
 class NpzArchive {
  public:
   /// Throws io_error 401 to 405.

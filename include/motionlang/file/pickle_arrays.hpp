@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's sparse matrices,
-/// chumpy's nodes (which SMPL's first files hold).
+/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's sparse matrices, and
+/// chumpy's nodes (in the first files of SMPL).
 ///
 ///     Pickle dump = Pickle::open("grouped.pth.tar", {.inline_bytes = joblib_array_bytes});
 ///
@@ -22,7 +22,7 @@ bool is_joblib_array(const PickleValue& v);
 bool is_numpy_scalar(const PickleValue& v);
 bool is_numpy_array(const PickleValue& v);
 
-/// An array of NumPy as the file holds it. The bytes live as long as the Pickle and the file.
+/// An array of NumPy as stored in the file. The bytes live as long as the Pickle and the file.
 struct PickledArray {
   std::string type;  // NumPy's: "<f4"
   bool fortran_order = false;
@@ -34,15 +34,15 @@ PickledArray pickled_array(const PickleValue& v);
 
 }  // namespace detail
 
-/// Where the bytes of an array of joblib are: for PickleOptions. In front of them stands, in newer files, a number of
-/// bytes that fill up to an aligned address.
+/// The place of the bytes of a joblib array, for PickleOptions. In newer files, a number of bytes precedes them that
+/// pads to an aligned address.
 /// Throws  io_error 403 if its description is damaged, 404 for arrays of objects
 InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const std::byte> file, std::uint64_t position);
 
-/// The array that a value of a pickle means: of NumPy or joblib, a single number, a sparse matrix of SciPy in full
-/// (csc, csr, coo; as real numbers), or the value of a chumpy node.
-/// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible
-///         sizes, 407 if the value is not an array
+/// The array in a value of a pickle: from NumPy or joblib, a single number, a sparse matrix of SciPy in full (csc, csr,
+/// coo; as real numbers), or the value of a chumpy node.
+/// Throws  io_error 402, 403 if it is damaged, 404 for unsupported elements and classes, 405 for impossible sizes, 407
+///         if the value is not an array
 NpyArray to_array(const PickleValue& value);
 
 MOTIONLANG_NAMESPACE_END

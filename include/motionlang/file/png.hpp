@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Pictures as PNG files (ISO/IEC 15948): writing of 8-bit RGB.
+/// Writes pictures as PNG files (ISO/IEC 15948) in 8-bit RGB.
 #pragma once
 
 #include <cstdint>  // colours
@@ -24,8 +24,8 @@ std::string big_endian(std::uint32_t v);
 
 }  // namespace detail
 
-/// Each row as differences to the row above. Throws shape_error 205 if the numbers are not width x height x 3,
-/// config_error 101 for a picture without pixels or with more than 2^31 of them in a row.
+/// Stores each row as differences to the row above. Throws shape_error 205 if the number of values is not width x
+/// height x 3, and config_error 101 for a picture without pixels or with more than 2^31 of them in a row.
 std::string encode_png(const Picture& picture);
 
 /// Throws io_error 401, and as encode_png.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// safetensors files: reading without a copy, writing. Includes no JSON library (see detail/json_cursor.hpp).
+/// Reads safetensors files without a copy, and writes them. Includes no JSON library (see detail/json_cursor.hpp).
 ///
 ///     const auto file = SafetensorsFile::open("weights.safetensors");
 ///     for (const TensorView& t : file.tensors()) use(t);              // sorted by name
@@ -7,10 +7,11 @@
 ///
 /// Layout   8 bytes: length N of the header; N bytes: JSON, name -> {dtype, shape, data_offsets}, "__metadata__" -> map
 ///          of strings; the rest: data, without holes
-/// Checked  everything, before any tensor is handed out: lengths, strict JSON, UTF-8, no name
-///          twice, products without overflow, ranges that tile the data exactly. Memory stays below a small multiple of
-///          the header, and nothing is allocated for what a file merely claims.
-/// Caution  a file that another process shortens while it is mapped ends the program (SIGBUS); write_file never does so
+/// Checked  Everything is checked before any tensor is handed out: lengths, strict JSON, UTF-8, unique names, products
+///          without overflow, ranges that tile the data exactly. Memory stays below a small multiple of the header, and
+///          nothing is allocated for what a file merely claims.
+/// Caution  If another process shortens a file while it is mapped, the program ends (SIGBUS). write_file never shortens
+///          one
 #pragma once
 
 #include <cstdint>  // sizes
@@ -27,14 +28,14 @@ class JsonCursor;
 
 class SafetensorsFile : public TensorSet {
  public:
-  /// Longest header that is read, as in the reference implementation.
+  /// The longest header that is read, as in the reference implementation.
   static constexpr std::uint64_t max_header = 100'000'000;
 
   /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than 64
   /// axes), 405 (impossible sizes).
   static SafetensorsFile open(const FilePath& path);
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
-  /// messages.
+  /// A file in memory. `owner` keeps the bytes alive; without an owner they have to outlive the object. Messages name
+  /// `name`.
   static SafetensorsFile from_bytes(std::span<const std::byte> bytes, std::string name = "safetensors data",
                                     std::shared_ptr<const void> owner = {});
 
@@ -59,24 +60,24 @@ class SafetensorsFile : public TensorSet {
 
   static FileShape read_shape(Cursor& json);
 
-  /// The range has exactly the bytes that shape and type need; the product of the sizes does not overflow, not even of
-  /// those that are not 0.
+  /// Checks that the range has exactly the bytes that shape and type need. The product of the sizes, also of those that
+  /// are not 0, must not overflow.
   static void check_size(const Cursor& json, const TensorView& view, const Range& range);
 
-  /// The ranges follow each other without overlap or hole and end where the data end.
+  /// Checks that the ranges follow each other without overlap or hole and end at the end of the data.
   static void check_tiling(const Cursor& json, std::vector<Range>& ranges, std::uint64_t size);
 
   std::map<std::string, std::string> metadata_;
 };
 
-/// The bytes of a file: tensors by element size, largest first, then by name; the data begin at a multiple of 8, so
-/// every element is aligned. What is written is read back before it is returned: a name twice, a size that does not fit
-/// the shape, or text that is not UTF-8 throws the io_error of the reader.
+/// The bytes of a file. Tensors are sorted by element size, largest first, then by name. The data begin at a multiple
+/// of 8, so every element is aligned. The bytes are read back before they are returned. A duplicate name, a size that
+/// does not fit the shape, or text that is not UTF-8 throws the io_error of the reader.
 std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tensors,
                                          const std::map<std::string, std::string>& metadata = {{"format", "pt"}});
 
 /// Writes a file in one step: readers see the old one or the new one. Throws io_error 401, and what safetensors_bytes
-/// throws. The metadata {"format": "pt"} let Python tools accept the file.
+/// throws. Python tools accept the file because of the metadata {"format": "pt"}.
 void write_safetensors(const FilePath& path, std::span<const TensorView> tensors,
                        const std::map<std::string, std::string>& metadata = {{"format", "pt"}});
 

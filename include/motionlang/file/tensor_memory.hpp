@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Keeps the bytes of tensors alive, and accounts for the memory that a file may cost: readers of weights ask here
-/// before it allocates.
+/// Keeps the bytes of tensors alive, and limits the memory that a file may use: readers of weights ask here before they
+/// allocate.
 #pragma once
 
 #include <cstdint>  // sizes
@@ -14,20 +14,20 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The file in which most tensors lie, and the bytes of those that had to be unpacked or put into another order.
+/// The file that holds most tensors, and the bytes of tensors that had to be unpacked or reordered.
 class TensorMemory {
  public:
-  /// file_size   tensors may cost as many bytes besides the file itself, and 12 MiB
+  /// file_size   tensors may use this many bytes besides the file itself, plus 12 MiB
   TensorMemory(std::shared_ptr<const void> file, std::uint64_t file_size, std::string name)
       : file_(std::move(file)), name_(std::move(name)), left_(file_size + (std::uint64_t{12} << 20)) {}
 
-  /// Throws io_error 405 if the file has cost too much already.
+  /// Throws io_error 405 if the file has used too much already.
   void spend(std::uint64_t bytes);
   void allow(std::uint64_t more) { left_ += more; }
-  /// The bytes that may still be spent.
+  /// The bytes that may still be used.
   std::uint64_t left() const { return left_; }
 
-  /// A place for bytes that live as long as this. They have been paid for.
+  /// Stores bytes that live as long as this. They must have been paid for with `spend`.
   template <class T>
   const T& keep(T value) {
     auto kept = std::make_shared<const T>(std::move(value));

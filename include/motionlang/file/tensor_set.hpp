@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Named tensors of a file: what every reader of weights gives, and what modules are filled from.
+/// Named tensors of a file: the result of every reader of weights, and the source from which modules are filled.
 #pragma once
 
 #include <memory>  // owner of the bytes
@@ -32,8 +32,8 @@ class TensorSet {
   std::vector<TensorView> tensors_;
 };
 
-/// A checksum of names, types, shapes and bytes of tensors, whatever their order: equal for equal weights, in
-/// hexadecimal.
+/// A checksum of names, types, shapes and bytes of tensors in any order, in hexadecimal. Equal weights have equal
+/// checksums.
 std::string tensors_checksum(std::span<const TensorView> tensors);
 
 MOTIONLANG_NAMESPACE_END

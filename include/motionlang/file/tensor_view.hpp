@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A tensor as a file holds it: name, element type, shape, bytes. Every reader of arrays yields these and every writer
-/// takes them; nothing is converted until somebody asks for values.
+/// A tensor as stored in a file: name, element type, shape, bytes. Every reader of arrays returns these, and every
+/// writer takes them. Nothing is converted before somebody asks for values.
 #pragma once
 
 #include <array>             // table of element types
@@ -23,7 +23,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 // clang-format off
-/// Element types of safetensors files. Values of those up to F64 can be read; of the others only the size is known.
+/// Element types of safetensors files. Values of types up to F64 can be read. For the others only the size is known.
 enum class DType : std::uint8_t {
   BOOL, U8, I8, U16, I16, U32, I32, U64, I64, F16, BF16, F32, F64,
   F8_E5M2, F8_E4M3, F8_E8M0, F8_E4M3FNUZ, F8_E5M2FNUZ, F4, F6_E2M3, F6_E3M2, C64
@@ -51,7 +51,7 @@ constexpr std::optional<DType> parse_dtype(std::string_view name) {
 /// True if values of this type are whole numbers.
 constexpr bool is_integer(DType t) { return t <= DType::I64; }
 
-/// The element type that holds a C++ number.
+/// The element type for a C++ number.
 template <class T>
 requires std::integral<T> || std::floating_point<T>
 consteval DType dtype_of() {
@@ -62,8 +62,8 @@ consteval DType dtype_of() {
   return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
 }
 
-/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated
-/// with, has six at most.
+/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, for calculations, has
+/// at most six.
 class FileShape {
  public:
   static constexpr int max_rank = 64;
@@ -101,7 +101,7 @@ struct TensorView {
   std::span<const std::byte> bytes;
 };
 
-/// A view of numbers in memory, for writing.
+/// A view of values in memory, for writing.
 template <class T>
 TensorView tensor_view(std::string name, const FileShape& shape, std::span<const T> values) {
   if (static_cast<std::size_t>(shape.count()) != values.size()) {
@@ -110,7 +110,7 @@ TensorView tensor_view(std::string name, const FileShape& shape, std::span<const
   return {std::move(name), dtype_of<T>(), shape, std::as_bytes(values)};
 }
 
-/// The numbers themselves, without a copy: if the view holds Ts and they are aligned.
+/// The values themselves, without a copy, if the view holds aligned Ts.
 template <class T>
 std::optional<std::span<const T>> direct(const TensorView& view) {
   if (view.dtype != dtype_of<T>() || reinterpret_cast<std::uintptr_t>(view.bytes.data()) % alignof(T) != 0) {
@@ -145,8 +145,8 @@ void convert_numbers(const TensorView& view, std::span<T> out) {
 }  // namespace detail
 
 /// Copies all values, converted to T. Numbers of every kind become float or double; only whole numbers become integers.
-/// Throws shape_error 205 if the sizes differ, io_error 404 for an element type that cannot be read, 407 if the values
-/// are not of the kind of T or do not fit.
+/// Throws shape_error 205 if the sizes differ, io_error 404 for an unreadable element type, and 407 if the values are
+/// of another kind than T or do not fit.
 template <class T>
 void copy_values(const TensorView& view, std::span<T> out) {
   if (view.bytes.size() * 8 != out.size() * static_cast<std::size_t>(info(view.dtype).bits)) {

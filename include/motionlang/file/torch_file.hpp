@@ -5,11 +5,11 @@
 ///     const TorchFile file = TorchFile::open("model.ckpt");
 ///     const TensorView bias = file.tensor(file.root()["state_dict"]["head.bias"]);
 ///
-/// The objects in the file are a pickle, which is read without executing anything (file/pickle.hpp); this class gives
-/// its tensors. Those that lie in order in the file are views of it, without a copy; others (transposed, expanded,
+/// The objects in the file are a pickle, which is read without executing anything (file/pickle.hpp). This class returns
+/// its tensors. Tensors that lie in order in the file are views of it, without a copy. Others (transposed, expanded,
 /// big-endian) are gathered. weights/weight_file.hpp finds all tensors of a file by their names.
 ///
-/// Checked  sizes, strides and offsets against the storage, storages against the archive, the checksum of the pickle
+/// Checked  sizes, strides and offsets against the storage; storages against the archive; the checksum of the pickle
 /// Source   pytorch/pytorch torch/serialization.py (_save, _legacy_save) and torch/_utils.py (_rebuild_tensor_v2)
 #pragma once
 
@@ -23,7 +23,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The magic number of an older file, as pickles of all protocols from 2 on have it behind their first two bytes.
+/// The magic number of an older file, after the first two bytes of pickles of protocol 2 and later.
 inline constexpr std::string_view torch_legacy_number{"\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e", 13};
 
 class TorchTensors;
@@ -34,36 +34,36 @@ class ZipArchive;
 
 class TorchFile {
  public:
-  /// Throws  io_error 401; 402, 403, 405 if the file is damaged; 404 for what is not supported, and for names that only
-  ///         code that attacks its reader needs
+  /// Throws  io_error 401; 402, 403, 405 if the file is damaged; 404 for unsupported content, and for names that only
+  ///         an attack needs
   static TorchFile open(const FilePath& path);
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
-  /// messages.
+  /// A file in memory. `owner` keeps the bytes alive; without an owner they have to outlive the object. Messages name
+  /// `name`.
   static TorchFile from_bytes(std::span<const std::byte> bytes, const std::string& name,
                               std::shared_ptr<const void> owner = {});
   /// A file of the older form.
   static TorchFile from_legacy(std::span<const std::byte> bytes, const std::string& name,
                                const std::shared_ptr<TensorMemory>& memory);
-  /// An archive that is open already. `checksums`: those of stored storages are compared, too, which reads all of them.
+  /// An archive that is already open. `checksums`: also compare those of stored storages, which reads all of them.
   static TorchFile from_archive(const ZipArchive& zip, const std::shared_ptr<TensorMemory>& memory,
                                 bool checksums = false);
 
-  /// A plain pickle, in which tensors bring their storages.
+  /// A plain pickle, whose tensors contain their storages.
   static TorchFile from_pickle(Pickle pickle, const std::shared_ptr<TensorMemory>& memory);
 
   static bool is_legacy(std::span<const std::byte> bytes);
   /// The first folder of an archive that has a data.pkl, with a slash; empty if there is none.
   static std::string root_folder(const ZipArchive& zip);
 
-  /// Bytes that follow the pickle of an archive and mean nothing.
+  /// Bytes after the pickle of an archive, which mean nothing.
   std::uint64_t bytes_behind() const { return behind_; }
   /// "torch zip", "TorchScript", "torch legacy" or "pickle".
   const std::string& format() const { return format_; }
   PickleValue root() const { return object_.root(); }
   static bool is_tensor(const PickleValue& v);
-  /// Not for several threads at once: what is allocated for tensors is counted.
-  /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its elements are of no type that is
-  ///         known, 407 if the value is not a tensor
+  /// Do not call this from several threads at once: it counts the memory of tensors.
+  /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its element type is unknown, 407 if the
+  ///         value is not a tensor
   TensorView tensor(const PickleValue& v) const;
   /// Keeps the bytes of all tensors alive.
   const std::shared_ptr<TensorMemory>& owner() const { return memory_; }

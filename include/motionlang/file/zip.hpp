@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// Zip archives, as NumPy (.npz) and PyTorch write them: reading stored and deflated members, writing stored ones.
+/// Zip archives as written by NumPy (.npz) and PyTorch: reads stored and deflated members, writes stored ones.
 ///
-/// Reading believes the central directory only and refuses what an honest writer does not produce. No encryption, no
-/// archives in several parts; written archives are below 4 GiB.
+/// The reader trusts only the central directory, and refuses everything that a regular writer does not produce.
+/// Encryption and archives in several parts are not supported. Written archives are below 4 GiB.
 #pragma once
 
 #include <cstdint>      // sizes
@@ -17,7 +17,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One member: where its bytes lie in the archive, and what they should be.
+/// One member: the place of its bytes in the archive, and their expected size and checksum.
 struct ZipEntry {
   std::string name;
   std::uint64_t offset = 0;  // of the (packed) data
@@ -27,13 +27,13 @@ struct ZipEntry {
   bool deflated = false;
 };
 
-/// An archive that is being read. Its directory is checked on opening, a member when it is asked for.
+/// An archive that is open for reading. Its directory is checked on opening, a member on request.
 class ZipArchive {
  public:
   /// Throws io_error 401 to 405.
   static ZipArchive open(const FilePath& path);
   /// name    for messages
-  /// owner   kept alive as long as the archive is, for instance the mapped file that holds `bytes`
+  /// owner   kept alive as long as the archive, for example the mapped file that holds `bytes`
   ZipArchive(std::span<const std::byte> bytes, std::string name, std::shared_ptr<const void> owner = nullptr);
 
   const std::string& name() const { return name_; }
@@ -41,16 +41,16 @@ class ZipArchive {
   /// The member of that name, or null.
   const ZipEntry* find(std::string_view member) const;
 
-  /// The bytes of a stored member where they lie, without a copy and without a checksum. Throws io_error 404 if it is
-  /// deflated.
+  /// The bytes of a stored member in place, without a copy and without a check of the checksum. Throws io_error 404 if
+  /// it is deflated.
   std::span<const std::byte> stored(const ZipEntry& entry) const;
-  /// The same after a look at the checksum. Throws io_error 403, 404.
+  /// The same with a check of the checksum. Throws io_error 403, 404.
   std::span<const std::byte> checked(const ZipEntry& entry) const;
-  /// The first unpacked bytes of a deflated member, at least `count` of them if it has that many; not checked. Throws
-  /// io_error 402, 403.
+  /// The first unpacked bytes of a deflated member, at least `count` of them if it has that many. They are not checked.
+  /// Throws io_error 402, 403.
   std::vector<std::byte> head(const ZipEntry& entry, std::size_t count) const;
   /// The unpacked bytes, checked against size and checksum.
-  /// Throws  io_error 402, 403 if the data are damaged, 405 if they are more than the directory says
+  /// Throws  io_error 402, 403 if the data are damaged, 405 if there are more than the directory says
   std::vector<std::byte> read(const ZipEntry& entry) const;
 
  private:
@@ -60,13 +60,13 @@ class ZipArchive {
     return detail::load<T>(bytes_, offset, name_, what);
   }
 
-  /// Finds the end record from the back; with ZIP64 the larger record that stands before it.
+  /// Finds the end record from the back; with ZIP64 the larger record before it.
   void read_directory();
 
-  /// Reads the directory entry at `position` and gives the position of the next.
+  /// Reads the directory entry at `position` and returns the position of the next.
   std::uint64_t read_entry(std::uint64_t position);
 
-  /// Extra field 1: eight bytes for each of size, packed, header that does not fit into four.
+  /// Extra field 1: eight bytes for each of size, packed and header that does not fit into four.
   void read_zip64(std::uint64_t position, std::uint64_t length, ZipEntry& e, std::uint64_t& header) const;
 
   static bool leads_out(const std::string& member);
@@ -79,10 +79,10 @@ class ZipArchive {
   std::vector<ZipEntry> entries_;
 };
 
-/// An archive that is being written: add members, then take the bytes. The same members give the same bytes (no dates).
+/// Writes an archive: add members, then take the bytes. The same members give the same bytes (there are no dates).
 class ZipWriter {
  public:
-  /// Throws io_error 405 when the archive would need ZIP64.
+  /// Throws io_error 405 if the archive would need ZIP64.
   void add(std::string_view name, std::span<const std::byte> data);
 
   /// The whole archive; the writer is empty afterwards.

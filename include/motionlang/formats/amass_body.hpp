@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// AMASS sequences on a body of SMPL's family: hands and face, shape, and the place where AMASS has the pelvis.
+/// AMASS sequences on a body of SMPL's family, with hands and face, shape, and the pelvis where AMASS has it.
 ///
 ///     const auto clip = amass_on_body(read_amass_sequence("a.npz"), "a", body);
 ///     write_body_glb("a.glb", body, std::span(&clip.motion, 1), std::span<const float>(clip.betas));
@@ -18,23 +18,23 @@ template <Backend B>
 struct AmassOnBody {
   Motion motion;  // on the body's joints, turned to Y up
   std::vector<typename B::scalar>
-      betas;                            // the file's, as many as the body has, if it has these shapes; the others are 0
-  std::vector<std::string> parts{};     // that move in the file besides the 22 body joints: "left hand", ...
-  std::vector<std::string> left_out{};  // those of them that the body does not have
+      betas;  // the file's, as many as the body has, if both have the same shapes; the others are 0
+  std::vector<std::string> parts{};     // parts that move in the file besides the 22 body joints: "left hand", ...
+  std::vector<std::string> left_out{};  // those of them that the body lacks
 };
 
 namespace detail {
 
-/// The rotations of the joints that follow the 22 of the body and that move, with the names of what they are part of.
+/// The rotations of the moving joints after the 22 of the body, with the names of their parts.
 void add_amass_parts(const AmassSequence& sequence, const Skeleton& skeleton, Motion& motion,
                      std::vector<std::string>& parts, std::vector<std::string>& left_out);
 
 }  // namespace detail
 
-/// True if betas of a sequence mean the same shape on a body: SMPL and SMPL-H share theirs, SMPL-X has its own.
+/// True if the betas of a sequence mean the same shape on this body: SMPL and SMPL-H share theirs, SMPL-X has its own.
 bool has_shapes_of(const AmassSequence& sequence, BodyKind body);
 
-/// A part whose numbers are all 0 in the file is not in it: hands then have the mean pose of the body's, as in
+/// A part whose values are all 0 counts as missing in the file. Hands then have the body's mean hand pose, as in
 /// motion_on_body.
 /// Throws  config_error 106 for a body of another kind, numeric_error 301 if a value is not finite
 template <Backend B>
@@ -52,7 +52,7 @@ AmassOnBody<B> amass_on_body(const AmassSequence& sequence, const std::string& n
 
   const Skeleton skeleton = body_skeleton(body, std::span<const S>(betas));
   Motion motion = amass_motion(sequence, name, skeleton.offset(0));
-  // its legs: the path is not scaled
+  // The body's own legs: the path is not scaled.
   std::copy_n(skeleton.offsets.begin(), detail::amass_joints, motion.skeleton.offsets.begin());
   AmassOnBody<B> out{motion_on_body(body, motion, std::span<const S>(betas)), betas};
   detail::add_amass_parts(sequence, skeleton, out.motion, out.parts, out.left_out);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// The original files of the CMU motion capture database: ASF (Acclaim skeleton) and AMC (Acclaim motion). Reading
-/// only.
+/// Reads the original files of the CMU motion capture database: ASF (Acclaim skeleton) and AMC (Acclaim motion).
 ///
-///     L = C M C^-1,   C, M: products of axis rotations, the axis named first is turned about first (R = Rz Ry Rx)
-/// C is the bone's "axis", M has the angles of its degrees of freedom. A joint of the motion is the start of a bone: it
-/// stands where the parent bone ends, and its rotation turns the bone. In the rest pose all rotations are the identity.
+///    L = C M C^-1,   C, M: products of axis rotations, the axis named first is turned about first (R = Rz Ry Rx)
+/// C is the bone's "axis", and M has the angles of its degrees of freedom. A joint of the motion is the start of a
+/// bone: it is where the parent bone ends, and its rotation turns the bone. In the rest pose all rotations are the
+/// identity.
 #pragma once
 
 #include <string>       // notes
@@ -18,7 +18,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct AmcReadOptions {
-  double fps = 120;  // the format does not say it
+  double fps = 120;  // the format does not state it
 };
 
 /// Reads the text of an ASF file. Throws io_error 402 (too short), 403 (malformed), 405 (too many bones).
@@ -29,12 +29,12 @@ AsfSkeleton read_asf(const FilePath& path);
 /// One joint for each bone, at its start; metres.
 Skeleton to_skeleton(const AsfSkeleton& asf);
 
-/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest. Bones keep their length:
-/// one that is translated (tx, ty, tz) begins where it does in the mean, and changing lengths (l) are left out.
-/// notes  gets a sentence for each bone of which something is left out so
-/// Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
-/// the other, bones that a frame names twice or, unlike others, not at all), 405 (far more bones than numbers),
-/// config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
+/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names stay at rest. Bones keep their
+/// length. A translated bone (tx, ty, tz) begins at its mean place, and changing lengths (l) are left out.
+/// notes  gets a sentence for each bone of which something is left out
+/// Throws io_error 402 (too short), 403 (malformed; unknown bone; frames that are not numbered consecutively; bones
+/// that a frame names twice or omits although others name them), 405 (far more bones than values), config_error 101
+/// (fps), numeric_error 301 (values so large that they overflow).
 Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
                  std::string_view name = "AMC text", std::vector<std::string>* notes = nullptr);
 /// Throws io_error 401 and as parse_amc.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The
-/// content of a file says which form it has, the number of joints says which kind of body it is. A body of any other
-/// number of joints is read, too. No file of these is or may be part of this library.
+/// Reads the user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The content of a file decides its
+/// form, and the number of joints the kind of body. A body with any other number of joints is read, too. None of these
+/// files is or may be part of this library.
 ///
 ///     auto file = find_body_file("models", BodyKind::smplh);
 ///     auto body = read_body<EigenBackend<float>>(file, {.betas = 16});
@@ -28,14 +28,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct NpyArray;
 
 struct BodyFileOptions {
-  Index betas = 10;      // coefficients of shape, which the file must have
-  Index most_betas = 0;  // this many of a file that has more of them than `betas`
-  /// SMPL-X: coefficients of expression, which follow those of shape. -1: those that the file has, up to 10.
+  Index betas = 10;      // shape coefficients, which the file must have
+  Index most_betas = 0;  // take this many if the file has more than `betas`
+  /// SMPL-X: expression coefficients, which follow those of shape. -1: those in the file, up to 10.
   Index expressions = -1;
-  /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of
-  /// them.
+  /// SMPL-X: directions of shape in the file. 0: 300 of 400 directions, 10 of 20, and all in other files.
   Index shape_directions = 0;
-  /// Nose, eyes, ears, feet and finger tips (kinematics/body.hpp), if the vertices are those of the kind.
+  /// Adds nose, eyes, ears, feet and finger tips (kinematics/body.hpp), if the vertices are those of the kind.
   bool extra_points = true;
 };
 
@@ -49,7 +48,7 @@ class BodyArrays {
   const std::string& file() const { return file_; }
   bool has(const char* name) const;
   NpyArray read(const char* name) const;
-  /// An array of this shape; a size below 0 may be any. Throws io_error 407, numeric_error 301 if a number is not
+  /// An array of this shape; a size below 0 may be any. Throws io_error 407, and numeric_error 301 if a value is not
   /// finite. T: float, double or std::int64_t.
   template <class T>
   std::vector<T> read(const char* name, std::vector<Index> wanted, std::vector<Index>* found = nullptr) const;
@@ -69,7 +68,7 @@ void copy_columns(const std::vector<T>& from, Index width, Index first, Index co
   }
 }
 
-/// Row 0: parents, the root's as -1 of any width. Row 1: the joints' own numbers, which must be 0, 1, 2, ...
+/// Row 0: parents, -1 of any width for the root. Row 1: the joints' own numbers, which must be 0, 1, 2, ...
 std::vector<int> body_parents(const BodyArrays& arrays);
 
 template <class S>
@@ -95,8 +94,8 @@ std::optional<HandPoses<B>> hand_poses(const BodyArrays& arrays, const char* com
   return HandPoses<B>{Tensor<B, 2>::from(rows, {shape[0], 45}), Tensor<B, 1>::from(arrays.read<S>(mean, {45}), {45})};
 }
 
-/// Where the directions of expression begin: 300 shape and 100 expression directions in new files, 10 and 10 in old
-/// ones.
+/// The index of the first direction of expression: 300 shape and 100 expression directions in new files, 10 and 10 in
+/// old ones.
 Index first_expression(BodyKind kind, Index directions, Index told);
 
 /// Points on triangles: one row of triangles, or several.
@@ -107,8 +106,8 @@ bool readable(const FilePath& path);
 
 }  // namespace detail
 
-/// Throws  io_error 401 to 407 for files that cannot be read or are not a body, numeric_error 301 for numbers that are
-///         not finite, config_error 101 if the file has fewer coefficients than asked for
+/// Throws  io_error 401 to 407 for files that cannot be read or are not a body, numeric_error 301 for values that are
+///         not finite, config_error 101 if the file has too few coefficients
 template <Backend B>
 Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
   using S = typename B::scalar;
@@ -166,7 +165,7 @@ Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
   return body;
 }
 
-/// The poses of a hand from MANO's own file, for bodies of SMPL-H whose file has none:
+/// The poses of a hand from MANO's own file, for SMPL-H bodies whose file has none:
 ///
 ///     body.left_hand = read_hand<B>("MANO_LEFT.pkl");
 /// Throws  as read_body; io_error 406 for a file without the arrays
@@ -179,8 +178,8 @@ HandPoses<B> read_hand(const FilePath& path) {
 
 /// The file of a body below a folder, under one of its usual names: smpl/SMPL_NEUTRAL.pkl, smplh/SMPLH_MALE.npz,
 /// smplh/female/model.npz, smplx/SMPLX_NEUTRAL.npz, and the names of the downloads.
-/// Throws  io_error 401, which says where the file can be had, if there is none; config_error 101 for a body of kind
-///         `other`
+/// Throws  io_error 401 if there is none, with the place where it can be downloaded; config_error 101 for a body of
+///         kind `other`
 FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender gender = BodyGender::neutral);
 
 MOTIONLANG_NAMESPACE_END

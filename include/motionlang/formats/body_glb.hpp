@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// The user's body in motion: as a GLB file with its skin, and as one OBJ file for each frame.
+/// The user's body in motion, as a GLB file with its skin or as one OBJ file for each frame.
 ///
 ///     write_body_glb("walk.glb", body, std::span(&motion, 1));  // moves in every viewer; without pose blend shapes
 ///     write_body_objs("walk.obj", body, motion);                // walk_0000.obj, ...: exactly the model's vertices
 ///
-/// A vertex in a GLB file follows at most four joints: the four largest weights, which is all that SMPL has.
+/// A vertex in a GLB file follows at most four joints: those with the largest weights. SMPL has no more.
 #pragma once
 
 #include <algorithm>  // min
@@ -34,8 +34,8 @@ void write_body_glb(const FilePath& path, const Body<B>& body, std::span<const M
   write_file(path, body_glb_bytes(body, motions, betas, options));
 }
 
-/// One file for each frame, "walk.obj" becoming walk_0000.obj, walk_0001.obj, ... Returns how many.
-/// Throws io_error 401, and what motion_on_body, pose_body and obj_text throw.
+/// One file for each frame: "walk.obj" becomes walk_0000.obj, walk_0001.obj, ... Returns their number. Throws io_error
+/// 401, and what motion_on_body, pose_body and obj_text throw.
 template <Backend B>
 Index write_body_objs(const FilePath& path, const Body<B>& body, const Motion& motion,
                       std::span<const typename B::scalar> betas = {}) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// BVH files as motions: what their channels mean, and how to write them so that all programs read them.
+/// BVH files as motions: the meaning of their channels, and writing in a form that all programs read.
 ///
-/// The format has no units and no up axis: reading takes metres per unit and expects Y up. Meaning of the channels:
-/// "Zrotation Xrotation Yrotation" is R = Rz Rx Ry on column vectors (the first named is the outermost); a position
-/// channel replaces that coordinate of the OFFSET.
+/// The format has no units and no up axis: reading takes metres per unit and assumes Y up. The channels "Zrotation
+/// Xrotation Yrotation" mean R = Rz Rx Ry on column vectors (the first named is the outermost). A position channel
+/// replaces that coordinate of the OFFSET.
 #pragma once
 
 #include <functional>   // tables
@@ -29,19 +29,19 @@ struct BvhReadOptions {
 struct BvhWriteOptions {
   double scale = 100;              // units per metre; 100: centimetres (Blender: import with scale 0.01)
   std::string_view order = "ZXY";  // of the rotation channels: three different axes
-  // Metres, of the bones after leaf joints where the skeleton has none, but no longer than the bone before: for bones
-  // of length 0, Blender invents a length of its own.
+  // Metres, for the bones after leaf joints that have none in the skeleton, but at most the length of the bone before.
+  // For bones of length 0, Blender invents a length.
   double end_length = 0.1;
 };
 
-/// The meaning of the file. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand",
-/// "Hand_2"). The root of the motion is that of the body (kinematics/body_root.hpp), with all
-/// movement of what stands above it. Whatever is beside it is left out (joints_beside_body). Below it, positions that
-/// change (stretching bones) are replaced by their mean.
-/// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels),
-///         numeric_error 301 (numbers so large that they overflow)
+/// The motion of the file. End sites are the ends of bones, not joints. Joints with equal names get numbers ("Hand",
+/// "Hand_2"). The root of the motion is that of the body (kinematics/body_root.hpp), with all movement above it.
+/// Everything beside it is left out (joints_beside_body). Below it, changing positions (stretching bones) are replaced
+/// by their mean.
+/// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels), numeric_error
+///         301 (values so large that they overflow)
 Motion to_motion(const Bvh& file, const BvhReadOptions& options = {});
-/// How many ROOTs the file has: each is a motion of its own.
+/// The number of ROOTs in the file. Each is a motion of its own.
 int bvh_roots(const Bvh& file);
 /// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
 /// leaves this out. Throws config_error 101 (number of the root).
@@ -54,22 +54,22 @@ Motion read_bvh_motion(const FilePath& path, const BvhReadOptions& options = {})
 
 namespace detail {
 
-/// The angles of the same rotation that continue a curve: of the triple and its twin (a + pi, pi - b, c + pi), each
-/// plus multiples of 2 pi, the closer one to the frame before.
+/// The angles of the same rotation that continue a curve. There is the triple and its twin (a + pi, pi - b, c + pi),
+/// each plus multiples of 2 pi; this is the one closest to the frame before.
 EulerAngles<double> continue_curve(const EulerAngles<double>& angles, const EulerAngles<double>& before);
 
-/// Joints so that every child follows its parent before any other branch: the order of a BVH file.
+/// Orders joints so that every child follows its parent before any other branch, as in a BVH file.
 std::vector<int> depth_first_order(const Skeleton& skeleton);
 
 }  // namespace detail
 
 /// The names of the joints in a BVH file. They are those of the skeleton, in UTF-8 and with colons. Blanks, control
-/// characters and braces become "_", and a name that another joint has then gets a number.
+/// characters and braces become "_". A name that is then no longer unique gets a number.
 std::vector<std::string> bvh_names(const Skeleton& skeleton);
 
 /// The motion as a BVH file: root first with OFFSET 0 and three positions, three rotation channels on every joint, an
-/// end site behind every leaf. Joints come depth first, whatever their order in the skeleton. Angles follow smooth
-/// curves and so may exceed 180 degrees.
+/// end site after every leaf. Joints come depth first, whatever their order in the skeleton. Angles follow smooth
+/// curves, so they may exceed 180 degrees.
 /// Throws  config_error 101 (order with an axis twice, scale), 103 (order), shape_error 205 and numeric_error 301
 ///         (Motion::validate)
 Bvh to_bvh(const Motion& motion, const BvhWriteOptions& options = {});

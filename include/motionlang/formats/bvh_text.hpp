@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// BVH files (Biovision hierarchy) as they stand: hierarchy, channels and numbers, read and written without loss. What
-/// they mean as a `Motion` is in bvh.hpp.
+/// BVH files (Biovision hierarchy) unchanged: hierarchy, channels and values, read and written without loss. bvh.hpp
+/// gives their meaning as a `Motion`.
 #pragma once
 
 #include <cstdint>      // BvhChannel
@@ -29,7 +29,7 @@ struct BvhNode {
   std::vector<BvhChannel> channels{};
 };
 
-/// A BVH file in its own units: nodes in file order (depth first), the table as it stands, degrees.
+/// A BVH file in its own units: nodes in file order (depth first), the table unchanged, degrees.
 /// Laws   parse_bvh(format_bvh(x)) equals x up to the six printed decimals
 struct Bvh {
   std::vector<BvhNode> nodes{};
@@ -37,7 +37,7 @@ struct Bvh {
   Index frames = 0;
   std::vector<double> values{};  // (frames, channels)
   std::string name{};            // of the file, for messages
-  /// One sentence for each thing that the reader of the text left out or took for something else.
+  /// One sentence for each thing that the reader of the text left out or corrected.
   std::vector<std::string> notes{};
 
   Index channels() const {
@@ -52,17 +52,16 @@ struct Bvh {
 
 /// Reads the text of a BVH file. Accepts any order and number of channels, positions on every joint, keywords in any
 /// case, any line ends, frames broken over lines, names with blanks, names after "End Site", several ROOTs, joints
-/// without channels, UTF-16 and decimal commas. Where every frame is a line, there may be more or fewer of them than
-/// are declared, and something else behind them: `notes` say so.
-/// Throws io_error 402 (too short), 403 (malformed; also when numbers are left over), 405 (too many joints); messages
-/// give file, line and column.
+/// without channels, UTF-16 and decimal commas. If every frame is a line, there may be more or fewer frames than
+/// declared, and other text after them; `notes` report it. Throws io_error 402 (too short), 403 (malformed, or values
+/// left over), 405 (too many joints). Messages give file, line and column.
 Bvh parse_bvh(std::string_view text, std::string_view name = "BVH text");
 /// Throws io_error 401 and as parse_bvh.
 Bvh read_bvh(const FilePath& path);
 
-/// The text of a file that strict, line-based readers (Blender's) accept too: one keyword a line, one frame a line, LF,
-/// fixed notation with six decimals, nothing after the last frame. The frame time has up to nine decimals.
-/// Throws numeric_error 301 for a number that is not finite, 302 for a frame time that would be written as 0.
+/// The text of a file that strict, line-based readers (Blender's) accept, too: one keyword a line, one frame a line,
+/// LF, fixed notation with six decimals, nothing after the last frame. The frame time has up to nine decimals. Throws
+/// numeric_error 301 for a value that is not finite, and 302 for a frame time that would be written as 0.
 std::string format_bvh(const Bvh& file);
 /// Throws io_error 401, and what format_bvh throws.
 void write_bvh(const FilePath& path, const Bvh& file);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Little-endian numbers in byte buffers: checked reading, appending. And base64.
+/// Little-endian numbers in byte buffers (checked reading, appending), and base64.
 #pragma once
 
 #include <bit>          // endian
@@ -23,7 +23,7 @@ static_assert(std::endian::native == std::endian::little, "the files are little-
 template <class T>
 concept Plain = std::is_trivially_copyable_v<T>;
 
-/// The value stored at `at`. Throws io_error 402 if it does not lie inside; `what` and `file` are for the message.
+/// The value stored at `at`. Throws io_error 402 if it is not inside. Messages name `what` and `file`.
 template <Plain T>
 T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file, std::string_view what) {
   if (at > bytes.size() || bytes.size() - at < sizeof(T)) {
@@ -34,7 +34,7 @@ T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file
   return value;
 }
 
-/// `size` bytes from `at`. Throws io_error 402 if they do not lie inside.
+/// `size` bytes from `at`. Throws io_error 402 if they are not inside.
 std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
                                  std::string_view file, std::string_view what);
 
@@ -59,7 +59,7 @@ inline std::string_view as_text(std::span<const std::byte> bytes) {
 /// Source  RFC 4648, section 4.
 std::string to_base64(std::span<const std::byte> bytes);
 
-/// White space is skipped. `name` stands in messages. Throws io_error 403 on any other character outside the alphabet.
+/// Skips white space. Messages name `name`. Throws io_error 403 for any other character outside the alphabet.
 std::vector<std::byte> from_base64(std::string_view text, std::string_view name = "text");
 
 }  // namespace detail

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A checksum of many bytes at the speed of memory. Against accidents, not against forgery.
+/// A checksum of many bytes at the speed of memory. It protects against accidents, not against forgery.
 #pragma once
 
 #include <cstdint>  // words
@@ -12,8 +12,8 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the rest and the length. Every step can be undone,
-/// so one changed word always changes the result.
+/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the remaining bytes and the length. Every step is
+/// invertible, so one changed word always changes the result.
 inline std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t before = 0xCBF29CE484222325u) {
   constexpr std::uint64_t prime = 0x100000001B3u;
   std::uint64_t lanes[4] = {before, before ^ 1u, before ^ 2u, before ^ 3u}, words[4];

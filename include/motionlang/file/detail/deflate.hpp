@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Deflate (RFC 1951) in its plainest form: matches found by one table of three bytes, the codes that the standard
-/// fixes. For pictures of a few flat colours, where nothing better is needed, and not zlib, which would have to be
-/// linked. Unpacking is in inflate.hpp.
+/// Deflate (RFC 1951) in its simplest form: one table of three bytes finds matches, and the codes are the fixed ones of
+/// the standard. This is enough for pictures of a few flat colours, and needs no link with zlib. Unpacking is in
+/// inflate.hpp.
 #pragma once
 
 #include <cstddef>  // byte

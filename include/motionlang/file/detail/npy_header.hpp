@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The header of a .npy file: a small parser for the Python dictionary in which NumPy describes an array.
+/// The header of a .npy file: a small parser for the Python dictionary with which NumPy describes an array.
 #pragma once
 
 #include <string>       // element type
@@ -33,7 +33,7 @@ class NpyHeader {
   }
 
  private:
-  static constexpr std::size_t max_rank = 64;  // NumPy 2; NumPy 1 has 32
+  static constexpr std::size_t max_rank = 64;  // NumPy 2; NumPy 1 allows 32
 
   char peek();
   bool accept(char c) { return peek() == c && (++at_, true); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The stack machine of a pickle: opcodes in, a graph of inert values out. Nothing is called or imported.
+/// The stack machine of a pickle: reads opcodes and gives a graph of inert values. It calls and imports nothing.
 #pragma once
 
 #include <algorithm>      // find
@@ -54,7 +54,7 @@ class PickleMachine {
   const PickleNode& node(PickleRef ref) const { return nodes_[ref]; }
   std::uint64_t position() const { return position_; }
   std::uint64_t memory_left() const { return memory_; }
-  /// Values that stand for something outside of the pickle, in the order of the file.
+  /// Values that represent something outside of the pickle, in the order of the file.
   const std::vector<PickleRef>& persistent() const { return persistent_; }
   /// For messages: " at byte 7 (BINGET)".
   std::string place(std::uint64_t at) const {
@@ -63,7 +63,7 @@ class PickleMachine {
     return name.empty() ? concat_text(" at byte ", at) : concat_text(" at byte ", at, " (", name, ")");
   }
 
-  /// Reads from `start` to STOP and gives the value that is left.
+  /// Reads from `start` to STOP and returns the value on the stack.
   PickleRef run(std::uint64_t start) {
     position_ = start;
     for (;;) {
@@ -98,7 +98,7 @@ class PickleMachine {
     position_ += size;
     return as_text(part);
   }
-  /// Up to the end of the line, which is skipped.
+  /// The text up to the end of the line, which is skipped.
   std::string_view line(std::size_t longest) {
     const std::string_view rest = as_text(bytes_.subspan(static_cast<std::size_t>(position_)));
     const std::size_t end = rest.substr(0, longest).find('\n');
@@ -114,7 +114,7 @@ class PickleMachine {
     return owned_.emplace_back(std::move(text));
   }
 
-  // The stack. Marks are positions in it; what lies below the last one is out of reach.
+  // The stack. Marks are positions in it. Everything below the last mark is out of reach.
 
   void charge(std::size_t count) {
     if (count > budget_) fail(405, "more values than a file of ", counted(bytes_.size(), "byte"), " may have");
@@ -156,7 +156,7 @@ class PickleMachine {
     if (n.kind != kind) fail(403, name_of(kind), " expected on the stack, found ", name_of(n.kind));
     return n;
   }
-  /// Values above the last mark; the mark goes, too.
+  /// Values above the last mark. The mark is removed, too.
   std::vector<PickleRef> pop_marked() {
     if (marks_.empty()) fail(403, "no mark on the stack");
     const auto first = stack_.begin() + static_cast<std::ptrdiff_t>(marks_.back());
@@ -220,7 +220,7 @@ class PickleMachine {
     if (problem != std::errc()) return push_text(PickleKind::text, digits);
     push_integer(value);
   }
-  /// UTF-8, or with surrogates of their own, which Python writes as three bytes each.
+  /// UTF-8, or with single surrogates, which Python writes as three bytes each.
   void push_utf8(std::string_view text) {
     for (std::size_t at = 0; at < text.size();) {
       const std::size_t start = at;
@@ -237,7 +237,7 @@ class PickleMachine {
            : c >= 'A' && c <= 'F' ? c - 'A' + 10
                                   : -1;
   }
-  /// The number of `count` hexadecimal digits from text[at].
+  /// The number in `count` hexadecimal digits from text[at].
   char32_t code(std::string_view text, std::size_t at, std::size_t count) {
     char32_t value = 0;
     for (std::size_t i = at; i < at + count; ++i) {
@@ -328,8 +328,8 @@ class PickleMachine {
     n.attribute = attribute;
   }
 
-  /// One byte for every code point of a text: how Python 3 writes bytes in protocols 0 to 2. Each text is converted
-  /// once, however often it is asked for.
+  /// One byte for every code point of a text: the form in which Python 3 writes bytes in protocols 0 to 2. Each text is
+  /// converted only once.
   std::string_view latin1(PickleRef ref) {
     const auto [slot, first] = latin1_.try_emplace(ref);
     if (!first) return slot->second;
@@ -344,7 +344,7 @@ class PickleMachine {
     return slot->second = keep(std::move(out));
   }
 
-  /// Result of calling `callee`: a plain value if Python's own types are meant, else an object that remembers the call.
+  /// Result of calling `callee`: a plain value for Python's own types, otherwise an object that remembers the call.
   void call(PickleRef callee, PickleRef arguments) {
     const std::string_view module = nodes_[callee].text, attribute = nodes_[callee].attribute;
     const bool named = nodes_[callee].kind == PickleKind::name;
@@ -416,7 +416,7 @@ class PickleMachine {
   void push_persistent(PickleRef id) {
     if (!options_.persistent_ids) fail(404, "a persistent id, which means something outside this file");
     const std::vector<PickleRef>& parts = nodes_[id].items;
-    // PyTorch's older form refers to the source code of classes
+    // PyTorch's older form refers to the source code of classes.
     if (!parts.empty() && nodes_[parts[0]].text == "module")
       fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     push_new(PickleKind::persistent).arguments = id;
@@ -531,7 +531,7 @@ class PickleMachine {
     if (n < 0) fail(403, "a negative length");
     return static_cast<std::uint64_t>(n);
   }
-  /// A tuple with one value more: keyword arguments stand behind the others.
+  /// A tuple with one more value. Keyword arguments follow the others.
   PickleRef with_last(PickleRef tuple, PickleRef last) {
     std::vector<PickleRef> items = nodes_[tuple].items;
     items.push_back(last);

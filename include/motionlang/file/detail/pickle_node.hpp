@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The values of a pickle as its stack machine makes them.
+/// The values of a pickle, as the stack machine makes them.
 #pragma once
 
 #include <cstdint>      // places in the file
@@ -17,13 +17,13 @@ enum class PickleKind : std::uint8_t {
   boolean,
   integer,
   real,
-  text,   // also whole numbers of more than 64 bits in protocol 0: their digits
-  bytes,  // also the texts of Python 2, and such numbers in other protocols: little-endian
+  text,   // also whole numbers of more than 64 bits in protocol 0, as digits
+  bytes,  // also the texts of Python 2, and such numbers in other protocols, little-endian
   list,   // also sets
   tuple,
   dict,
   name,        // of a class or a function
-  object,      // what calling one would have made
+  object,      // the inert result of calling one
   persistent,  // something outside the pickle, known by an id
 };
 inline std::string_view name_of(PickleKind k) {
@@ -42,14 +42,14 @@ struct InlineBytes {
 };
 
 struct PickleOptions {
-  /// Names that may occur, "collections.OrderedDict" or, ending with a dot, everything below a module: "numpy.". Empty:
-  /// all but those that execute something; classes that nobody knows are inert objects.
+  /// Names that may occur: "collections.OrderedDict" or, ending with a dot, everything below a module: "numpy.". Empty:
+  /// all names except those that execute something. Unknown classes are inert objects.
   std::span<const std::string_view> allowed{};
   bool persistent_ids = false;         // PyTorch's storages
-  std::size_t max_values = 4'000'000;  // values and links between them; never more than the bytes of the file allow
-  std::uint64_t max_memory = 0;        // bytes for them; 0: 24 MiB and as much as the file has
-  /// Called with every object that has got its state: what follows it at `position` (joblib's arrays). Reading goes on
-  /// behind.
+  std::size_t max_values = 4'000'000;  // values and links between them; never more than the size of the file allows
+  std::uint64_t max_memory = 0;        // bytes for them; 0: 24 MiB plus the size of the file
+  /// Called with every object that has its state. Returns the bytes at `position` that belong to it (joblib's arrays).
+  /// Reading continues after them.
   InlineBytes (*inline_bytes)(const PickleValue& object, std::span<const std::byte> file,
                               std::uint64_t position) = nullptr;
 };
@@ -66,7 +66,7 @@ struct PickleNode {
   std::uint64_t at = 0;
   std::int64_t integer = 0;
   double real = 0;
-  std::string_view text, attribute;  // of a name: module and attribute; of an object: the bytes that follow it
+  std::string_view text, attribute;  // of a name: module and attribute; of an object: the bytes after it
   std::vector<PickleRef> items;
 };
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// File calls of the system: POSIX, and on Windows those of MinGW's C library. errno says why a call
-/// failed.
+/// File calls of the system: POSIX, and on Windows those of MinGW's C library. errno has the reason of a failure.
 #pragma once
 
 #include <fcntl.h>     // open
@@ -27,14 +26,14 @@
 #include <motionlang/version.hpp>
 
 #if defined(_WIN32)
-// As windows.h declares it, which would bring macros named min, max, near and far.
+// Declared here as in windows.h, which would bring macros named min, max, near and far.
 extern "C" __declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail::system {
 
-/// An open file of a new name where temporary files go, for this user only; -1 if there is no place for it.
+/// Creates and opens a temporary file with a new name, for this user only. Returns -1 if that fails.
 inline int create_temporary(std::string& name) {
   std::error_code problem;
   const std::filesystem::path folder = std::filesystem::temp_directory_path(problem);
@@ -46,9 +45,9 @@ inline int create_temporary(std::string& name) {
 #if defined(_WIN32)
 
 inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_BINARY | O_NOINHERIT); }
-/// A file that is not there yet, else errno is EEXIST.
+/// Creates a new file. errno is EEXIST if it exists.
 inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_BINARY | O_NOINHERIT, 0666); }
-/// An open file that has no name any more. Windows knows none.
+/// Creates a file without a name. Windows has no such files.
 inline int create_nameless() { return -1; }
 inline bool is_regular(int file, std::uint64_t& size) {
   struct _stat64 s {};
@@ -59,15 +58,15 @@ inline bool is_regular(int file, std::uint64_t& size) {
 inline void copy_permissions(const char*, int) {}  // of a folder, for all in it
 inline bool flush(int file) { return ::_commit(file) == 0; }
 inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
-/// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped,
-/// such as the checkpoint from which a training goes on.
+/// The whole file, for reading; null if that fails. size > 0. This is a copy, because nobody could rewrite a mapped
+/// file, such as the checkpoint of a training.
 inline void* map(int file, std::size_t size) {
   auto* const data = static_cast<char*>(::_aligned_malloc(size, 64));
   if (data == nullptr) return errno = ENOMEM, nullptr;
   for (std::size_t done = 0; done < size;) {
     const int n = ::read(file, data + done, static_cast<unsigned>(std::min<std::size_t>(size - done, 1u << 30)));
     if (n <= 0) {
-      if (n == 0) errno = EIO;  // it has become shorter
+      if (n == 0) errno = EIO;  // it is shorter now
       return unmap(data, size), nullptr;
     }
     done += static_cast<std::size_t>(n);
@@ -86,9 +85,9 @@ inline bool make_folder(const char* path) { return ::mkdir(path) == 0; }
 #else
 
 inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_CLOEXEC); }
-/// A file that is not there yet, else errno is EEXIST.
+/// Creates a new file. errno is EEXIST if it exists.
 inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
-/// An open file that has no name any more; -1 if there is no place for it.
+/// Creates a file without a name; -1 if that fails.
 inline int create_nameless() {
   std::string name;
   const int file = create_temporary(name);
@@ -101,7 +100,7 @@ inline bool is_regular(int file, std::uint64_t& size) {
   size = static_cast<std::uint64_t>(s.st_size);
   return true;
 }
-/// Who may read and write an open file as another one, if that is there. Not every file system knows such permissions.
+/// Gives an open file the permissions of another one, if that exists. Some file systems have no such permissions.
 inline void copy_permissions(const char* from, int to) {
   struct stat s {};
   if (::stat(from, &s) == 0) static_cast<void>(::fchmod(to, s.st_mode & 0777));
@@ -113,7 +112,7 @@ inline void* map(int file, std::size_t size) {
   return data == MAP_FAILED ? nullptr : data;
 }
 inline void unmap(void* data, std::size_t size) { ::munmap(data, size); }
-/// Gives memory of a mapping back: whoever reads it gets it from the file once more.
+/// Releases the memory of a mapping. Later reads load it from the file again.
 inline void forget(void* data, std::size_t size) { ::madvise(data, size, MADV_DONTNEED); }
 inline bool rename_over(const char* from, const char* to) { return std::rename(from, to) == 0; }
 inline bool make_folder(const char* path) { return ::mkdir(path, 0777) == 0; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Reads words, numbers and lines of a text and says where it stands when something is wrong. For formats made of words
-/// between blanks (BVH, ASF, AMC); knows no format itself.
+/// Reads words, numbers and lines of a text, and reports the place of an error. It is for formats made of words between
+/// blanks (BVH, ASF, AMC), and knows no format itself.
 #pragma once
 
 #include <cmath>        // isfinite
@@ -18,10 +18,10 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// More joints than any file has; keeps searches for names in a hostile one short.
+/// More joints than any real file has. It keeps searches for names short in a hostile one.
 inline constexpr std::size_t max_text_joints = 4096;
-/// How many rotations (32 bytes each) a text of this many bytes may stand for. Real files have several bytes for each;
-/// joints that a frame does not mention could otherwise make much of little.
+/// The largest number of rotations (32 bytes each) for a text of this many bytes. Real files have several bytes for
+/// each. Without this limit, joints that a frame does not mention could turn a small file into a large motion.
 constexpr std::size_t max_text_rotations(std::size_t bytes) { return 1'000'000 + 16 * bytes; }
 
 constexpr bool same_word(std::string_view a, std::string_view lower_case) {
@@ -32,9 +32,9 @@ constexpr bool same_word(std::string_view a, std::string_view lower_case) {
   return true;
 }
 
-/// A position in a text in UTF-8, UTF-16 or UTF-32. Blank is everything up to and including the space, so CR, LF and
-/// CRLF end lines alike.
-/// Throws io_error 402 where the text ends too early, 403 where it is malformed; messages begin "name:line:column: ".
+/// A position in a text in UTF-8, UTF-16 or UTF-32. Every character up to and including the space is blank, so CR, LF
+/// and CRLF all end lines. Throws io_error 402 if the text ends too early, and 403 if it is malformed. Messages begin
+/// "name:line:column: ".
 class TextScanner {
  public:
   TextScanner(std::string_view text, std::string_view name)
@@ -66,7 +66,7 @@ class TextScanner {
     at_ += w.size();
     return w;
   }
-  /// Steps over these characters (no blanks among them), as "Frames:" of "Frames:12"; leading blanks are skipped.
+  /// Skips these characters (no blanks among them), such as "Frames:" of "Frames:12", and leading blanks.
   bool skip_prefix(std::string_view lower_case) {
     skip_blanks();
     if (!same_word(text_.substr(at_, lower_case.size()), lower_case)) return false;
@@ -79,7 +79,7 @@ class TextScanner {
     if (!same_word(w, lower_case)) fail(403, "expected '", lower_case, "', found '", shortened(w), "'");
   }
 
-  /// A finite number; a leading plus sign and a decimal comma are accepted, a value too small for a double is 0.
+  /// A finite number. A leading plus sign and a decimal comma are accepted. A value too small for a double is 0.
   double number(std::string_view wanted) {
     double value = 0;
     if (plain_decimal(value)) return value;
@@ -109,13 +109,13 @@ class TextScanner {
     return value;
   }
 
-  /// True if nothing but blanks stands before the last word on its line.
+  /// True if only blanks precede the last word on its line.
   bool began_line() const {
     std::size_t at = last_;
     while (at > 0 && is_blank(text_[at - 1]) && !is_line_end(text_[at - 1])) --at;
     return at == 0 || is_line_end(text_[at - 1]);
   }
-  /// The next word of this line; empty where the line ends.
+  /// The next word of this line; empty at the end of the line.
   std::string_view word_on_line() {
     while (at_ < text_.size() && is_blank(text_[at_]) && !is_line_end(text_[at_])) ++at_;
     if (at_ == text_.size() || is_blank(text_[at_])) return {};
@@ -153,8 +153,8 @@ class TextScanner {
   void skip_blanks() {
     while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
   }
-  /// Takes a number that is written as most are, in one pass: up to 15 digits with a point at most, before a blank.
-  /// Digits and power of ten are then exact doubles, so that their quotient is the double nearest to the text.
+  /// Reads a number in the usual form in one pass: up to 15 digits with at most one point, before a blank. Digits and
+  /// power of ten are then exact doubles, so their quotient is the double nearest to the text.
   bool plain_decimal(double& value) {
     static constexpr double powers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                         1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
@@ -182,7 +182,7 @@ class TextScanner {
     at_ = static_cast<std::size_t>(p - text_.data());
     return true;
   }
-  /// "0,5" as 0.5: programs write so where the system does.
+  /// "0,5" as 0.5, which programs write in some locales.
   std::optional<double> with_decimal_comma(std::string_view w) {
     constexpr std::size_t longest = 400;
     const std::size_t comma = w.find(',');
@@ -217,7 +217,7 @@ class TextScanner {
   std::string name_;
   std::string decimal_comma_{};
   std::size_t at_ = 0;
-  std::size_t last_ = 0;  // where the last word began
+  std::size_t last_ = 0;  // begin of the last word
 };
 
 }  // namespace detail

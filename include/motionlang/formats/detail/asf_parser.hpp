@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The grammar of ASF files (Acclaim skeletons). Sections begin with ":", comments with "#"; unknown properties are
+/// The grammar of ASF files (Acclaim skeletons). Sections begin with ":", comments with "#". Unknown properties are
 /// skipped line by line.
 #pragma once
 
@@ -48,7 +48,7 @@ class AsfParser {
   }
 
  private:
-  /// Angles about three axes, the first of `order` is turned about first.
+  /// Angles about three axes. The first axis of `order` is turned about first.
   struct Axis {
     Vec3<double> angles{};
     std::array<int, 3> order{0, 1, 2};

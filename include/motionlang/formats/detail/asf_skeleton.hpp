@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The skeleton of an ASF file, as it stands there.
+/// The skeleton of an ASF file, unchanged.
 #pragma once
 
 #include <string>       // names
@@ -11,7 +11,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One number of a bone in an AMC frame: along or about an axis (0, 1, 2), or its length (dof "l").
+/// One value of a bone in an AMC frame: along or about an axis (0, 1, 2), or its length (dof "l").
 struct AsfChannel {
   enum class Kind { translation, rotation, length };
   Kind kind;
@@ -22,11 +22,11 @@ struct AsfBone {
   std::string name;
   int parent = -1;                      // number of the bone; -1 for the root
   Vec3<double> end{};                   // of the bone, seen from its start, in units of the file
-  Quaternion<double> axis{1, 0, 0, 0};  // the frame in which the angles are meant (C)
-  std::vector<AsfChannel> channels{};   // in the order of the numbers in the AMC file
+  Quaternion<double> axis{1, 0, 0, 0};  // the frame of the angles (C)
+  std::vector<AsfChannel> channels{};   // in the order of the values in the AMC file
 };
 
-/// Bone 0 is the root, which has no extent (its `end` is the position given in the file); parents come before their
+/// Bone 0 is the root, which has no extent (its `end` is the position given in the file). Parents come before their
 /// children.
 struct AsfSkeleton {
   std::vector<AsfBone> bones;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Animations out of a glTF document that is being built, with what only they use.
+/// Removes animations from a glTF document that is being built, with everything that only they use.
 #pragma once
 
 #include <algorithm>         // for_each, max
@@ -21,7 +21,7 @@ void for_each_object(const nlohmann::ordered_json& document, const F& f) {
   }
 }
 
-/// All numbers in the members of that name, wherever they stand: indices of accessors or of views.
+/// All values in members of that name, at any depth: indices of accessors or of views.
 inline std::set<double> numbers_under(const nlohmann::ordered_json& document,
                                       std::initializer_list<const char*> names) {
   std::set<double> out;
@@ -40,8 +40,9 @@ inline std::set<double> numbers_under(const nlohmann::ordered_json& document,
   return out;
 }
 
-/// Takes the animations away, and of their accessors, views and bytes those that nothing else uses and that are the
-/// last: what stays keeps its number and its place, which extensions may refer to. Blender writes animations last.
+/// Removes the animations. Also removes their accessors, views and bytes if nothing else uses them and they are the
+/// last ones. Everything else keeps its number and its place, because extensions may refer to them. Blender writes
+/// animations last.
 inline void drop_animations(GlbBuilder& glb) {
   nlohmann::ordered_json& d = glb.document;
   const auto drop_last = [](nlohmann::ordered_json& array, const std::set<double>& dropped,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Triangles of a figure: every round cone a closed surface of its own, in the rest pose.
+/// The triangles of a figure. Every round cone is a closed surface of its own, in the rest pose.
 #pragma once
 
 #include <cstdint>  // indices
@@ -13,7 +13,7 @@ namespace detail {
 
 struct FigureMesh {
   std::vector<Vec3<float>> positions, normals;
-  std::vector<std::uint16_t> joints;     // of each vertex: the one that moves it
+  std::vector<std::uint16_t> joints;     // of each vertex: the joint that moves it
   std::vector<std::uint32_t> triangles;  // three vertices each, counter-clockwise from outside
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A figure in the pose of a frame: where its cones are, and the floor on which it stands.
+/// A figure in the pose of a frame: the places of its cones, and the floor.
 #pragma once
 
 #include <limits>  // heights
@@ -20,12 +20,12 @@ inline ConeEnds cone_ends(const JointTransforms<double>& world, const RoundCone&
   return {world.position[j] + world.rotation[j] * c.from, world.position[j] + world.rotation[j] * c.to};
 }
 
-/// The floor under a body, and its highest point in all frames. The floor is where the lowest point of the body is in
-/// most frames (the lower quartile): the tip of a foot that pushes off dips below it for a moment.
+/// The floor under a body, and its highest point in all frames. The floor is the height of the lowest point in most
+/// frames (the lower quartile), because the tip of a foot that pushes off dips below it for a moment.
 struct Heights {
   double floor = 0, high = std::numeric_limits<double>::lowest();
 };
-/// Throws numeric_error 301 for a place that single precision cannot hold, with which pages draw.
+/// Throws numeric_error 301 for a place that does not fit into single precision, which pages use.
 Heights heights(const Motion& motion, const Figure& figure);
 
 }  // namespace detail

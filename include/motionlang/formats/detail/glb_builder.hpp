@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A GLB file while it is written: document and binary data, and the animations in them.
+/// A GLB file during writing: document, binary data, and the animations in them.
 #pragma once
 
 #include <algorithm>    // all_of, min, max
@@ -32,7 +32,7 @@ class GlbBuilder {
                                   {"bufferViews", nlohmann::ordered_json::array()}};
 
   GlbBuilder() = default;
-  /// Goes on with a file that is there: its document, whose only buffer in the file is the first, and its binary data.
+  /// Continues an existing file: its document, whose first buffer is the only one in the file, and its binary data.
   GlbBuilder(nlohmann::ordered_json file, std::span<const std::byte> binary)
       : document(std::move(file)), binary_(binary.begin(), binary.end()) {}
 
@@ -43,8 +43,8 @@ class GlbBuilder {
                                         : std::same_as<T, std::uint16_t> ? 5123
                                                                          : 5121;
 
-  /// Stores values and gives the number of their accessor. `with_range`: the smallest and largest of every component.
-  /// Throws numeric_error 301 at a number that single precision cannot hold.
+  /// Stores values and returns the number of their accessor. `with_range`: also store the smallest and largest of every
+  /// component. Throws numeric_error 301 for a value that single precision cannot hold.
   template <class T>
   std::size_t add(std::span<const T> values, const char* type, Target target, bool with_range = false) {
     const std::size_t components = std::string_view(type) == "SCALAR" ? 1
@@ -83,7 +83,7 @@ class GlbBuilder {
     return add(std::span<const float>(flat), "VEC3", target, with_range);
   }
 
-  /// Takes the binary data from byte `size` on away.
+  /// Removes the binary data from byte `size` on.
   void cut(std::size_t size) { binary_.resize(std::min(size, binary_.size())); }
 
   std::vector<std::byte> finish() {
@@ -99,7 +99,7 @@ class GlbBuilder {
 
 inline nlohmann::ordered_json to_json(const Vec3<double>& v) { return nlohmann::ordered_json::array({v.x, v.y, v.z}); }
 
-/// Rotation of one joint over time as x, y, z, w: unit quaternions, each on the side of the one before.
+/// Rotation of one joint over time as x, y, z, w: unit quaternions, each with the sign closest to the one before.
 inline std::vector<float> rotation_track(const Motion& motion, std::size_t joint) {
   std::vector<float> out;
   Quaternion<double> before = Quaternion<double>::identity();
@@ -112,7 +112,7 @@ inline std::vector<float> rotation_track(const Motion& motion, std::size_t joint
   return out;
 }
 
-/// nodes   that of every joint, -1 for a joint that gets no channel; rotations are relative to the node's parent
+/// nodes   the node of every joint, -1 for a joint without a channel; rotations are relative to the node's parent
 /// Throws  config_error 101 if two frames fall on the same time in single precision
 inline void add_animation(GlbBuilder& glb, const Motion& motion, std::span<const int> nodes) {
   std::vector<float> times;

@@ -14,9 +14,9 @@ inline constexpr std::uint32_t glb_magic = 0x46546C67u, glb_json = 0x4E4F534Au, 
 
 // NOLINTNEXTLINE(bugprone-exception-escape): a document moves without throwing
 struct GlbChunks {
-  std::string_view text;  // of the document, in the bytes that were parsed
+  std::string_view text;  // of the document, in the parsed bytes
   nlohmann::json document;
-  std::span<const std::byte> binary;  // of the bytes that were parsed
+  std::span<const std::byte> binary;  // of the parsed bytes
 };
 
 /// Throws  io_error 402 if the file ends too early, 403 if it is malformed, 404 for another version
@@ -46,7 +46,7 @@ inline GlbChunks parse_glb_chunks(std::span<const std::byte> bytes, std::string_
   return chunks;
 }
 
-/// Chunks are filled up to multiples of four: text with spaces, data with zeros. Throws io_error 405 from 4 GiB on.
+/// Chunks are padded to multiples of four: text with spaces, data with zeros. Throws io_error 405 from 4 GiB on.
 inline std::vector<std::byte> glb_file(std::string document, std::vector<std::byte> binary) {
   document.append((4 - document.size() % 4) % 4, ' ');
   binary.resize((binary.size() + 3) / 4 * 4);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Accessors and nodes of a glTF document whose data are in the file: in the binary chunk of GLB, or in base64. Every
-/// number of the file is checked before it is used.
+/// Accessors and nodes of a glTF document with its data in the file: in the binary chunk of GLB, or in base64. Every
+/// value of the file is checked before it is used.
 #pragma once
 
 #include <algorithm>         // max
@@ -18,7 +18,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The one of these extensions by which the data of an object of the file are packed; null if there is none.
+/// The extension among these that packs the data of an object of the file; null if there is none.
 inline const char* is_packed(const JsonView& object, std::initializer_list<const char*> extensions) {
   for (const char* packed : extensions) {
     if (object.contains("extensions") && object["extensions"].contains(packed)) return packed;
@@ -31,7 +31,7 @@ inline const char* is_packed(const JsonView& object, std::initializer_list<const
 /// materials.
 class GltfDocument {
  public:
-  /// Throws  io_error 402 to 404; config_error 107 where JSON has a value of the wrong kind
+  /// Throws  io_error 402 to 404; config_error 107 if JSON has a value of the wrong kind
   GltfDocument(std::span<const std::byte> bytes, std::string file)
       : file_(std::move(file)), size_(bytes.size()), chunks_(parse_glb_chunks(bytes, file_)) {
     const std::string version = root()["asset"]["version"].as<std::string>();
@@ -45,8 +45,8 @@ class GltfDocument {
   /// Bytes of the file.
   std::size_t size() const { return size_; }
   JsonView root() const { return JsonView(chunks_.document, file_); }
-  /// The data of a buffer: the binary chunk without what fills it up, or what stands in the document in base64.
-  /// Throws io_error 402; 404 if they are not in this file.
+  /// The data of a buffer: the binary chunk without its padding, or the base64 data in the document. Throws io_error
+  /// 402, and 404 if they are not in this file.
   std::span<const std::byte> buffer(Index i) const {
     const JsonView b = element("buffers", i);
     const bool decoded = b.contains("uri");
@@ -69,7 +69,7 @@ class GltfDocument {
   /// All nodes, every parent before its children, depth first.
   const std::vector<int>& depth_first() const { return order_; }
 
-  /// The number that `reference` holds, which must be that of a node. Throws io_error 403.
+  /// The value of `reference`, which must be the number of a node. Throws io_error 403.
   int node_number(const JsonView& reference) const {
     const auto i = reference.as<std::int64_t>();
     if (i < 0 || i >= static_cast<std::int64_t>(nodes_.size())) {
@@ -89,10 +89,10 @@ class GltfDocument {
     return is_here && is_packed(view, packed_views) == nullptr;
   }
 
-  /// The values of an accessor, `components` per element; integers that are marked as normalised become real numbers.
-  /// Those that the file does not have are 0, and a sparse accessor replaces some.
+  /// The values of an accessor, `components` per element. Integers that are marked as normalised become real numbers.
+  /// Values that the file does not have are 0, and a sparse accessor replaces some.
   /// Source  glTF 2.0, 3.6.2
-  /// Throws  io_error 402 if they lie outside of the file, 403, 404 for data in other files, 405 if the file does not
+  /// Throws  io_error 402 if they are outside of the file, 403, 404 for data in other files, 405 if the file does not
   ///         have them and is too small for that many
   std::vector<double> values(Index accessor, std::size_t components) const {
     const JsonView a = element("accessors", accessor);
