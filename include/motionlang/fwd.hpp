@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Declarations of the types that interfaces mention, at the cost of the concepts and no third-party header.
+/// Declarations of the types in interfaces. It includes the concepts but no third-party header.
 ///
 ///     #include <motionlang/fwd.hpp>
 ///     void play(const motionlang::Motion& motion, const motionlang::Timeline& timeline);
 ///     template <motionlang::Backend B> void train(motionlang::Linear<B>& layer);
 ///
-/// A backend has to be complete before anything is made of it: Tensor<EigenBackend<float>, 2> needs its header. Stmc is
-/// not here because its parameters are constrained by the denoiser.
+/// A backend must be complete before it is used: Tensor<EigenBackend<float>, 2> needs the backend's header. Stmc is not
+/// here because the denoiser constrains its parameters.
 #pragma once
 
 #include <motionlang/core/concepts.hpp>

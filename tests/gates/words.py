@@ -39,6 +39,9 @@ for file in files:
         rest = marker.sub("", lines[number]) if number < len(lines) else ""  # a phrase may go on in the next line
         for pattern, better in rules_here:
             match = pattern.search(begin + rest)
+            if match and match.start() == marker.match(line).end() and number > 1:  # the line before may allow it: "there"
+                before = lines[number - 2].rstrip() + " "
+                match = match if pattern.match(before + (begin + rest)[match.start():], len(before)) else None
             if match and match.start() < len(begin):
                 print(f"{file}:{number}: '{match.group()}': write {better}")
                 found += 1

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Features of motions as .npy files, one row for each frame, as the systems and their data sets have them.
+/// Features of motions as .npy files, one row for each frame, as in the systems and their data sets.
 ///
 ///     write_features_npy("walk.npy", read_motion("walk.bvh"), motion_features("guoh3d"));
 #pragma once

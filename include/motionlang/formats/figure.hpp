@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A body for any skeleton: round cones along the bones, thick where much hangs on them, and a head. It is what the
-/// film strip, the viewer and GLB files show. Only the search for the head looks at names.
+/// A body for any skeleton: round cones along the bones, thicker where more joints follow, and a head. The film strip,
+/// the viewer and GLB files show it. Only the search for the head uses names.
 #pragma once
 
 #include <vector>  // cones
@@ -10,7 +10,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The hull of two spheres that move with one joint. All in the frame of the joint, metres.
+/// The hull of two spheres that move with one joint, in the frame of the joint, metres.
 struct RoundCone {
   int joint = 0;
   Vec3<double> from, to;
@@ -23,8 +23,8 @@ struct Figure {
   double size = 1;  // about the height of the body
 };
 
-/// The body of a skeleton; proportions are those of a person, from bone lengths alone. A bone belongs to the joint from
-/// which it goes out, so each cone turns with that joint.
+/// The body of a skeleton. Its proportions are those of a person, computed from bone lengths alone. A bone belongs to
+/// the joint at its start, so each cone turns with that joint.
 Figure make_figure(const Skeleton& skeleton);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// A free body: the figure of any skeleton (formats/figure.hpp, the round cones that GLB files and pages show) as a
-/// body model, so that every motion has vertices and faces without a licensed file. A vertex follows one joint; there
-/// are not blend shapes.
+/// A free body: the figure of any skeleton (formats/figure.hpp, the round cones in GLB files and pages) as a body
+/// model. So every motion has vertices and faces without a licensed file. A vertex follows one joint; there are no
+/// blend shapes.
 ///
 ///     auto body = figure_body<EigenBackend<float>>(motion.skeleton);
 ///     auto posed = pose_body(body.model, motion);                       // vertices (frames, V, 3)
@@ -14,8 +14,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Weights that give each joint's rest position as an affine combination of the vertices, (joints, vertices); of all
-/// such weights the smallest:
+/// Weights that give each joint's rest position as an affine combination of the vertices, (joints, vertices). Of all
+/// such weights, they are the smallest:
 ///     w_i = 1 / V + (x_i - c) C^-1 (p - c),   c = mean of x,   C = sum (x_i - c) (x_i - c)^T
 template <class S>
 std::vector<S> rest_regressor(const std::vector<Vec3<float>>& vertices, const std::vector<Vec3<double>>& joints) {

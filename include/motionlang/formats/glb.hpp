@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// GLB files, both ways.
+/// Reading and writing of GLB files.
 #pragma once
 
 #include <motionlang/formats/glb_reader.hpp>

@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: MIT
-/// GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes,
+/// Reads GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes,
 /// materials and morph targets are left out. The bones of a VRM avatar (.vrm, .vrma) have the names of VRM's humanoid.
+/// A skeleton table finds a figure among the joints of all skins, or among all nodes of a file without skins. The
+/// figure starts at the hips. Nodes above the hips move them; nodes beside them (cameras, props, control bones) are
+/// left out. Several figures are several motions. If no table fits, the largest skin is the figure.
 ///
-/// A figure is what a skeleton table knows among the joints of all skins, or among all nodes of a file without skins:
-/// from the hips down. What is above the hips moves them; what is beside them (cameras, props, control bones) is left
-/// out. Several figures are several motions. If no table fits, the largest skin is the figure.
+/// The skeleton's rest pose is that of the nodes or that of the inverse bind matrices, whichever is nearer to a T-pose.
+/// All its rotations are the identity, as everywhere in this library. Let A(t) be the matrix of a joint in the world,
+/// the product of all matrices above it, and Q its orthogonal polar factor. The joint has turned by D_j = Q_j(t)
+/// Q_j(rest)^-1, its local rotation is L_j = D_parent^-1 D_j, and an offset is the difference of two places at rest.
+/// This is exact except for uneven scales above joints that turn. Bones keep their length: only the root moves.
+/// Constant translations and scales of an animation belong to the rest pose of its motion. GlbLoss reports all other
+/// losses.
 ///
-/// The skeleton's rest pose is that of the nodes or that of the inverse bind matrices, whichever is nearer to a T-pose,
-/// with all rotations the identity as everywhere in this library. With A(t) the matrix of a joint in the world, the
-/// product of all matrices above it, and Q its orthogonal polar factor: D_j = Q_j(t) Q_j(rest)^-1 is how the joint has
-/// turned, L_j = D_parent^-1 D_j, and an offset is the difference of two places at rest. That is exact for all but
-/// uneven scales above joints that turn. Bones keep their length: only the root moves. Translations and scales that an
-/// animation keeps all the time are of the rest pose of its motion. GlbLoss says what is lost otherwise.
-///
-/// Two keys of a small file can be years apart. What is sampled has at most 10 million rotations (frames x joints;
-/// nearly four hours at 30 per second with 24 joints: 320 MB), or 16 for each key of a channel in the file, which is
-/// enough for any recording with keys at its frames. A motion has at most a million frames, unless there are more keys.
-/// motions() counts all animations together, and for each of them the rotations that would fill the memory of its
-/// skeleton, of which every motion has its own.
+/// Two keys of a small file can be years apart. So samples have at most 10 million rotations (frames x joints; nearly
+/// four hours at 30 per second with 24 joints: 320 MB), or 16 for each key of a channel in the file. That is enough for
+/// any recording with keys at its frames. A motion has at most a million frames, unless there are more keys. motions()
+/// counts all animations together. For each motion it adds the rotations that would take the memory of its skeleton.
 #pragma once
 
 #include <cstddef>      // byte
@@ -34,16 +33,16 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How far joints of a motion are from where its file has them.
+/// The distance of the joints of a motion from their places in the file.
 struct GlbLoss {
   double distance = 0;     // the largest, metres
-  std::string joint{};     // whose it is
-  double seconds = 0;      // when
-  double path = 0;         // metres over the floor by which all joints together leave their place
-  bool walk_lost = false;  // whether that is more than a tenth of the figure's size
+  std::string joint{};     // of this joint
+  double seconds = 0;      // at this time
+  double path = 0;         // metres over the floor that all joints together are off
+  bool walk_lost = false;  // true if that is more than a tenth of the figure's size
 };
 
-/// A GLB file in memory, from which several motions can be taken.
+/// A GLB file in memory, from which several motions can be read.
 class GlbFile {
  public:
   /// Says which joint of a skeleton is which; nothing if that is not known.
@@ -57,15 +56,15 @@ class GlbFile {
   GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin = {},
           const FindTable& find_table = {});
 
-  /// Figures, one at least. The functions below throw config_error 103 for an unknown number.
+  /// The number of figures, at least one. The functions below throw config_error 103 for an unknown number.
   Index figures() const { return std::ssize(figures_); }
   const Skeleton& skeleton(Index figure = 0) const { return of(figure).skeleton; }
-  /// The name of a figure: that of the highest node which is above no other figure, its armature or its root.
+  /// The name of a figure: that of the highest node that is above no other figure, its armature or its root.
   std::string figure_name(Index figure = 0) const;
   std::vector<std::string> animation_names() const;
 
-  /// True if an animation has a key of a joint of the figure, or of what is above it. Throws config_error 103 without
-  /// such an animation.
+  /// True if an animation has a key of a joint of the figure, or of a node above it. Throws config_error 103 if there
+  /// is no such animation.
   bool moves(Index animation, Index figure = 0) const;
 
   /// Seconds from time 0 to the last key of an animation that moves a figure. Throws config_error 103 if there is no
@@ -73,28 +72,29 @@ class GlbFile {
   double duration(Index animation) const;
 
   /// Names of the joints below the root that an animation moves away from their place at rest, by more than a hundredth
-  /// of the bone, or by the scale of the joint before: motion() leaves this out. Throws config_error 103 if there is no
-  /// such animation.
+  /// of the bone, or by the scale of the joint before. motion() leaves this movement out. Throws config_error 103 if
+  /// there is no such animation.
   std::vector<std::string> stretched_joints(Index animation, Index figure = 0) const;
-  /// Names of nodes that animations move, of no figure: cameras, props, control bones.
+  /// Names of nodes outside all figures that animations move: cameras, props, control bones.
   std::vector<std::string> moving_others() const;
   /// Sentences about what glTF does not allow and how it is read: "animation 'walk' begins at -0.2 s: ..."
   std::vector<std::string> repairs() const;
 
-  /// Frames per second at which motion() takes an animation. Where its keys are at whole frames of one rate of 10 to
-  /// 1000 and some joint has one at each: this rate. A multiple of it, of 20 at least, where no joint has one at each;
-  /// of 30 at least, for curves between keys and for slower keys. Where keys are at no common rate: 30, or more if they
-  /// are closer. Throws config_error 103 if there is no such animation.
+  /// The frames per second at which motion() samples an animation. If its keys are at whole frames of one rate of 10 to
+  /// 1000 and some joint has one at each frame: this rate. If no joint has one at each frame: a multiple of it, at
+  /// least 20, or at least 30 for curves between keys and for slower keys. If the keys have no common rate: 30, or more
+  /// if they are closer. Throws config_error 103 if there is no such animation.
   double rate(Index animation, Index figure = 0) const;
 
-  /// The animation from time 0 to its last key, at `wanted` frames per second or as rate() says. If its keys are not at
-  /// whole frames from 0 on, it begins up to a frame later. One that moves() nothing is one frame of the rest pose.
+  /// The animation from time 0 to its last key, at `wanted` frames per second or at rate(). If its keys are not at
+  /// whole frames from 0 on, it begins up to a frame later. If the animation does not move the figure, the result is
+  /// one frame of the rest pose.
   /// loss    gets what the motion lacks, if not null
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
   ///         motion would be too long
   Motion motion(Index animation, std::optional<double> wanted = {}, Index figure = 0, GlbLoss* loss = nullptr) const;
-  /// All animations of all figures that they move; if they move none, those of the first figure. The names of motions
-  /// of one animation end with those of their figures.
+  /// All animations of all figures that they move. If they move no figure, those of the first figure. If one animation
+  /// moves several figures, the names of its motions end with those of the figures.
   /// losses  gets one for each motion, if not null
   /// Throws  what motion(number) throws; io_error 405 if they would be too long together.
   std::vector<Motion> motions(std::optional<double> wanted = {}, std::vector<GlbLoss>* losses = nullptr) const;
@@ -112,10 +112,10 @@ class GlbFile {
   const detail::GltfTransform& rest_of(int node) const { return nodes_[static_cast<std::size_t>(node)].rest; }
 
   double frames_of(Index animation, Index figure, double fps) const;
-  /// The time of the first frame: where keys are at whole frames, but not from 0 on, part of a frame.
+  /// The time of the first frame: part of a frame if keys are at whole frames, but not from 0 on.
   double begin_of(Index animation, Index figure, double fps) const;
   static double most_rotations(std::size_t keys);
-  /// How many rotations take as much memory as the skeleton of a motion.
+  /// The number of rotations that take as much memory as the skeleton of a motion.
   static double skeleton_rotations(const Skeleton& skeleton);
   /// Animations and the figures that they move.
   std::vector<std::pair<Index, Index>> pairs() const;

@@ -24,7 +24,7 @@ namespace detail {
 /// Throws  config_error 101 without any motion or frame, 102 if skeletons differ; what Motion::validate throws
 void require_glb_motions(std::span<const Motion> motions);
 
-/// The motions, of which require_glb_motions approves, with the mesh that their skeleton moves.
+/// The motions, after require_glb_motions, with the mesh that their skeleton moves.
 std::vector<std::byte> skinned_glb(std::span<const Motion> motions, const SkinnedMesh<std::uint8_t>& mesh,
                                    const char* name, const GlbWriteOptions& options);
 std::vector<std::byte> skinned_glb(std::span<const Motion> motions, const SkinnedMesh<std::uint16_t>& mesh,
@@ -32,8 +32,8 @@ std::vector<std::byte> skinned_glb(std::span<const Motion> motions, const Skinne
 
 }  // namespace detail
 
-/// The bytes of a GLB file with one animation for every motion; all on the same skeleton. The user's own body instead
-/// of the figure: body_glb.hpp.
+/// The bytes of a GLB file with one animation for every motion, all on the same skeleton. body_glb.hpp shows the user's
+/// own body instead of the figure.
 /// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 102 if skeletons differ; what
 ///         Motion::validate throws
 std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const GlbWriteOptions& options = {});

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// Clips from NumPy arrays of joint positions or of features, as models and data sets have them.
+/// Clips from NumPy arrays of joint positions or features, as in models and data sets.
 ///
-///     Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 numbers in a row: HumanML3D
+///    Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 values in a row: HumanML3D
 ///
-///     (frames, numbers) of the features that motion_features.hpp names, known by the width of a row: not normalised
-///     (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
-/// Several motions in one file: mdm_results.hpp.
-/// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's
-/// units; with Y up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is
-/// the left.
+///    (frames, values) features of motion_features.hpp, recognised by the width of a row; not normalised
+///    (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
+/// mdm_results.hpp reads files with several motions. motion_from_joints.hpp turns positions into rotations. MMM's
+/// joints are in metres or, if the values are large, in KIT's units. With Y up they are mirrored, as KIT has them and
+/// TEMOS makes them. They are mirrored back, so that "L" is the left.
 /// Source  text-to-motion utils/paramUtil.py (KIT's skeleton); TEMOS temos/transforms/rots2joints/smplh.py
 #pragma once
 
@@ -24,7 +23,7 @@ struct NpyArray;
 
 struct MotionArrayOptions {
   double fps = 0;             // 0: as published, 20 or 12.5 frames per second
-  UpAxis up = UpAxis::found;  // of positions: where, on average, the head is above the ankles
+  UpAxis up = UpAxis::found;  // for positions: where, on average, the head is above the ankles
 };
 
 namespace detail {
@@ -38,7 +37,7 @@ bool is_joint_count(Index joints);
 Motion motion_from_array(const NpyArray& array, const MotionArrayOptions& options = {},
                          std::string_view name = "array");
 
-/// Throws io_error 401 to 405 besides.
+/// Also throws io_error 401 to 405.
 Motion read_motion_npy(const FilePath& path, const MotionArrayOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END

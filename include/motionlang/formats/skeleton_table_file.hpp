@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// A table of the user's own: which joint of a skeleton has the part of which joint of SMPL. One line for each joint of
-/// SMPL, fields between tabs:
+/// A table of your own for the joints of a skeleton. Each line has a joint of SMPL and the joint of your skeleton that
+/// takes its part, separated by tabs:
 ///
 ///     pelvis<TAB>Bip01 Pelvis
 ///     left_hip<TAB>Bip01 L Thigh<TAB>+z-x
-/// The third field are the local axes of the joint that point to the left and up in a T-pose, "+x+y" unless given.
-/// Empty lines and those that begin with # are skipped. Joints of SMPL without a line follow none.
+/// The third field has the local axes of the joint that point to the left and up in a T-pose; the default is "+x+y".
+/// Empty lines and lines that begin with # are skipped. Joints of SMPL without a line follow no joint.
 #pragma once
 
 #include <string_view>  // texts
@@ -15,7 +15,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The table of a text for a skeleton.
+/// Reads the table of a skeleton from a text.
 /// Throws  with the line: io_error 403 for a line without two or three fields, config_error 103 for a joint that
 ///         SMPL or the skeleton lacks, and for unknown axes, 102 for a second line of the same joint;
 ///         config_error 103 if the pelvis, a hip, a knee or an ankle has no line

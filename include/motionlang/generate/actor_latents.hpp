@@ -10,22 +10,22 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// ACTOR with what turns its rows into clips and back.
+/// ACTOR with conversions from clips to its rows and back.
 template <Backend B>
 struct ActorLatents {
   using S = typename B::scalar;
 
   Actor<B> model;
-  std::vector<std::string> labels{};  // names of the actions; none: they have numbers
+  std::vector<std::string> labels{};  // names of the actions; none: they are numbers
   double fps = 20;
-  Index longest = 60;                                     // frames that it learned from
+  Index longest = 60;                                     // frames of its training motions
   std::function<Motion(std::span<const S>)> motion_of{};  // on the floor
   std::function<std::vector<double>(const Motion&)> rows_of{};
 };
 
 namespace detail {
 
-/// Normal numbers times a factor.
+/// Normal values times a factor.
 template <Scalar S>
 struct ScaledNoise {
   Philox rng;
@@ -37,7 +37,7 @@ struct ScaledNoise {
   }
 };
 
-/// Throws option_error 101 for a motion of another length than a fully connected network makes.
+/// Throws option_error 101 for a motion whose length a fully connected network cannot make.
 [[noreturn]] void raise_other_length(Index frames, Index wanted, double fps);
 
 }  // namespace detail

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// TEACH and SINC, which learned from BABEL, as a MotionModel: texts one after the other, and texts at the same time.
+/// TEACH and SINC, which learned from BABEL, as a MotionModel: TEACH for texts in turn, SINC for texts at the same
+/// time.
 #pragma once
 
 #include <motionlang/generate/text_latents.hpp>
@@ -15,9 +16,9 @@ using SincLatents = TextLatents<B, Sinc<B>>;
 
 namespace detail {
 
-/// By their start. Throws timeline_error 509 for texts at the same time.
+/// Texts sorted by their start. Throws timeline_error 509 for texts that overlap.
 std::vector<Interval> texts_in_order(const Timeline& timeline);
-/// All texts, at the same time, as one sentence.
+/// Joins all texts, which run at the same time, to one sentence.
 Interval texts_together(const Timeline& timeline);
 
 }  // namespace detail

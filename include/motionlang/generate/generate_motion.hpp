@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
-/// From a timeline of texts to a finished motion, as the program `motionlang generate` makes it: it cuts texts
-/// where a model needs that, samples all of them together, smooths the motion and fixes its feet.
+/// From a timeline of texts to a finished motion, like the program `motionlang generate`. It cuts texts where a model
+/// needs that, samples all of them together, smooths the motion and fixes floor and feet.
 ///
 ///     const auto stmc = load_stmc<EigenBackend<float>>("stmc_free.safetensors");
 ///     const auto timeline = parse_timeline("walk forward # 0 # 6 # legs\nwave # 2 # 5 # left arm\n");
 ///     const Motion motion = generate_motion(stmc, timeline, {.seed = 7});
 ///
-/// Motion  Y up, metres, on SMPL's 24 joints (KIT's 21 by a model of KIT-ML); of the bundled model it starts facing -Z
-/// Models  any Stmc; every other system behind MotionModel (generate/motion_model.hpp)
-/// Bodies  motionlang::instantiated has those for Stmc<EigenBackend<float>>. A unit that is compiled with
-///         MOTIONLANG_INSTANTIATED and uses another Stmc also includes <motionlang/generate/generate_motion.ipp>
+/// Motion  Y up, metres, on SMPL's 24 joints (KIT's 21 for a model of KIT-ML). With the bundled model it starts facing
+///         -Z
+/// Models  any Stmc; all other systems through MotionModel (generate/motion_model.hpp)
+/// Bodies  motionlang::instantiated has those for Stmc<EigenBackend<float>>. If a unit is compiled with
+///         MOTIONLANG_INSTANTIATED and uses another Stmc, it must also include
+///         <motionlang/generate/generate_motion.ipp>
 #pragma once
 
 #include <motionlang/backend/detail/eigen_class.hpp>

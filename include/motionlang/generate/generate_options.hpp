@@ -23,11 +23,11 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A motion of which something is kept: the model makes the rest. Frame 0 is that of the timeline.
+/// A motion of which a part is kept. The model makes the rest. Its frame 0 is that of the timeline.
 struct KeptClip {
   Motion motion{};                                   // on any skeleton that can be put on SMPL's joints, at any rate
-  std::vector<std::pair<double, double>> seconds{};  // from and to, of what is kept; none: all of it
-  BodyParts parts = BodyParts::all();                // that are kept; the way over the ground belongs to the legs
+  std::vector<std::pair<double, double>> seconds{};  // from and to, of the kept parts; none: all of it
+  BodyParts parts = BodyParts::all();                // the kept parts; the path over the floor belongs to the legs
 };
 
 /// The report of a run besides its motions. Only models that go through STMC fill it.
@@ -56,13 +56,13 @@ struct GenerateOptions {
   FilePath noise = "";             // file with noise/000 (initial), noise/001, ... instead of the seed
   FilePath record = "";            // file to write, which a later run can reuse
   FilePath reuse = "";  // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run
-  std::optional<double> keep_beyond{};  // of reuse: frames further from the edit, in seconds, stay
-  std::optional<KeptClip> keep{};       // of every timeline
+  std::optional<double> keep_beyond{};  // with reuse: keep frames that are further from the edit than this, in seconds
+  std::optional<KeptClip> keep{};       // for every timeline
   Progress progress{};                  // called after every step, or after every motion; may cancel
   GenerateNotes* notes = nullptr;       // filled if given
 };
 
-/// Few steps that do as many prompts as all steps. `motionlang judge --compare` measures that.
+/// A small number of steps that does as many prompts as all steps, measured by `motionlang judge --compare`.
 inline constexpr Index fast_steps = 10;
 inline void use_fast_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddim, o.steps = fast_steps; }
 inline void use_full_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddpm, o.steps = 0; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Recorded motions in front of the same judge as generated ones: where the limits of the judge come from, and how far
-/// each of its rules agrees with what people said about recordings.
+/// Judges recorded motions by the rules for generated ones. The limits of the judge come from this, and it shows how
+/// often each rule agrees with the captions of recordings.
 ///
 ///     const TrainingSet set("captions.tsv", "clips", {});
 ///     const RecordedFigures f = judge_recordings(set.segments());
@@ -11,11 +11,11 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The recordings of which a caption says a verb.
+/// The recordings with a caption that names a verb.
 struct RecordedVerb {
   std::string name{};
   std::size_t segments = 0, done = 0;
-  std::vector<std::string> why_not{};            // of those that are not done: "cmu-daz/01_01: turned 201.00"
+  std::vector<std::string> why_not{};            // of those that fail: "cmu-daz/01_01: turned 201.00"
   std::vector<double> speed{}, air{}, turned{};  // as in Verdict
 };
 
@@ -26,18 +26,18 @@ struct RecordedMeasure {
 };
 
 struct RecordedFigures {
-  std::size_t segments = 0;   // that stand on the floor
+  std::size_t segments = 0;   // that are on the floor
   std::size_t elsewhere = 0;  // left out: on stairs, ladders, stools, or with a floor that is more than 4 cm off
   double hovering = 0, sinking = 0, statues = 0;  // shares
-  std::vector<RecordedMeasure> measures{};        // that EyeLimits limits, and what fix_floor changes
+  std::vector<RecordedMeasure> measures{};        // limited by EyeLimits, or changed by fix_floor
   std::vector<RecordedVerb> verbs{};
 };
 
-/// True if a motion is one of somebody who stands on the floor: no caption names a thing to stand on or to hang from,
-/// and the lowest twentieth of its heights over the floor is within 4 cm of it.
+/// True if the person stands on the floor. Then no caption names a thing to stand on or to hang from, and the lowest
+/// twentieth of the heights over the floor is within 4 cm of it.
 bool stands_on_floor(const CaptionedSegment& segment);
 
-/// Judges those that stand on the floor.
+/// Judges the segments that are on the floor.
 RecordedFigures judge_recordings(const std::vector<CaptionedSegment>& segments);
 
 MOTIONLANG_NAMESPACE_END

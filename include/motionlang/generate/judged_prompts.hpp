@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Prompts, and whether motions do what they say: how much a model can do, as tables of percentages. They can be
-/// compared between models, numbers of steps and options.
+/// Prompts, and a judgement of motions for them: what a model can do, as tables of percentages. They can be compared
+/// between models, numbers of steps and options.
 ///
 ///     const Judgement j = judge(*model, own_prompts(), {}, 10);             // ten seeds of each prompt
 ///     std::printf("%zu of %zu motions\n", j.done(), j.motions());
@@ -16,7 +16,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A text of a prompt, the verb by which it is judged, and when and with which parts it moves.
+/// A text of a prompt, the verb that judges it, its time and its body parts.
 struct JudgedText {
   std::string text{};
   std::string verb{};
@@ -24,7 +24,7 @@ struct JudgedText {
   double from = 0, to = 1;  // shares of the duration
 };
 
-/// A prompt: one text, or a movement with another one over it.
+/// A prompt: one text, or a base movement with a second text over it.
 struct JudgedPrompt {
   std::vector<JudgedText> texts{};
   double seconds = 0;
@@ -34,15 +34,15 @@ struct JudgedPrompt {
   Timeline timeline(double fps) const;
 };
 
-/// Twelve that the bundled model was trained for, each with the time that it takes.
+/// Twelve prompts that the bundled model was trained for, each with the time that it takes.
 std::vector<JudgedPrompt> own_prompts();
-/// 56 short ones that newcomers type.
+/// 56 short prompts that newcomers type.
 std::vector<JudgedPrompt> newcomers_prompts(double seconds);
-/// Over ten base movements: the right arm, the left one, both.
+/// The right arm, the left arm and both arms over ten base movements.
 std::vector<JudgedPrompt> arm_prompts(double seconds);
-/// Over the same movements: the head, the spine.
+/// The head and the spine over the same movements.
 std::vector<JudgedPrompt> trunk_prompts(double seconds);
-/// Other words for what the bundled model was trained for.
+/// Paraphrases of the prompts that the bundled model was trained for.
 std::vector<JudgedPrompt> paraphrase_prompts(double seconds);
 
 /// Prompts with a name and what they are about.
@@ -55,14 +55,14 @@ const std::vector<JudgedBench>& judged_benches();
 
 /// The judgement of one motion.
 struct Verdict {
-  std::string why_not{};  // "" where it does what the prompt says
+  std::string why_not{};  // "" if it does what the prompt says
   bool hovers = false, sinks = false, still = false;
   double speed = 0, air = 0, turned = 0;  // m/s along the first heading; s, the longest flight; degrees
 };
-/// `still` is never set for prompts that may stand still.
+/// Judges a motion. `still` is never set for prompts that may stand still.
 Verdict verdict(const JudgedPrompt& prompt, const Motion& motion);
 
-/// The measurements of all prompts with all seeds. Means are over the motions.
+/// The measurements of all prompts with all seeds. Means are taken over the motions.
 struct Judgement {
   std::vector<JudgedPrompt> prompts{};
   std::vector<std::vector<Verdict>> verdicts{};        // of each prompt, seed by seed
@@ -70,9 +70,9 @@ struct Judgement {
   std::vector<Motion> made{};                          // the same motions, if they are kept
   double skate = 0, jitter = 0;                        // m/s, m/s^3
   double bones = 0;    // largest change of the length of a bone between predicted positions, as a share of it
-  double seconds = 0;  // of the processor for a second of motion
+  double seconds = 0;  // of processor time for a second of motion
 
-  /// Motions that do what a prompt says, of one prompt and of all.
+  /// The number of motions that do what a prompt says, for one prompt and for all.
   std::size_t done(std::size_t prompt) const;
   std::size_t done() const;
   std::size_t motions() const { return positions.size(); }
@@ -82,13 +82,13 @@ struct Judgement {
   double statues() const;
 };
 
-/// Makes all prompts with the seeds 0, 1, ... and judges them. The seed and the notes of the options have no effect;
-/// their progress counts the steps of all seeds. Throws option_error 101 unless seeds is 1 or more, and what
+/// Makes all prompts with the seeds 0, 1, ... and judges them. The seed and the notes of the options have no effect.
+/// Their progress counts the steps of all seeds. Throws option_error 101 unless seeds is 1 or more, and what
 /// generate_motions throws.
 Judgement judge(const MotionModel& model, std::vector<JudgedPrompt> prompts, const GenerateOptions& options, int seeds,
                 bool keep_motions = false);
 
-/// Mean distance of joints between two judgements, metres; `shift` motions further on in the second.
+/// Mean distance in metres between the joints of two judgements. In the second, motions are shifted by `shift`.
 double mean_distance(const Judgement& a, const Judgement& b, std::size_t shift = 0);
 
 /// The cost of fewer steps: a row of a table for one number of steps.

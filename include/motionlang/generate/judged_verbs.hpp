@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Rules by which motions are judged, as strict as an eye: when a motion does what a verb says. Thresholds lie where
-/// recorded motions do: see the table that `motionlang judge --clips` prints.
+/// Rules that judge motions, as strict as an eye: a rule says when a motion does what a verb says. The thresholds come
+/// from recorded motions: see the table that `motionlang judge --clips` prints.
 ///
 ///     const auto reason = find_verb("raise the right arm").why_not(trace_motion(motion));    // "" where it does
 #pragma once
@@ -17,20 +17,21 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// A verb, and what a motion must do.
 struct JudgedVerb {
   std::string name{};
-  std::string rule{};  // as a table prints it
-  /// Why a motion does not do it: "turned 401 degrees"; "" if it does.
+  std::string rule{};  // as printed in a table
+  /// The reason why a motion does not do it: "turned 401 degrees". "" if it does.
   std::function<std::string(const MotionTrace&)> why_not{};
-  bool rests = false;               // may be as still as somebody who stands
-  std::vector<std::string> said{};  // captions of recorded motions that show it: texts, or "*text*" within them
+  bool rests = false;               // may be as still as a standing person
+  std::vector<std::string> said{};  // captions of recorded motions that show it: texts, or "*text*" for a part of one
 };
 
-/// All of them.
+/// All verbs.
 const std::vector<JudgedVerb>& judged_verbs();
 /// Throws config_error 103 for an unknown name.
 const JudgedVerb& find_verb(std::string_view name);
 
-/// Why a motion does not do what the verb says, or what looks wrong about it (look_wrong): hovering, sinking in, flying
-/// off the arc, turning on flat soles, and standing like a statue where the verb moves. "" if nothing.
+/// The reason why a motion does not do what the verb says, or what looks wrong (look_wrong): hovering, sinking in,
+/// flights that are not arcs, turning on flat soles, and standing like a statue although the verb moves. "" if there is
+/// none.
 std::string why_not_done(const JudgedVerb& verb, const MotionTrace& trace, const EyeLimits& limits = {});
 
 MOTIONLANG_NAMESPACE_END

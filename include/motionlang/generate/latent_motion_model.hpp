@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Models with one latent for every motion (ACTOR, TEMOS, TMR, SINC): motions between two texts or actions, and motions
-/// without their noise.
+/// Models with one latent for every motion (ACTOR, TEMOS, TMR, SINC). They also make motions between two texts or
+/// actions, and denoise motions.
 ///
 ///     if (const LatentMotionModel* latent = model->latent())
 ///       auto line = latent->between(walk, run, 5, {.seed = 7});    // from a walk to a run
@@ -17,26 +17,25 @@ class LatentMotionModel : public SeparateMotionModel {
   const LatentMotionModel* latent() const final { return this; }
 
   /// `count` motions on the straight line from the latent of one timeline to that of another, with the same noise. The
-  /// first and the last are those that generate_motion makes of either alone.
-  /// to      is as long as `from`
+  /// first and the last equal those that generate_motion makes for each alone.
+  /// to      has the length of `from`
   /// Throws  option_error 101 unless count is 2 or more, and what generate_motion throws
   std::vector<Motion> between(const Timeline& from, const Timeline& to, Index count,
                               const GenerateOptions& options) const;
 
-  /// A motion as its latent keeps it, on the joints of the model: encoded, decoded, put where it was, at its own rate.
-  /// One that is longer than those that the model learned from goes through it in parts, which share a quarter of their
-  /// frames and are blended.
+  /// A motion encoded and decoded by the model, on the joints of the model, at its old place and rate. A motion longer
+  /// than those of the training is processed in parts, which share a quarter of their frames and are blended.
   /// action  of the motion, for ACTOR; "" for others
-  /// Throws  option_error 102 where the action is missing or not asked for, config_error 103 for an unknown one, and
-  ///         what the features throw
+  /// Throws  option_error 102 if the action is missing or not needed, config_error 103 for an unknown one, and what the
+  ///         features throw
   Motion denoised(const Motion& motion, const std::string& action = "") const;
 
  private:
   virtual std::vector<Motion> line(const Timeline& from, const Timeline& to, Index count, Philox noise,
                                    double fact) const = 0;
-  /// Encoded and decoded. The motion has the rate of the model.
+  /// Encodes and decodes. The motion has the rate of the model.
   virtual Motion decoded(const Motion& motion, const std::string& action) const = 0;
-  virtual Index longest() const = 0;  // frames of the motions that the model learned from
+  virtual Index longest() const = 0;  // frames of the longest training motion
   /// The motion on joints that `decoded` takes: SMPL's 24, or those of the model's features.
   virtual Motion on_its_joints(const Motion& motion) const = 0;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Any model that makes motions, from its file or folder: ours, or as its repository leaves it.
+/// Loads any model that makes motions from its file or folder: one of ours, or a published one.
 ///
 ///     const auto model = load_motion_model<EigenBackend<float>>("exps/humanact12");
 ///     const Motion motion = generate_motion(*model, whole_body_timeline("walk", 60), {.seed = 7});
@@ -7,7 +7,7 @@
 /// Ours       a .safetensors file of STMC, or a folder with one; a folder of train-actor, train-temos, train-tmr,
 ///            train-sinc or train-teach, if `trained` of the options is load_trained_motion_model
 /// Published  the folder of STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR, TEACH, SINC, TM2T (weights/run_folder.hpp)
-/// Compiling  this header compiles every system. Whoever wants one of them includes its own: stmc_motion_model.hpp,
+/// Compiling  this header compiles every system. If you need only one, include its own header: stmc_motion_model.hpp,
 ///            actor_latents.hpp, text_latents.hpp, babel_latents.hpp
 #pragma once
 
@@ -26,7 +26,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Models of our trainings, and of TMR: a function that loads the folder.
+/// A function that loads the folder of a model of our trainings, or of TMR.
 using TrainedModelLoader =
     std::function<std::unique_ptr<MotionModel>(const MotionModelPlace& place, const ModelSources& sources)>;
 
@@ -50,12 +50,12 @@ std::unique_ptr<MotionModel> load_diffusion_motion_model(const MotionModelPlace&
                            known_words(SafetensorsFile::open(FilePath(stmc_model_file(place.path))).metadata()));
 }
 
-/// ACTOR as published.
+/// Published ACTOR.
 template <Backend B>
 std::unique_ptr<MotionModel> load_actor_motion_model(const FilePath& run) {
   auto actor = load_actor_run<B>(run);
   const ActorFeatureOptions options = actor.features;
-  const double fps = 20;  // the viewer's, of the repository; data have none
+  const double fps = 20;  // the viewer's rate in the repository; data state none
   return actor_motion_model<B>(
       {.model = std::move(actor.model),
        .labels = std::move(actor.labels),
@@ -68,7 +68,7 @@ std::unique_ptr<MotionModel> load_actor_motion_model(const FilePath& run) {
        .rows_of = [=](const Motion& motion) { return actor_rows_of_motion(motion, options); }});
 }
 
-/// TEMOS, TEACH or SINC as published.
+/// Published TEMOS, TEACH or SINC.
 template <Backend B>
 std::unique_ptr<MotionModel> load_lightning_motion_model(const MotionModelPlace& place, const ModelSources& sources) {
   const CheckpointOptions options{.text_encoder = sources.text_encoder, .statistics = sources.statistics};
@@ -82,7 +82,7 @@ std::unique_ptr<MotionModel> load_lightning_motion_model(const MotionModelPlace&
   return text_motion_model(latents(load_temos_run<B>(run, files)));
 }
 
-/// MDM's models of actions, as published: one action for each motion.
+/// Published MDM models of actions: one action for each motion.
 template <Backend B>
 class MdmActionMotionModel final : public SeparateMotionModel {
  public:
@@ -105,14 +105,14 @@ class MdmActionMotionModel final : public SeparateMotionModel {
                                           {.steps = o.steps.value_or(0),
                                            .guidance = o.guidance,
                                            .sampler = o.sampler.value_or(SamplingOptions::Sampler::ddpm)});
-    const auto rows = slice(made.rows, 0, 0, frames);  // made as long as in training, and cut
+    const auto rows = slice(made.rows, 0, 0, frames);  // generated with the length of the training, and cut
     return motion_of_actor(actor_inverse(rows.span(), 24, run_.features), run_.fps);
   }
 
   MdmActionRun<B> run_;
 };
 
-/// TM2T, as published: one text for each motion, which is as long as the model makes it.
+/// Published TM2T: one text for each motion. The model decides the length.
 template <Backend B>
 class Tm2tMotionModel final : public SeparateMotionModel {
  public:
@@ -146,9 +146,8 @@ std::unique_ptr<MotionModel> load_tm2t_motion_model(const FilePath& run, const M
       load_tm2t_run<B>(find_run(run), {.tokenizer = sources.tokenizer, .words = sources.text_encoder}));
 }
 
-/// The model at a place, whatever its system. Throws config_error 103 for models of our trainings and TMR if the
-/// options have no loader for them, option_error 102 for sources that the model does not take, and what its loader
-/// throws.
+/// The model at a place, for any system. Throws config_error 103 for models of our trainings and TMR if the options
+/// have no loader for them, option_error 102 for sources that the model does not take, and what its loader throws.
 template <Backend B>
 std::unique_ptr<MotionModel> load_motion_model(const MotionModelPlace& place, const MotionModelOptions& options = {}) {
   const std::string& system = place.system;

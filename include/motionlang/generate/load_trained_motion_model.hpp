@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Models that train-temos, train-tmr, train-sinc, train-teach and train-actor leave, and TMR as published, as a
-/// MotionModel. They are apart from load_motion_model.hpp, because they take as long to compile as all others.
+/// Loads models of train-temos, train-tmr, train-sinc, train-teach and train-actor, and published TMR, as a
+/// MotionModel. They are not in load_motion_model.hpp, because they take as long to compile as all others.
 ///
 ///     const auto model = load_motion_model<B>("runs/temos", {.trained = load_trained_motion_model<B>});
 #pragma once
@@ -14,7 +14,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// ACTOR of our training.
+/// ACTOR from our training.
 template <Backend B>
 std::unique_ptr<MotionModel> load_trained_actor_motion_model(const FilePath& folder) {
   ActorModel<B> model = load_actor<B>(folder);
@@ -26,7 +26,7 @@ std::unique_ptr<MotionModel> load_trained_actor_motion_model(const FilePath& fol
                                 .motion_of =
                                     [=](std::span<const typename B::scalar> rows) {
                                       Motion out = actor_motion(std::vector<float>(rows.begin(), rows.end()), clips);
-                                      place_on_floor(out);  // its way counts from the first frame
+                                      place_on_floor(out);  // its path starts at the first frame
                                       return out;
                                     },
                                 .rows_of = actor_row_maker(clips).rows});

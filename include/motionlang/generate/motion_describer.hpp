@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Describes motions in words by TM2T, from motions to texts. A long motion is described in parts.
+/// Describes motions in words with a TM2T model from motions to texts. A long motion is described in parts.
 ///
 ///     const MotionDescriber<B> describer(load_tm2t_describer<B>(find_run("M2T_EL4_DL4_NH8_PS")));
 ///     for (const DescribedPart& part : describer(read_motion("walk.bvh"), Philox{}))
@@ -20,15 +20,15 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How words are chosen.
+/// Options for the choice of words.
 struct DescribeOptions {
-  Index top = 1;        // descriptions of each part, where there are as many different ones
-  Index beams = 2;      // of the search, at least `top`; 1: word by word the most probable one
-  bool sample = false;  // draws words by their probability instead
-  Index top_k = 100;    // draws are among this many of the most probable words
+  Index top = 1;        // descriptions of each part, if there are as many different ones
+  Index beams = 2;      // of the search, at least `top`; 1: the most probable word at each step
+  bool sample = false;  // samples words by their probability instead
+  Index top_k = 100;    // samples only from this many of the most probable words
 };
 
-/// A part of a motion, and what is said about it, the most probable first.
+/// A part of a motion and its descriptions, the most probable first.
 struct DescribedPart {
   double start = 0, end = 0;  // seconds
   std::vector<Description> texts{};
@@ -37,7 +37,7 @@ struct DescribedPart {
 template <Backend B>
 class MotionDescriber {
  public:
-  /// Throws config_error 102 for a tokenizer of other features than those of HumanML3D or KIT-ML.
+  /// Throws config_error 102 for a tokenizer of features other than those of HumanML3D or KIT-ML.
   explicit MotionDescriber(Tm2tRun<B> run)
       : run_(std::move(run)), features_(&motion_features(run_.width() == 251 ? "kit" : "guoh3d")) {
     if (features_->width != run_.width())
@@ -45,12 +45,12 @@ class MotionDescriber {
                           " a frame, expected 263 or 251");
   }
 
-  /// That the model reads.
+  /// The features that the model reads.
   const MotionFeatures& features() const { return *features_; }
 
   /// rows     (frames, width), not normalised, at the rate of the features
-  /// name     stands in messages
-  /// Returns  as few equal parts as are no longer than what such models are trained on
+  /// name     for messages
+  /// Returns  as few equal parts as possible, none longer than the training motions of such models
   /// Throws   numeric_error 301 for features that are not finite, shape_error 205 for fewer than four frames
   std::vector<DescribedPart> describe_rows(std::span<const float> rows, const Philox& rng,
                                            const DescribeOptions& options = {},

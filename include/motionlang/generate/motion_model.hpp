@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Any model that makes motions of texts or actions, behind one interface: STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR,
+/// One interface for all models that make motions from texts or actions: STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR,
 /// TEACH, SINC, TM2T.
 ///
 ///     const auto model = load_motion_model<EigenBackend<float>>("exps/humanact12");    // load_motion_model.hpp
@@ -33,9 +33,9 @@ class MotionModel {
   std::vector<Motion> generate(std::span<const Timeline> timelines, const GenerateOptions& options) const;
 
   virtual double fps() const = 0;
-  /// Its kind for messages: "a diffusion model".
+  /// The kind of model, for messages: "a diffusion model".
   virtual std::string system() const = 0;
-  /// Steps of its diffusion; 0: it has none.
+  /// The number of its diffusion steps; 0: none.
   virtual Index steps() const { return 0; }
   /// True if it goes through STMC: texts at the same time, body parts, noise, record, reuse and keep.
   virtual bool takes_timelines() const { return false; }
@@ -46,29 +46,29 @@ class MotionModel {
   virtual bool takes_actions() const { return false; }
   /// True if its motions come from latents with noise in them.
   virtual bool draws_latents() const { return false; }
-  /// The words of the texts that it learned from; none where its weights do not list them.
+  /// The words of its training texts. None if its weights do not list them.
   virtual std::vector<std::string> words() const { return {}; }
-  /// How much of a text it reads; none where it has no such limit.
+  /// The length of a text, and the length that the model reads. None without such a limit.
   virtual TextLength length_of(const std::string&) const { return {}; }
-  /// The same model as one with a latent for every motion; null where it has none.
+  /// The same model as one with a latent for every motion. Null if it has none.
   virtual const LatentMotionModel* latent() const { return nullptr; }
 
  private:
   virtual std::vector<Motion> make(std::span<const Timeline> timelines, const GenerateOptions& options) const = 0;
 };
 
-/// Throws option_error 102 for options that a model does not take, 105 for more steps than it has.
+/// Throws option_error 102 for options that a model does not take, and 105 for more steps than it has.
 void check_options(const MotionModel& model, const GenerateOptions& options);
 
 std::vector<Motion> generate_motions(const MotionModel& model, std::span<const Timeline> timelines,
                                      const GenerateOptions& options = {});
 Motion generate_motion(const MotionModel& model, const Timeline& timeline, const GenerateOptions& options = {});
 
-/// A model that makes every motion alone, from its texts and from noise that depends on the seed and on the place of
-/// the motion in the list.
+/// A model that makes every motion alone, from its texts and from noise. The noise depends on the seed and on the place
+/// of the motion in the list.
 class SeparateMotionModel : public MotionModel {
  protected:
-  /// That of the motion at this place.
+  /// The noise of the motion at this place.
   static Philox noise_of(const GenerateOptions& options, std::uint64_t place) {
     return Philox{.seed = options.seed}.split("noise").split(place);
   }
@@ -78,11 +78,11 @@ class SeparateMotionModel : public MotionModel {
   virtual Motion motion(const Timeline& timeline, Philox noise, const GenerateOptions& options) const = 0;
 };
 
-/// One text for the whole body.
+/// A timeline of one text for the whole body.
 Timeline whole_body_timeline(std::string text, Index frames);
 /// The only text of a timeline. Throws timeline_error 509.
 const Interval& only_text(const Timeline& timeline);
-/// The number of an action that is given by its name or its number. Throws config_error 103 for what is not a class.
+/// The number of an action, given by name or number. Throws config_error 103 for an unknown one.
 Index action_of(const std::string& text, std::span<const std::string> labels, Index classes);
 
 MOTIONLANG_NAMESPACE_END

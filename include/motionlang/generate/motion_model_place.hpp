@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Where a model that makes motions is, of which system, and what it needs from elsewhere. Nothing of it is loaded.
+/// The place and the system of a model that makes motions, and its files elsewhere. Loads nothing.
 ///
 ///     const MotionModelPlace place = find_motion_model("exps/humanact12");       // place.system == "actor"
 #pragma once
@@ -11,7 +11,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Files outside the folder that published models need. The default "" looks beside them.
+/// Files outside the folder that published models need. By default ("") they are searched beside them.
 struct ModelSources {
   std::string text_encoder{};  // a folder or a file
   std::string statistics{};    // a folder with mean and std
@@ -20,7 +20,7 @@ struct ModelSources {
   bool empty() const { return text_encoder.empty() && statistics.empty() && tokenizer.empty(); }
 };
 
-/// Where a model is, and of which system.
+/// The place of a model, and its system.
 struct MotionModelPlace {
   std::filesystem::path path{};  // a file of ours, or the folder of a model
   std::string system{};          // "": STMC of ours; of others that of the folder: "stmc", "mdm", "motiondiffuse",
@@ -29,15 +29,15 @@ struct MotionModelPlace {
 
   /// True if only a loader of `trained` models reads it.
   bool is_trained() const { return system == "tmr" || system.starts_with("trained "); }
-  /// True if it goes through STMC, over any backend.
+  /// True if it goes through STMC, with any backend.
   bool is_diffusion() const;
 };
 
-/// Looks at a file or a folder; of a folder of a training that has the model inside, at that one. Throws io_error 401
-/// for a folder without a model, and what find_run throws.
+/// Looks at a file or a folder. If a training's folder has the model inside, it takes that one. Throws io_error 401 for
+/// a folder without a model, and what find_run throws.
 MotionModelPlace find_motion_model(const std::filesystem::path& path);
 
-/// Throws option_error 102 if `sources` name something for a model that has its own.
+/// Throws option_error 102 if `sources` name a file and the model has its own.
 void require_no_sources(const MotionModelPlace& place, const ModelSources& sources);
 
 MOTIONLANG_NAMESPACE_END

@@ -17,9 +17,9 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// `samples` motions of each timeline. All are made in one run. The first sample of each timeline is the motion of a
-/// run without further samples. Throws option_error 101 unless samples is 1 or more, and what generate_motions throws.
-/// model  a Stmc or a MotionModel, with its header
+/// Makes `samples` motions of each timeline in one run. The first sample of each timeline equals the motion of a run
+/// without further samples. Throws option_error 101 unless samples is 1 or more, and what generate_motions throws.
+/// model  a Stmc or a MotionModel, whose header you include
 template <class Model>
 std::vector<std::vector<Motion>> generate_samples(const Model& model, std::span<const Timeline> timelines,
                                                   Index samples, const GenerateOptions& options = {}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A Stmc, of any denoiser and text encoder, as a MotionModel.
+/// A Stmc with any denoiser and text encoder as a MotionModel.
 #pragma once
 
 #include <motionlang/generate/generate_motion.ipp>
@@ -10,7 +10,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 class StmcMotionModel final : public MotionModel {
  public:
-  /// words  of the texts that it learned from (text/known_words.hpp)
+  /// words  of its training texts (text/known_words.hpp)
   explicit StmcMotionModel(Stmc<B, D, E> model, std::vector<std::string> words = {})
       : model_(std::move(model)), words_(std::move(words)) {}
 

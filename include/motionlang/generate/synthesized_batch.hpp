@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Motions for the texts of a batch, made by any model and seen by another: whether TMR finds generated motions.
+/// Motions for the texts of a batch, made by one model for another one. This measures if TMR finds generated motions.
 ///
 ///     const Tensor<B, 2> latents = tmr.encode_motion(synthesized_batch(*stmc, batch, features, normalizer, 7)).mu;
 ///
@@ -18,8 +18,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Each motion is as long as that of the batch.
-/// features, normalizer  of the model that sees them
+/// Each motion has the length of that in the batch.
+/// features, normalizer  of the model that reads them
 /// result                normalised rows of `features`
 /// Throws                what generate_motions throws
 template <Backend B>

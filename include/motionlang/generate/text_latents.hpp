@@ -14,7 +14,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A model with what turns texts and clips into what it reads and its rows into clips.
+/// A model with conversions: texts and clips to its inputs, and its rows to clips.
 template <Backend B, class Model>
 struct TextLatents : TextMotionCheckpoint<B, Model> {
   std::function<Interval(const Timeline&)> wanted = only_text;  // the text for the model, and its frames
@@ -31,7 +31,7 @@ class TextLatentModel final : public LatentMotionModel {
   explicit TextLatentModel(TextLatents<B, Model> parts) : parts_(std::move(parts)) {}
 
   double fps() const override { return parts_.fps; }
-  /// A deterministic model draws none.
+  /// A deterministic model has no random latents.
   bool draws_latents() const override {
     if constexpr (requires { parts_.model.config.vae; })
       return parts_.model.config.vae;

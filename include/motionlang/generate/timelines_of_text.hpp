@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Every timeline of a text, whichever of the two kinds of lines it has.
+/// Every timeline of a text, for both kinds of lines.
 ///
 ///     const auto timelines = timelines_of_text(read_file("moves.txt"), {.fps = 20, .name = "moves.txt"});
 #pragma once

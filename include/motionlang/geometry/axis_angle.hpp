@@ -33,7 +33,7 @@ Quaternion<S> from_axis_angle(const Vec3<S>& axis, const S& angle) {
   return to_quaternion(AxisAngle<S>{angle * axis});
 }
 
-/// The shortest rotation vector (length at most pi). Right up to and at pi; smooth at 0.
+/// The shortest rotation vector (length at most pi). Correct up to and at pi; smooth at 0.
 ///     v = 2 atan2(n, |w|) / n (x, y, z) sign(w),   n = |(x, y, z)|
 ///     for small n the factor is 2/w (1 - n^2 / (3 w^2))
 template <class S>

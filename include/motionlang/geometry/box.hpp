@@ -9,12 +9,12 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Its sides are along the axes.
+/// A box with sides along the axes.
 struct Box {
   Vec3<double> low, high;
 };
 
-/// The box of all positions. Throws config_error 101 without one.
+/// The box around all positions. Throws config_error 101 without a position.
 inline Box box_of(std::span<const Vec3<double>> positions) {
   if (positions.empty()) raise<config_error>(101, "box_of: no position");
   Box box{positions.front(), positions.front()};

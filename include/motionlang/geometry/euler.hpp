@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Euler angles in all twelve orders.
 ///
-/// Intrinsic angles: order "ZXY" means R = Rz(a) Rx(b) Ry(c) on column vectors, the first letter outermost, which is
-/// the order of BVH channels and of pytorch3d's conventions.
+/// Intrinsic angles: order "ZXY" means R = Rz(a) Rx(b) Ry(c) on column vectors, the first letter outermost. This is the
+/// order of BVH channels and of pytorch3d's conventions.
 #pragma once
 
 #include <array>        // axes
@@ -58,9 +58,9 @@ Matrix3<S> to_matrix(const EulerAngles<S>& e) {
          axis_rotation(e.order.axis[2], e.c);
 }
 
-/// The angles of a rotation. The middle one lies in [-pi/2, pi/2] for three different axes, in [0, pi] for a proper
-/// order (ZXZ). Arc tangents only, so nothing needs clamping. Where the first and last axis coincide (gimbal lock,
-/// within 1e-6) the last angle is `last` and the first takes up the rest.
+/// The angles of a rotation. The middle one is in [-pi/2, pi/2] for three different axes, and in [0, pi] for a proper
+/// order (ZXZ). Only arc tangents are used, so nothing needs clamping. If the first and last axis coincide (gimbal
+/// lock, within 1e-6), the last angle is `last` and the first takes the rest.
 template <class R>
 requires Rotation<R>
 auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
@@ -79,7 +79,7 @@ auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
   e.b = proper ? atan2(other, middle) : atan2(middle, other);
   const S first = proper ? atan2(m(j, i), -(plus * m(l, i))) : atan2(-(plus * m(j, k)), m(k, k));
   const S third = proper ? atan2(m(i, j), plus * m(i, l)) : atan2(-(plus * m(i, j)), m(i, i));
-  // Locked: with c given, column j of R Rk(-c) = Ri(a) Rj(b) is that of Ri(a) alone.
+  // Locked: given c, column j of R Rk(-c) = Ri(a) Rj(b) is that of Ri(a) alone.
   const S c = S(last);
   const Vec3<S> column = m * axis_rotation(k, -c).column(j);
   const std::array<S, 3> turned{column.x, column.y, column.z};

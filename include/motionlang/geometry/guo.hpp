@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// The quaternion formulas of HumanML3D, T2M and TM2T, for parity with their features. What is not here is the same as
-/// in quaternion.hpp, rotation6d.hpp, euler.hpp (`to_euler`) and axis_angle.hpp.
+/// The quaternion formulas of HumanML3D, T2M and TM2T, for parity with their features. Formulas that are missing here
+/// are the same as in quaternion.hpp, rotation6d.hpp, euler.hpp (`to_euler`) and axis_angle.hpp.
 ///
-/// They differ where the general functions are safer: `between` has no answer for opposite vectors, `slerp` takes the
-/// long way if the quaternions lie in different hemispheres. Use them to reproduce published numbers, not otherwise.
+/// They differ where the general functions are safer. `between` has no answer for opposite vectors, and `slerp` takes
+/// the longer arc if the quaternions are in different hemispheres. Use them only to reproduce published numbers.
 /// Source  Guo et al. (CVPR 2022), HumanML3D common/quaternion.py
 #pragma once
 
@@ -18,7 +18,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace guo {
 
 /// The shortest rotation from a to b, of any length:  q ~ (|a||b| + a . b, a x b).  NaN for opposite vectors.
-/// lengths = |a||b|, where it is known.
+/// lengths = |a||b|, if it is known.
 template <class S>
 Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b, const S& lengths) {
   const Vec3<S> c = cross(a, b);
@@ -29,8 +29,8 @@ Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b) {
   return between(a, b, sqrt(dot(a, a) * dot(b, b)));
 }
 
-/// Signs such that each quaternion and the same joint's in the frame before are no more than a half turn apart.
-/// rotations (frames, joints). Throws shape_error 205.
+/// Chooses signs so that each quaternion is at most a half turn from the same joint's in the frame before. rotations
+/// (frames, joints). Throws shape_error 205.
 template <Scalar S>
 std::vector<Quaternion<S>> continuous(std::span<const Quaternion<S>> rotations, Index joints) {
   if (joints <= 0 || std::ssize(rotations) % joints != 0) {
@@ -54,7 +54,8 @@ Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& b, const S& t) 
   return Quaternion<S>{cos(t * h), u.x, u.y, u.z} * from;
 }
 
-/// The quaternion whose component that the published code divides by is positive; w may be negative.
+/// Among q and -q, the quaternion whose component by which the published code divides is positive. So w may be
+/// negative.
 template <Scalar S>
 Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
   const Quaternion<S> q = to_quaternion(m);
@@ -62,8 +63,8 @@ Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
   return divisor < 0 ? -q : q;
 }
 
-/// From angles about x, y and z in degrees, whatever the order. For the cyclic orders xyz, yzx and zxy the sign of the
-/// quaternion is the other one.
+/// From angles about x, y and z in degrees, in any order. For the cyclic orders xyz, yzx and zxy the quaternion has the
+/// opposite sign.
 template <Scalar S>
 Quaternion<S> from_euler_degrees(const Vec3<S>& angles, EulerOrder order) {
   Quaternion<S> q = Quaternion<S>::identity();

@@ -10,7 +10,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Three by three numbers, row by row: m[3 * row + column].
+/// Three by three values, row by row: m[3 * row + column].
 template <class S>
 struct Matrix3 {
   std::array<S, 9> m{};

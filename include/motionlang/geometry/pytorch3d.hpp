@@ -2,9 +2,9 @@
 /// The rotation formulas that the published systems share (an old version of pytorch3d), for parity with their
 /// features.
 ///
-/// They differ from quaternion.hpp and axis_angle.hpp where those are more accurate: matrix_to_quaternion loses half of
-/// the digits near 0 and near pi and is wrong at pi for axes of mixed signs; quaternion_to_axis_angle does not take the
-/// shorter way round. Use them to reproduce published numbers, not otherwise.
+/// They differ from quaternion.hpp and axis_angle.hpp, which are more accurate. matrix_to_quaternion loses half of the
+/// digits near 0 and near pi, and is wrong at pi for axes of mixed signs. quaternion_to_axis_angle does not take the
+/// shorter arc. Use them only to reproduce published numbers.
 #pragma once
 
 #include <motionlang/geometry/axis_angle.hpp>
@@ -13,8 +13,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace pytorch3d {
 
-/// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; signs of x, y, z are those of the antisymmetric part (0 counts as
-/// +).
+/// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; x, y and z have the signs of the antisymmetric part (0 counts as +).
 template <class S>
 Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
   const S zero = S(0), one = S(1);

@@ -47,7 +47,7 @@ Vec3<S> rotate(const Quaternion<S>& q, const Vec3<S>& v) {
   return v + S(2) * (q.w * uv + cross(q.vec(), uv));
 }
 
-/// Matrix of a quaternion; one that is not of unit length is tolerated: factor 2 / (q . q).
+/// The matrix of a quaternion. One that is not of unit length is tolerated: factor 2 / (q . q).
 template <class S>
 Matrix3<S> to_matrix(const Quaternion<S>& q) {
   const S k = S(2) / dot(q, q);
@@ -58,9 +58,9 @@ Matrix3<S> to_matrix(const Quaternion<S>& q) {
            k * (xz - wy), k * (yz + wx), S(1) - k * (xx + yy)}};
 }
 
-/// The quaternion with w >= 0 of a rotation matrix; accurate everywhere, also near half turns.
-/// Source  Shepperd (1978): divide by the largest of |w|, |x|, |y|, |z|. All four candidates are computed and one is
-///         chosen by where_less, so that SIMD lanes and tensors can do it, too.
+/// The quaternion with w >= 0 of a rotation matrix. It is accurate everywhere, also near half turns.
+/// Source  Shepperd (1978): divide by the largest of |w|, |x|, |y|, |z|. All four candidates are computed, and
+///         where_less chooses one, so that SIMD lanes and tensors can do it, too.
 template <class S>
 Quaternion<S> to_quaternion(const Matrix3<S>& r) {
   const S m00 = r(0, 0), m11 = r(1, 1), m22 = r(2, 2), zero = S(0), tiny = S(1e-12);

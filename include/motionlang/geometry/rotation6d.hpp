@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Six numbers for a rotation: two of the three rows, or two of the three columns, of its matrix.
+/// Six values for a rotation: two of the three rows, or two of the three columns, of its matrix.
 ///
 /// Source   Zhou et al., "On the continuity of rotation representations in neural networks" (CVPR 2019), section B.
-/// Two conventions are in use and must not be mixed, hence two types: ACTOR, TEMOS, TEACH, SINC and the 205-vector take
-/// the first two ROWS, row by row; the 263-vector of HumanML3D takes the first two COLUMNS, column by column.
+/// Two conventions are in use and must not be mixed, so there are two types. ACTOR, TEMOS, TEACH, SINC and the
+/// 205-vector take the first two ROWS, row by row. The 263-vector of HumanML3D takes the first two COLUMNS, column by
+/// column.
 #pragma once
 
 #include <motionlang/geometry/matrix.hpp>
@@ -19,7 +20,7 @@ struct Rotation6dColumns {
   Vec3<S> a{}, b{};
 };
 
-/// Gram-Schmidt: b1 = a / |a|, b2 = (b - (b1 . b) b1) normalised, b3 = b1 x b2; norms are floored at 1e-12.
+/// Gram-Schmidt: b1 = a / |a|, b2 = (b - (b1 . b) b1) normalised, b3 = b1 x b2; norms are at least 1e-12.
 template <class S>
 Matrix3<S> to_matrix(const Rotation6dRows<S>& r) {
   const Vec3<S> b1 = normalized(r.a);

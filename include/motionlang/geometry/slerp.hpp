@@ -8,7 +8,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Spherical linear interpolation: a at t = 0, b at t = 1, constant angular velocity in between.
 ///     slerp = (sin((1-t) h) a + sin(t h) b) / sin h,   h = angle between the quaternions (shorter arc)
-/// Source  Shoemake, "Animating rotation with quaternion curves" (SIGGRAPH 1985). Below h = 1e-3 a normalised lerp.
+/// Source  Shoemake, "Animating rotation with quaternion curves" (SIGGRAPH 1985). For h < 1e-3 it is a normalised lerp.
 template <class S>
 Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& other, const S& t) {
   const S d = dot(a, other), sign = where_less(d, S(0), S(-1), S(1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Operations of every rotation, whatever its representation: the API deduced from `to_matrix`.
+/// Operations of every rotation in any representation: the API that follows from `to_matrix`.
 #pragma once
 
 #include <motionlang/geometry/axis_angle.hpp>
@@ -40,7 +40,7 @@ auto log_so3(const R& r) {
   return to_axis_angle(r).v;
 }
 
-/// Angle between two rotations, radians in [0, pi]. Its slope is taken as 0 where they are equal.
+/// The angle between two rotations, radians in [0, pi]. Its slope counts as 0 where they are equal.
 template <Rotation A, Rotation B>
 auto distance(const A& a, const B& b) {
   const auto q = to_quaternion(transpose(to_matrix(a)) * to_matrix(b));
@@ -48,13 +48,13 @@ auto distance(const A& a, const B& b) {
   return S(2) * atan2(norm_or_zero(q.vec()), where_less(q.w, S(0), -q.w, q.w));
 }
 
-/// The shortest rotation that turns direction `from` into direction `to`. For opposite directions: half a turn about
-/// some orthogonal axis, and so up to 1.5e-6 rad from them.
+/// The shortest rotation that turns direction `from` into direction `to`. For opposite directions, and up to 1.5e-6 rad
+/// from them, it is half a turn about some orthogonal axis.
 template <class S>
 Quaternion<S> rotation_between(const Vec3<S>& from, const Vec3<S>& to) {
   const Vec3<S> a = normalized(from), sum = a + normalized(to), c = cross(a, sum);
   const S w = S(0.5) * dot(sum, sum), ax = where_less(a.x, S(0), -a.x, a.x), limit = S(0.6);
-  // an axis orthogonal to a: cross with x or with y, whichever is farther from a
+  // An axis orthogonal to a: cross with x or with y, whichever is farther from a.
   const Vec3<S> with_x = cross(a, Vec3<S>{S(1), S(0), S(0)}), with_y = cross(a, Vec3<S>{S(0), S(1), S(0)});
   auto pick = [&](const S& near, const S& far) { return where_less(ax, limit, near, far); };
   const Vec3<S> any{pick(with_x.x, with_y.x), pick(with_x.y, with_y.y), pick(with_x.z, with_y.z)};

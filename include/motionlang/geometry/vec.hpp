@@ -32,7 +32,7 @@ template <class S>
 S norm(const Vec3<S>& a) {
   return sqrt(dot(a, a));
 }
-/// |a| of a vector or quaternion, with slope 0 where a is 0 (shorter than 1e-15) and |a| has none.
+/// a| of a vector or quaternion. The slope is 0 where a is 0 (shorter than 1e-15) and |a| has no slope.
 template <class V>
 auto norm_or_zero(const V& a) {
   const auto squared = dot(a, a);
@@ -48,7 +48,7 @@ Vec3<S> normalized(const Vec3<S>& a, double floor = 1e-12) {
   const S squared = dot(a, a), least = S(floor * floor);
   const S floored = where_less(squared, least, least, squared);
   if constexpr (requires { inverse_sqrt(floored); }) {
-    return inverse_sqrt(floored) * a;  // in a register that is cheaper than three divisions
+    return inverse_sqrt(floored) * a;  // cheaper in a register than three divisions
   } else {
     const S length = sqrt(floored);
     return {a.x / length, a.y / length, a.z / length};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A body: its model, its surface, its hands; and what is public about the SMPL family: sizes, and the vertices that
+/// A body: its model, its surface and its hands. Also the public facts of the SMPL family: sizes, and the vertices that
 /// serve as extra joints. Bodies come from the user's own files (formats/body_file.hpp) or from any skeleton
 /// (formats/figure_body.hpp).
 ///
@@ -19,7 +19,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The family of a body: told by its number of joints. `other`: a body of the same form, but not of the family.
+/// The kind of a body, recognised by its number of joints. `other`: a body of the same form that is not of the family.
 enum class BodyKind { smpl, smplh, smplx, other };
 enum class BodyGender { neutral, male, female };
 
@@ -28,7 +28,7 @@ struct BodyKindInfo {
   std::string_view name;
   Index joints, vertices;
   int left_hand, right_hand;  // first finger joint; -1: the model has none
-  std::string_view site;      // where its files can be had
+  std::string_view site;      // where to download its files
 };
 inline constexpr std::array<BodyKindInfo, 3> body_kinds{{
     {BodyKind::smpl, "SMPL", 24, 6890, -1, -1, "https://smpl.is.tue.mpg.de"},
@@ -45,10 +45,10 @@ inline std::string to_string(BodyKind kind) {
   return kind == BodyKind::other ? "other" : std::string(body_kinds[static_cast<std::size_t>(kind)].name);
 }
 
-/// A point of the body: its name and the vertex that it is.
+/// A point of the body: its name and its vertex.
 struct BodyPoint {
   std::string_view name;
-  Index smpl, smplx;  // vertex of SMPL and SMPL-H, of SMPL-X
+  Index smpl, smplx;  // vertex in SMPL and SMPL-H, vertex in SMPL-X
 };
 /// In the order in which they follow the joints.
 inline constexpr std::array<BodyPoint, 21> body_points{{
@@ -93,15 +93,15 @@ struct HandPoses {
   static constexpr auto fields() {
     return motionlang::fields("components", &HandPoses::components, "mean", &HandPoses::mean);
   }
-  /// coefficients (N, n) of the first n components -> rotation vectors (N, 15, 3). `flat`: a hand of all zeros is
-  /// stretched out, not the mean pose. Throws shape_error 203 if there are fewer components.
+  /// coefficients (N, n) of the first n components -> rotation vectors (N, 15, 3). `flat`: all zeros mean a stretched
+  /// hand, not the mean pose. Throws shape_error 203 if there are fewer components.
   Tensor<B, 3> operator()(const Tensor<B, 2>& coefficients, bool flat = false) const {
     const auto offset = matmul(coefficients, slice(components, 0, 0, coefficients.size(1)));
     return reshape<3>(flat ? offset : offset + reshape<2>(mean, {1, 45}), {coefficients.size(0), 15, 3});
   }
 };
 
-/// A body with its surface. Nothing of it is trained.
+/// A body with its surface. Nothing in it is trained.
 template <Backend B>
 struct Body {
   static constexpr bool trainable = false;
@@ -111,12 +111,11 @@ struct Body {
   Index expressions = 0;                    // of the model's coefficients, the last ones
   std::optional<HandPoses<B>> left_hand, right_hand;
   SurfacePoints landmarks{};              // of the face; surface_points.hpp places them
-  std::vector<SurfacePoints> contours{};  // of the face, one for each direction from which it is seen
+  std::vector<SurfacePoints> contours{};  // of the face, one for each direction of view
 };
 
-/// Rotations (N, n, 9) of all joints of a body, where `rotations` may end before the fingers: then both hands have
-/// their mean pose. Throws config_error 106 if the body has no such hands, shape_error 204 for another number of
-/// joints.
+/// Rotations (N, n, 9) of all joints of a body. If `rotations` end before the fingers, both hands have their mean pose.
+/// Throws config_error 106 if the body has no such hands, and shape_error 204 for another number of joints.
 template <Backend B>
 Tensor<B, 3> with_mean_hands(const Body<B>& body, const Tensor<B, 3>& rotations) {
   const Index n = rotations.size(0), given = rotations.size(1), joints = body.model.joints();
@@ -132,9 +131,9 @@ Tensor<B, 3> with_mean_hands(const Body<B>& body, const Tensor<B, 3>& rotations)
   return concat(1, rotations, mean(*body.left_hand), mean(*body.right_hand));
 }
 
-/// The body in every frame of a motion. The motion's joints are the first ones of the model, which keeps the others
-/// (fingers, say) as they are at rest; the root joint is where the motion has it. betas (K): one shape for all frames,
-/// none means zeros.
+/// The body in every frame of a motion. The motion's joints are the first ones of the model; the others (for example
+/// fingers) stay at rest. The root joint is at the place in the motion. betas (K): one shape for all frames; none means
+/// zeros.
 /// Throws  config_error 106 if the joints of the motion are not the first ones of the model, shape_error 204
 template <Backend B>
 PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion,

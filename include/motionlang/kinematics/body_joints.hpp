@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which joints of a known skeleton are the hips, knees, feet, shoulders, elbows, wrists and the head. The tables of
-/// retargeting say so.
+/// The hips, knees, feet, shoulders, elbows, wrists and the head of a known skeleton, from the tables of retargeting.
 #pragma once
 
 #include <optional>  // unknown skeletons
@@ -9,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Numbers of joints; -1 where the skeleton has none.
+/// Numbers of joints; -1 if the skeleton lacks one.
 struct BodyJoints {
   struct Pair {
     int left = -1, right = -1;

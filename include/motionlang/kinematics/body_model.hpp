@@ -2,16 +2,16 @@
 /// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any
 /// backend.
 ///
-/// On a bare backend every lane of a register holds another pose (Lane), and a block of vertices at a time gets its
-/// blend shapes and is skinned while it is in the cache, on all threads (`prepare` the model first: its blend shapes
-/// are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses, so that vertices
-/// and joints can be differentiated by shape, rotations and translation.
+/// On a bare backend, every lane of a register holds another pose (Lane). All threads take blocks of vertices, compute
+/// their blend shapes and skin them while they are in the cache. (`prepare` the model first, so that its blend shapes
+/// are packed once.) On an Autodiff backend, every value of the chain is a tensor over the poses. So vertices and
+/// joints can be differentiated by shape, rotations and translation.
 ///
 /// Source    Loper et al. (2015), eq. 2-12; vchoutas/smplx smplx/lbs.py. The model's arrays come from the user's own
 ///           file (formats/body_file.hpp) or from a skeleton (formats/figure_body.hpp).
 /// Notation  V vertices, J joints, K shape coefficients, N poses; beta -> betas, R_j -> rotations, tau -> translation
-/// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions,
-///           which is the same sum in another order
+/// Differs   from the smplx package: rest joints come from a regressor that is folded into template and shape
+///           directions. This is the same sum in another order
 #pragma once
 
 #include <memory>  // what is packed
@@ -30,7 +30,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Posed points. vertices (N, V, 3), joints (N, J, 3), extra (N, E, 3): points picked from the vertices.
+/// Posed points. vertices (N, V, 3), joints (N, J, 3), extra (N, E, 3): selected vertices.
 template <Backend B>
 struct PosedBody {
   Tensor<B, 3> vertices, joints, extra;
@@ -60,8 +60,8 @@ void walk_chain(std::span<const int> parents, JointTransforms<S>& world, Rest re
 
 }  // namespace detail
 
-/// Rotations of F numbers each, (N, J, F), as the matrices that a body model takes: (N, J, 9), row by row. matrix_of
-/// makes a Matrix3 from a span of F numbers; on an Autodiff backend a number is a tensor over all rotations.
+/// Converts rotations of F values each, (N, J, F), to the matrices that a body model takes: (N, J, 9), row by row.
+/// matrix_of makes a Matrix3 from a span of F values. On an Autodiff backend a value is a tensor over all rotations.
 template <Backend B, class F>
 Tensor<B, 3> rotation_rows(const Tensor<B, 3>& rotations, F matrix_of) {
   const Index n = rotations.size(0), j = rotations.size(1), width = rotations.size(2);
@@ -85,7 +85,7 @@ Tensor<B, 3> rotation_rows(const Tensor<B, 3>& rotations, F matrix_of) {
     });
   }
 }
-/// The same of rotation vectors (N, J, 3). Differentiable, also at 0.
+/// The same for rotation vectors (N, J, 3). Differentiable, also at 0.
 template <Backend B>
 Tensor<B, 3> rotation_rows(const Tensor<B, 3>& axis_angles) {
   return rotation_rows(axis_angles, [](const auto& v) { return to_matrix(AxisAngle{Vec3{v[0], v[1], v[2]}}); });
@@ -107,8 +107,8 @@ struct BodyModel {
     Tensor<B, 1> mean;        // (3 J)
     Tensor<B, 2> directions;  // (3 J, K)
   };
-  /// Blend shapes in blocks of vertices, packed; the weights that are not 0; the regressor folded into template and
-  /// shape directions.
+  /// Blend shapes in packed blocks of vertices, the nonzero weights, and the regressor folded into template and shape
+  /// directions.
   struct Surface {
     struct Block {
       Index first, last;
@@ -119,7 +119,7 @@ struct BodyModel {
     SkinWeights<typename B::scalar> weights;
     RestJoints rest;
   };
-  // by `prepare`: the tensors must stay as they are from then on, in copies too
+  // Made by `prepare`. After that the tensors must not change, nor those of copies.
   std::shared_ptr<const Surface> packed{};
 
   static constexpr auto fields() {
@@ -133,7 +133,7 @@ struct BodyModel {
   Index joints() const { return static_cast<Index>(parents.size()); }
 
   /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its
-  /// child, 101 for an extra joint at no vertex.
+  /// child, and 101 for an extra joint without a vertex.
   void validate() const {
     const Index v = vertices(), j = joints();
     const bool blends = posedirs.shape() == Shape{3 * v, 9 * (j - 1)} || posedirs.shape() == Shape{3 * v, 0};
@@ -180,7 +180,7 @@ struct BodyModel {
     return out;
   }
 
-  /// The work of `prepare`: blend shapes are laid out and packed in blocks of vertices. Nothing on an Autodiff backend.
+  /// The work of `prepare`: packs blend shapes in blocks of vertices. Does nothing on an Autodiff backend.
   void pack_surface() {
     if constexpr (!AutodiffBackend<B>) {
       Surface made = empty_surface();
@@ -193,7 +193,7 @@ struct BodyModel {
     }
   }
 
-  /// Joints only: no vertex is touched. (N, J, 3)
+  /// Joints only: vertices are not computed. (N, J, 3)
   Tensor<B, 3> posed_joints(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations,
                             const Tensor<B, 2>& translation) const {
     check(betas, rotations, translation);
@@ -235,7 +235,7 @@ struct BodyModel {
     const Index n = rotations.size(0), j = joints();
     return concat(1, betas, reshape<2>(slice(rotations, 1, 1, j) - identity_row(), {n, 9 * (j - 1)}));
   }
-  /// A copy of both directions side by side, of vertices first ... last - 1: (3 (last - first), K + 9 (J - 1)).
+  /// A copy of both directions side by side, for vertices first ... last - 1: (3 (last - first), K + 9 (J - 1)).
   Tensor<B, 2> directions(Index first, Index last) const {
     return concat(1, slice(shapedirs, 0, 3 * first, 3 * last), slice(posedirs, 0, 3 * first, 3 * last));
   }
@@ -250,8 +250,8 @@ struct BodyModel {
     return linear(coefficients, directions, &mean);
   }
 
-  // Both and the directions between them fit the second cache; SMPL is 54 blocks of vertices, which threads share
-  // evenly.
+  // Both, and the directions between them, fit into the second-level cache. SMPL has 54 blocks of vertices, which
+  // threads share evenly.
   static constexpr Index block_vertices = 128, block_poses = 256;
   Index blocks() const { return (vertices() + block_vertices - 1) / block_vertices; }
   typename Surface::Block block(Index i) const {
@@ -260,7 +260,7 @@ struct BodyModel {
   }
   Surface empty_surface() const { return {.blocks = {}, .weights = SkinWeights(weights.span(), joints()), .rest = {}}; }
 
-  /// The vertices of all poses, (N, V, 3), from what posed_joints wrote.
+  /// The vertices of all poses, (N, V, 3), from the output of posed_joints.
   Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const S* transforms) const {
     const std::shared_ptr<const Surface> made = packed ? packed : std::make_shared<const Surface>(empty_surface());
     const Index n = coefficients.size(0);
@@ -281,7 +281,7 @@ struct BodyModel {
     });
   }
 
-  /// All poses at once: every number is a tensor (N, 1).
+  /// All poses at once: every value is a tensor (N, 1).
   Chain posed_chain(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations) const {
     using T = Tensor<B, 2>;
     const Index n = rotations.size(0);
@@ -326,15 +326,15 @@ struct BodyModel {
     return concat(std::span<const Tensor<B, 3>>(axes), 2);
   }
 
-  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms, (groups of poses, J, 12, lanes), unless
-  /// that is null.
+  /// The joints (N, J, 3), moved by the translation. Unless `transforms` is null, also writes the transforms for
+  /// skin_vertices, (groups of poses, J, 12, lanes).
   Tensor<B, 3> posed_joints(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation,
                             S* transforms) const {
     const Index n = rotations.size(0);
     const auto j = parents.size();
     const S *rest_at = rest.span().data(), *rotation_at = rotations.span().data(), *tau_at = translation.span().data();
     return Tensor<B, 3>::written({n, joints(), 3}, [&](S* positions) {
-      constexpr Index block = 64;  // poses for a thread at a time: whole groups, whatever the lanes
+      constexpr Index block = 64;  // poses for a thread at a time: whole groups for any number of lanes
       parallel_for((n + block - 1) / block, [&](Index part) {
         with_widest_lanes<S>([&]<class L>() {
           JointTransforms<L> world;
@@ -367,7 +367,7 @@ struct BodyModel {
   }
 };
 
-/// Makes a body ready for use. The model must not be changed afterwards.
+/// Prepares a body for use. The model must not change afterwards.
 template <Backend B>
 void prepare(BodyModel<B>& model) {
   model.pack_surface();

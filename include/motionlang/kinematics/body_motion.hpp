@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// A motion on the joints of a body of the SMPL family: what its mesh, skin and files need.
+/// A motion on the joints of a body of the SMPL family, for its mesh, skin and files.
 ///
 ///     const Motion own = motion_on_body(body, on_smpls_joints, betas);
 ///     const PosedBody<B> posed = pose_body(body.model, own, betas);
 ///
-/// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Unless the motion has all
-/// joints of the body, fingers have the mean pose of the body's hands, or are stretched out; jaw and eyes are at rest.
-/// The path is scaled with the length of the legs.
-/// Source  smplx body_models.py and joint_names.py: what SMPL, SMPL-H and SMPL-X call their joints
+/// Rotations are used unchanged, because the rest poses of SMPL and of the motion are both a T-pose. Unless the motion
+/// has all joints of the body, fingers have the mean pose of the body's hands, or are stretched. Jaw and eyes are at
+/// rest. The path is scaled with the length of the legs.
+/// Source  smplx body_models.py and joint_names.py: the names of SMPL, SMPL-H and SMPL-X for their joints
 #pragma once
 
 #include <motionlang/kinematics/body.hpp>
@@ -16,7 +16,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 enum class BodyHands { mean, flat };
 
-/// Names of a body's joints in their order; of a body of another kind "joint_0", "joint_1", ...
+/// Names of a body's joints in their order. For a body of another kind "joint_0", "joint_1", ...
 std::vector<std::string> body_joint_names(BodyKind kind, Index joints);
 
 /// The skeleton of a body for one shape; none means zeros. Throws shape_error 204 for another number of coefficients.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The parts that a body is divided into: their names, and the part that carries the path over the floor. Timelines,
-/// plans and feature layouts hold one; the default is the human body of STMC (body_parts.hpp).
+/// The parts of a body: their names, and the part that carries the path over the floor. Timelines, plans and feature
+/// layouts hold such a partition; the default is the human body of STMC (body_parts.hpp).
 ///
 ///     const BodyPartition dog({.names = {"front left", "front right", "hind left", "hind right", "trunk"},
 ///                              .path = "trunk",
@@ -29,7 +29,7 @@ struct PartSynonym {
   std::string name, part;
 };
 
-/// A word that tells which parts a text moves: lower-case letters, the beginning of the word ("walk" for "walking").
+/// A word that tells which parts a text moves: lower-case letters, the beginning of a word ("walk" for "walking").
 struct PartWord {
   std::string stem;
   std::vector<std::string> parts;
@@ -43,19 +43,19 @@ struct BodyPartNames {
   std::vector<PartWord> words{};        // for guesses, see guess_body_parts
 };
 
-/// A value that copies share; it never changes.
+/// A value that copies share. It never changes.
 class BodyPartition {
  public:
   /// The human body: the five parts of STMC, whose legs carry the path.
   BodyPartition() = default;
   /// Throws config_error 101 without a part, for more than `most_body_parts`, for a name that a timeline file cannot
-  /// hold (it is empty, has '#', a line end or outer blanks, or is not UTF-8) and for a word of other characters than
-  /// a ... z; 102 for a name that is duplicated; 103 for a part that is not one of the names.
+  /// hold (it is empty, has '#', a line end or outer blanks, or is not UTF-8), and for a word with characters other
+  /// than a ... z. Throws 102 for a duplicate name, and 103 for a part that is not one of the names.
   explicit BodyPartition(const BodyPartNames& names);
 
   int size() const { return static_cast<int>(names().size()); }
   const std::vector<std::string>& names() const { return state().names; }
-  /// Throws config_error 101 for a number that the body does not have.
+  /// Throws config_error 101 for a number that the body lacks.
   const std::string& name(BodyPart part) const;
   /// The part that carries the path: its texts are preferred as base texts, and features of the root belong to it.
   BodyPart path() const { return state().path; }
@@ -81,7 +81,7 @@ class BodyPartition {
   /// Empty for the human body, whose lexicon is in compose/body_part_lexicon.hpp.
   const std::vector<Word>& words() const { return state().words; }
 
-  /// The same names in the same order, and the same part for the path. Synonyms and words do not count.
+  /// True for the same names in the same order and the same part for the path. Synonyms and words do not count.
   bool operator==(const BodyPartition& other) const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Body parts: the five of STMC with their names, sets of parts, and the joints of each part on a skeleton. Parts of
-/// other bodies are named by a BodyPartition (body_partition.hpp).
+/// Body parts: the five of STMC with their names, sets of parts, and the joints of each part on a skeleton. A
+/// BodyPartition (body_partition.hpp) names the parts of other bodies.
 #pragma once
 
 #include <array>     // lists of parts
@@ -27,7 +27,7 @@ inline constexpr std::array<std::pair<std::string_view, BodyPart>, 6> body_part_
     {"left leg", BodyPart::legs},
     {"right leg", BodyPart::legs},
 }};
-/// A body has this many parts at most.
+/// A body has at most this many parts.
 inline constexpr int most_body_parts = 32;
 
 /// A set of body parts, one bit for each.
@@ -49,7 +49,7 @@ struct BodyParts {
   constexpr bool operator==(const BodyParts&) const = default;
 };
 
-/// The human part that a timeline file names, also by a synonym. Case-sensitive, as published. Nothing for an unknown
+/// The human part with this name or synonym in a timeline file. Case-sensitive, as published. Nothing for an unknown
 /// name.
 constexpr std::optional<BodyPart> parse_body_part(std::string_view name) {
   for (int p = 0; p < body_part_count; ++p) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Where a body begins in a skeleton that has more than a body. Files put control bones, cameras and props above or
-/// beside the hips; the hips walk, so that they must be the root of a motion's skeleton.
+/// The root of a body in a skeleton that has more than a body. Files put control bones, cameras and props above or
+/// beside the hips. The hips walk, so they must be the root of a motion's skeleton.
 #pragma once
 
 #include <span>    // movements
@@ -10,20 +10,20 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The lowest joint with all those at or below it that the table needs: the pelvis, unless trunk and legs hang on
-/// another joint. -1 if the skeleton lacks one of them.
+/// The lowest joint with all joints of the table at or below it: the pelvis, unless trunk and legs start at another
+/// joint. -1 if the skeleton lacks one of them.
 int body_root(const Skeleton& skeleton, const SkeletonTable& table);
-/// The same by the built-in table that fits; 0, the root of the skeleton, if none fits.
+/// The same for the built-in table that fits. 0, the root of the skeleton, if none fits.
 int body_root(const Skeleton& skeleton);
 
-/// How a joint moves against the joint before it, in a whole file.
+/// The movement of a joint relative to the joint before it, in a whole file.
 struct JointMovement {
-  double way = 0;      // across which its position goes, in the unit of the offsets
-  bool turns = false;  // whether its rotation changes
+  double way = 0;      // the extent of its positions, in the unit of the offsets
+  bool turns = false;  // its rotation changes
 };
-/// Where a body begins if names tell nothing: from the root down, the only child that moves, or the one that moves and
-/// has most of the joints below it. Below a joint that moves itself, and beside joints that turn, as legs do beside a
-/// spine, it has to move farther than its longest chain of bones is long: a bone that stretches is not a root.
+/// The root of a body if names do not help. From the root down it follows the only child that moves, or the moving
+/// child that has most of the joints below it. Below a moving joint, and beside joints that turn, as legs do beside a
+/// spine, the movement must exceed the length of its longest chain of bones. A bone that stretches is not a root.
 /// movements  of each joint
 int moving_root(const Skeleton& skeleton, std::span<const JointMovement> movements);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Rotations from joint positions and back, along chains of bones: the analytic inverse kinematics of HumanML3D.
 ///
-/// The rotation of a joint is that of the bone that ENDS at it; it has no twist; the first rotation of a chain is
-/// relative to the root even where the chain begins at another joint. These are not SMPL's rotations.
+/// The rotation of a joint is that of the bone that ENDS at it, without twist. The first rotation of a chain is
+/// relative to the root, even if the chain begins at another joint. These are not SMPL's rotations.
 ///
 ///     g_j = between(direction_j, p_j - p_parent(j)),   g_0 = root,   q_j = g_before(j)^-1 g_j
 ///     back:  g_j = g_before(j) q_j,   p_j = p_parent(j) + g_j offset_j
@@ -26,11 +26,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct FacingOptions {
   double sigma = 0;            // frames; of the Gaussian filter over time, 0: none
-  bool legacy_forward = true;  // as published: hips count left minus right; false: right minus left, as shoulders do
+  bool legacy_forward = true;  // as published: hips count left minus right; false: right minus left, like shoulders
 };
 struct ChainRotationOptions {
   FacingOptions facing{};
-  bool fix_first_frame = false;     // false, as published: the root of frame 0 is the identity, whatever it faces
+  bool fix_first_frame = false;     // false, as published: the root of frame 0 is the identity, whatever its heading
   bool fix_opposite_bones = false;  // false, as published: NaN for a bone exactly opposite to its zero direction, and
                                     // for a body that faces -Z
 };
@@ -68,7 +68,7 @@ MeasuredBone<S> measure_bone(const ChainSkeleton& skeleton, const ChainBone& bon
   return {v, length};
 }
 
-/// The joint that a skeleton names by number.
+/// The joint with this number.
 template <class T>
 const T& joint_of(const T* frame, int joint) {
   return frame[static_cast<std::size_t>(joint)];
@@ -102,10 +102,10 @@ std::vector<Vec3<S>> chain_offsets(const ChainSkeleton& skeleton, std::span<cons
   return out;
 }
 
-/// Where a body faces in one frame, frame at its first joint: level, not of unit length (shorter if hips and shoulders
-/// are not level).
-///     a = (hip_r - hip_l) + (shoulder_r - shoulder_l) normalised,   forward = Y x a
-/// legacy: the hips are taken the other way round, as the published inverse kinematics does.
+/// The facing direction of a body in one frame; `frame` points to its first joint. It is level and not of unit length
+/// (shorter if hips and shoulders are not level).
+///    a = (hip_r - hip_l) + (shoulder_r - shoulder_l) normalised,   forward = Y x a
+/// legacy: the hips are exchanged, as in the published inverse kinematics.
 template <Scalar S>
 Vec3<S> facing(const ChainSkeleton& skeleton, const Vec3<S>* frame, bool legacy) {
   auto across = [&](std::size_t right, std::size_t left) {
@@ -115,7 +115,7 @@ Vec3<S> facing(const ChainSkeleton& skeleton, const Vec3<S>* frame, bool legacy)
   return {a.z, S(0), -a.x};
 }
 
-/// Where it faces in every frame, unit vectors. Throws shape_error 205, config_error 101 (sigma) and 106.
+/// The facing direction in every frame, as unit vectors. Throws shape_error 205, config_error 101 (sigma) and 106.
 template <Scalar S>
 std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
                                        const FacingOptions& options = {}) {
@@ -134,7 +134,7 @@ std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<
 
 namespace detail {
 
-/// The turn about Y that takes a level direction onto +Z, half a turn for -Z.
+/// The turn about Y from a level direction to +Z; half a turn for -Z.
 template <Scalar S>
 Quaternion<S> turn_ahead(const Vec3<S>& level) {
   const S half = std::atan2(level.x, level.z) / 2;

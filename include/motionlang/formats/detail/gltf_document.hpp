@@ -192,7 +192,7 @@ class GltfDocument {
     std::uint64_t stride;  // bytes
     const std::byte* at(std::uint64_t i) const { return first + i * stride; }
   };
-  /// `count` elements of `item` bytes each, where the object's bufferView and byteOffset say.
+  /// `count` elements of `item` bytes each, at the object's bufferView and byteOffset.
   Elements elements(const JsonView& object, std::uint64_t count, std::uint64_t item) const {
     const JsonView view = element("bufferViews", object["bufferView"].as<Index>());
     if (const char* packed = is_packed(view, packed_views))
@@ -210,7 +210,7 @@ class GltfDocument {
                       counted(data.size(), "byte"));
     return {count == 0 ? data.data() : data.data() + start, stride};
   }
-  /// Calls read(values, i, place) for every element of a sparse accessor; their places among `count` elements ascend.
+  /// Calls read(values, i, place) for every element of a sparse accessor. Their places among `count` elements ascend.
   template <class F>
   void replace_some(const JsonView& sparse, std::uint64_t count, std::uint64_t item, F read) const {
     const JsonView indices = sparse["indices"];
@@ -219,7 +219,7 @@ class GltfDocument {
     const auto some = sparse["count"].as<std::uint64_t>();
     const Elements places = elements(indices, some, size_of(type, indices));
     const Elements values = elements(sparse["values"], some, item);
-    std::uint64_t next = 0;  // the first place that may follow
+    std::uint64_t next = 0;  // the smallest place that may follow
     for (std::uint64_t i = 0; i < some; ++i) {
       const auto place = static_cast<std::uint64_t>(number(places.at(i), type, false));
       if (place < next || place >= count)
@@ -246,7 +246,7 @@ class GltfDocument {
     if (v.size() != 4 || !(squared > 1e-6 && squared < 1e6)) raise<io_error>(403, node.path(), ": rotation");
     return normalized(Quaternion<double>{v[3], v[0], v[1], v[2]});
   }
-  /// A matrix as translation, rotation and scale, if it is that; a reflection is a negative scale along x.
+  /// A matrix as translation, rotation and scale, if it is such a product. A reflection is a negative scale along x.
   GltfTransform decomposed(const JsonView& node) const {
     const auto m = node["matrix"].as<std::vector<double>>();
     const double sum = std::accumulate(m.begin(), m.end(), 0.0);
@@ -297,14 +297,14 @@ class GltfDocument {
     if (order_.size() != nodes_.size()) raise<io_error>(403, file_, ": the tree of nodes has a cycle");
   }
 
-  /// VRM 1.0's name of a bone of VRM 0.x, which calls the joints of thumbs otherwise.
+  /// VRM 1.0's name of a bone of VRM 0.x, which has other names for the joints of thumbs.
   static std::string name_of_1_0(const std::string& bone) {
     const std::size_t thumb = bone.find("ThumbIntermediate");
     if (thumb != bone.npos) return bone.substr(0, thumb) + "ThumbProximal";
     return bone.ends_with("ThumbProximal") ? bone.substr(0, bone.size() - 8) + "Metacarpal" : bone;
   }
 
-  /// Avatars say which of their nodes are the bones of a humanoid, whatever these are called. -1: a bone without a
+  /// Avatars list the nodes that are the bones of a humanoid, whatever the names of the nodes. -1: a bone without a
   /// node.
   /// Source  VRM 0.x: VRM; 1.0: VRMC_vrm, VRMC_vrm_animation
   void name_humanoid() {
@@ -343,7 +343,7 @@ class GltfDocument {
   std::vector<std::string> repairs_;
 };
 
-/// All nodes in the world at rest. Throws io_error 403 for a node that is infinitely far away.
+/// All nodes in the world at rest. Throws io_error 403 for an infinitely distant node.
 inline std::vector<GltfPlace> world_at_rest(const GltfDocument& document) {
   std::vector<GltfPlace> world(document.nodes().size());
   for (const int n : document.depth_first()) {
@@ -358,7 +358,7 @@ inline std::vector<GltfPlace> world_at_rest(const GltfDocument& document) {
 }
 
 /// Accessors that are used several times (the times of an animation), each read once. A small file whose objects all
-/// point to the same place could ask for much more work than it has bytes: that is refused.
+/// point to one place could require far more work than it has bytes. Such a file is refused.
 class SharedAccessors {
  public:
   using Values = std::shared_ptr<const std::vector<double>>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Nodes of a glTF document, and where they are in the world.
+/// Nodes of a glTF document, and their places in the world.
 #pragma once
 
 #include <cmath>     // sqrt
@@ -24,12 +24,12 @@ struct GltfTransform {
   Vec3<double> translation{};
   Quaternion<double> rotation = Quaternion<double>::identity();
   Vec3<double> scale{1, 1, 1};
-  /// The linear part of a matrix that is not a rotation times a scale, in place of both.
+  /// The linear part of a matrix that is not a rotation times a scale. It replaces both.
   std::optional<Matrix3<double>> sheared{};
 };
 
 struct GltfNode {
-  std::string name;  // of a bone of VRM's humanoid that of the bone: "leftUpperLeg"
+  std::string name;  // for a bone of VRM's humanoid the name of the bone: "leftUpperLeg"
   int parent = -1;
   std::vector<int> children{};
   GltfTransform rest;
@@ -78,7 +78,7 @@ inline std::optional<Matrix3<double>> nearest_orthogonal(Matrix3<double> a) {
 struct GltfPlace {
   Vec3<double> place{};
   Matrix3<double> linear = Matrix3<double>::identity();
-  Quaternion<double> turn = Quaternion<double>::identity();  // the product of the rotations alone
+  Quaternion<double> turn = Quaternion<double>::identity();  // the product of the rotations only
   bool even = true;                                          // linear is `turn` times a positive number
 
   /// The place of a node below this one.

@@ -9,24 +9,25 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Throws option_error 105 if more steps are wanted than the model has.
+/// Throws option_error 105 if the options ask for more steps than the model has.
 void require_steps(const GenerateOptions& options, Index steps);
-/// Throws option_error 102 for options of models that go through STMC that contradict each other.
+/// Throws option_error 102 for contradictory options of models that go through STMC.
 void require_one_source(const GenerateOptions& options);
 
-/// The frames that are kept of a clip of `frames` frames in a timeline of `wanted`. Throws option_error 101 for frames
-/// that are not there.
+/// The frames to keep of a clip of `frames` frames in a timeline of `wanted` frames. Throws option_error 101 for frames
+/// that do not exist.
 std::vector<IndexRange> kept_frames(const KeptClip& keep, Index frames, Index wanted, double fps);
 
-/// Made frames, at most this many beside those that are kept, lead from the ones to the others.
+/// Blends at most this many generated frames beside the kept ones, so that they lead from one to the other.
 Motion without_jumps(Motion motion, std::span<const IndexRange> kept, Index frames);
 
-/// Where the clip is, if its way is kept: turned and moved over the floor. Frames that are kept behind made ones are
-/// where these lead.
-/// clip  what is kept, at the rate of the motion
+/// Moves and turns the motion over the floor so that the clip is in its place, if its path is kept. Kept frames after
+/// generated ones are where these lead.
+/// clip  the kept motion, at the rate of the motion
 Motion in_its_place(Motion motion, const Motion& other, Index clip_frames, const GenerateOptions& options);
 
-/// Metres over the floor that the root of any kept frame is from where it was; 0 where the way is not kept.
+/// The largest distance over the floor, in metres, of the root of a kept frame from its old place. 0 if the path is not
+/// kept.
 double farthest_from(const Motion& motion, const Motion& clip, Index clip_frames, const KeptClip& keep);
 
 }  // namespace detail
