@@ -160,7 +160,7 @@ std::vector<Quaternion<S>> chain_roots(const ChainSkeleton& skeleton, std::span<
 /// zero    directions of the bones
 /// world   workspace (joints)
 /// local   result (joints)
-/// Returns 0 where all bones have a length.
+/// Returns 0 if any bone has no length.
 template <ScalarLike T>
 T chain_rotations(std::span<const ChainBone> bones, std::span<const Vec3<T>> zero, const Vec3<T>* joints,
                   const Quaternion<T>& root, bool fix_opposite, Quaternion<T>* world, Quaternion<T>* local) {

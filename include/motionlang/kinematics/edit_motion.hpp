@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Several edits of a clip in the order in which they make sense. Each is a function of its own as well.
+/// Several edits of a clip, applied in a useful order. Each is also a function of its own.
 ///
 ///     const Motion loop = edit_motion(motion, {.mirror = true, .in_place = true, .loop = 0.5});
 #pragma once
@@ -13,8 +13,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Edits of a clip's time, which come first.
 struct TimeEdits {
   double from = 0, to = 0;  // seconds; to = 0: to the end
-  double speed = 1;         // how much faster
-  double fps = 0;           // 0: as it is
+  double speed = 1;         // factor by which it becomes faster
+  double fps = 0;           // 0: unchanged
 };
 /// The frames [first, last) of a clip from a time to a time, seconds, each rounded; to = 0: to the end.
 std::pair<Index, Index> frames_between(const Motion& motion, double from, double to);
@@ -23,14 +23,14 @@ Motion edit_time(Motion motion, const TimeEdits& edits);
 
 /// In this order.
 struct MotionEdits {
-  bool smpl = false;      // on SMPL's 24 joints
-  bool mirror = false;    // left becomes right
+  bool smpl = false;      // retarget to SMPL's 24 joints
+  bool mirror = false;    // exchange left and right
   bool smooth = false;    // removes jitter
-  bool fix_feet = false;  // on the floor, and feet that stand do not slide; on SMPL's 24 joints
-  bool in_place = false;  // the root stays over the origin
-  double loop = 0;        // this many seconds at the end are blended into the start; 0: no loop
+  bool fix_feet = false;  // put it on the floor and keep standing feet from sliding; on SMPL's 24 joints
+  bool in_place = false;  // keep the root over the origin
+  double loop = 0;        // blend this many seconds at the end into the start; 0: no loop
 };
-/// report  is set if the joints were others than SMPL's and became these. Throws what the single edits throw.
+/// report  is set if the joints were not SMPL's and were retargeted. Throws what the single edits throw.
 Motion edit_motion(Motion motion, const MotionEdits& edits, RetargetReport* report = nullptr);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The landmarks of a face: those that stay on their triangles, and after them those of its contour, which wander over
-/// the cheek as the head turns away from the camera.
+/// The landmarks of a face: first those that stay on their triangles, then those of its contour. The latter move over
+/// the cheek when the head turns away from the camera.
 ///
 ///     const auto posed = body.model(betas, rotations, translation);
 ///     // SMPL-X: 144 points.
@@ -18,7 +18,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Which contour a head shows that looks where R, the world rotation of the neck, turns it.
+/// The contour of a head that faces the direction of R, the world rotation of the neck.
 ///     angle = -atan2(-R_20, sqrt(R_00^2 + R_10^2))   in degrees, rounded: negative for a turn to the left
 ///     row   = angle                for 0, 1, ..., h         h = (contours - 1) / 2, published 39; larger turns count
 ///           as h
@@ -31,8 +31,8 @@ Index contour_row(const Matrix3<S>& r, Index contours) {
   return angle >= 0 ? std::min(angle, half) : half + std::min(-angle, half);
 }
 
-/// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3);
-/// only the landmarks of bodies without contours. neck: its joint. Differentiable by the vertices.
+/// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3).
+/// Bodies without contours give only the landmarks. neck: its joint. Differentiable by the vertices.
 /// Throws  shape_error 204 unless both have N poses and the rotations are those of the body, config_error 101 for a
 ///         neck that is not a joint
 template <Backend B>

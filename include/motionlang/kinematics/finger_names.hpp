@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Joints of fingers by their names, which every program forms in its own way. No table lists them: hands may have any
-/// number of fingers.
+/// Recognises joints of fingers by their names, which every program forms in its own way. No table lists them, because
+/// hands may have any number of fingers.
 #pragma once
 
 #include <string>       // names
@@ -10,9 +10,9 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From
+/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. It knows
 /// "LeftHandIndex1" (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal"
-/// (VRM, whose thumbs begin with leftThumbMetacarpal) and their like. "" for another joint, and for tips and other
+/// (VRM, whose thumbs begin with leftThumbMetacarpal) and similar names. "" for other joints, and for tips and other
 /// metacarpals.
 std::string finger_of(std::string_view joint);
 

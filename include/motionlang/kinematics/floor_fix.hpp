@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Bodies that the floor carries. Generated bodies hover, sink in, and stay in the air longer than gravity allows.
-/// Metres, Y up.
+/// Puts bodies on the floor. Generated bodies hover, sink in, and stay in the air longer than gravity allows. Metres, Y
+/// up.
 ///
 ///     Motion grounded = fix_floor(motion);      // stand_on_floor, lift_sunken_feet
 ///
-/// Nothing is known of stairs, ladders and seats: what stands on one for long comes down to the floor.
+/// The floor is flat: a body that stands on stairs, a ladder or a seat for long comes down to the floor.
 #pragma once
 
 #include <algorithm>  // min
@@ -15,7 +15,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct FloorFixOptions {
   double floor = 0;
-  double ankle_stands = 0.07, toe_stands = 0.015;  // m; height of these joints of a foot that stands
+  double ankle_stands = 0.07, toe_stands = 0.015;  // m; height of these joints of a standing foot
   double body_rests = 0.05;                        // m; of any other joint on which a body rests
   double tolerance = 0.04;                         // m; a body within this distance of the floor stays
   double longest_flight = 1.2;                     // s; a body that is above the floor for longer hovers
@@ -27,7 +27,7 @@ struct FloorFixOptions {
 
 namespace detail {
 
-/// How far a foot is above the height at which it stands, on its toe or its ankle, whichever is nearer to the floor.
+/// The distance of a foot above its standing height, at its toe or its ankle, whichever is nearer to the floor.
 inline double foot_over_floor(std::span<const Vec3<double>> pose, const Leg& leg, const FloorFixOptions& options) {
   const auto at = [&](int joint) { return pose[static_cast<std::size_t>(joint)].y - options.floor; };
   return std::min(at(leg.limb.end) - options.ankle_stands, at(leg.toe) - options.toe_stands);
@@ -42,19 +42,19 @@ std::vector<double> heights_over_floor(const Motion& motion, std::span<const Leg
                                        const FloorFixOptions& options = {});
 
 /// The clip with its root moved up and down so that the floor carries it: h_f of heights_over_floor becomes 0 where the
-/// body stands. Rotations and the way over the floor stay.
-///     hovering   what is left of h if flights of at most longest_flight are taken away (a morphological opening)
-///     flights    no higher than a thrown body of the same peak:   h_f <= H - g/2 (t_f - t_peak)^2, or 0
-///     sunken     raised by as much as they are below the floor
-/// A correction starts at `tolerance`, and is full from twice that on.
-/// Throws config_error 103 if the skeleton has no such legs, 101 unless longest_flight and sigma are positive.
+/// body stands. Rotations and the path over the floor stay.
+///    hovering   the rest of h after flights of at most longest_flight are removed (a morphological opening)
+///    flights    no higher than a thrown body of the same peak:   h_f <= H - g/2 (t_f - t_peak)^2, or 0
+///    sunken     raised by their depth below the floor
+/// A correction starts at `tolerance`, and is complete from twice that on. Throws config_error 103 if the skeleton has
+/// no such legs, and 101 unless longest_flight and sigma are positive.
 Motion stand_on_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FloorFixOptions& options = {});
 
-/// The clip with legs bent so that no foot is deeper in the floor than foot_sinks. Throws as lock_feet.
+/// The clip with bent legs, so that no foot sinks deeper into the floor than foot_sinks. Throws as lock_feet.
 Motion lift_sunken_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                         const FloorFixOptions& options = {});
 
-/// stand_on_floor, lift_sunken_feet. Throws what they throw.
+/// Applies stand_on_floor and lift_sunken_feet. Throws what they throw.
 inline Motion fix_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                         const FloorFixOptions& options = {}) {
   return lift_sunken_feet(stand_on_floor(motion, legs, options), legs, options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// When feet touch the floor. Y up, metres.
+/// Detects contacts of feet with the floor. Y up, metres.
 #pragma once
 
 #include <algorithm>  // max
@@ -16,7 +16,7 @@ struct ContactJoint {
   int joint = 0;
   double height = 0.05;  // metres above the floor
 };
-/// The feet of SMPL and HumanML3D. When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm high.
+/// The feet of SMPL and HumanML3D. In a standing foot, the ankle is about 7 cm and the toe joint 1 to 2 cm high.
 inline constexpr double smpl_ankle_contact = 0.10, smpl_toe_contact = 0.05;
 /// Ankles and toes of SMPL (and HumanML3D).
 inline constexpr ContactJoint smpl_contact_joints[] = {
@@ -24,13 +24,13 @@ inline constexpr ContactJoint smpl_contact_joints[] = {
 
 namespace detail {
 
-/// The way of a joint over the floor from one frame to the next; `low` if it is below its height in both.
+/// The displacement of a joint over the floor from one frame to the next; `low` if it is below its height in both.
 struct Slide {
   bool low = false;
   Vec3<double> step{};
   double length() const { return norm(step); }
 };
-/// positions (frames, joints); frame + 1 is one of them.
+/// positions (frames, joints); frame + 1 must be a frame, too.
 inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index frame, const ContactJoint& foot,
                    double floor) {
   const auto &a = positions[static_cast<std::size_t>(frame * joints + foot.joint)],
@@ -42,10 +42,10 @@ inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index 
 
 struct ContactOptions {
   double floor = 0;
-  double speed = 0.6;  // m/s over the floor; a joint that is faster is only passing
+  double speed = 0.6;  // m/s over the floor; a faster joint is not in contact
 };
 
-/// (frames, feet): 1 where a foot is below its height and slower than options.speed between a frame and the next (the
+/// (frames, feet): 1 if a foot is below its height and slower than options.speed between a frame and the next (for the
 /// last frame: the one before). Throws shape_error 203 for a joint out of range.
 std::vector<std::uint8_t> foot_contacts(const Motion& motion, std::span<const ContactJoint> feet = smpl_contact_joints,
                                         const ContactOptions& options = {});

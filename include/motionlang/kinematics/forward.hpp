@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
-/// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see
+/// Forward kinematics: from local rotations to joint positions. One function serves a single pose (S = float, double),
+/// derivatives (Dual), poses side by side in a register (Lane) and a differentiable batch (Tensor; see
 /// forward_batch.hpp).
 ///
 ///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
@@ -17,7 +17,7 @@ struct Pose {
   Vec3<S> root{};
   std::vector<Quaternion<S>> local;
 
-  /// All rotations the identity, the root where the skeleton puts it.
+  /// All rotations are the identity, and the root is at its place in the skeleton.
   static Pose rest(const Skeleton& skeleton) {
     return {vec_cast<S>(skeleton.offset(0)),
             std::vector<Quaternion<S>>(static_cast<std::size_t>(skeleton.size()), Quaternion<S>::identity())};
@@ -33,7 +33,7 @@ struct JointTransforms {
 
 namespace detail {
 
-/// Position of joint j, whose parent is done, and its rotation unless nothing hangs on it.
+/// Computes the position of joint j after its parent, and its rotation if it has children.
 template <Rotation R, ScalarLike S>
 void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate,
                  JointTransforms<S>& world) {

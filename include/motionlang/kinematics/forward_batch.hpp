@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Forward kinematics of a whole batch: the function of forward.hpp over many poses at once.
+/// Forward kinematics of a whole batch: the function of forward.hpp for many poses at once.
 ///
 ///     auto joints = forward_kinematics(skeleton, lanes(rot6d, root));     // (batch, time, joints, 3)
 ///
-/// On a bare backend as many poses at a time as SIMD registers hold (Lane) go through it, on all threads. On an
-/// Autodiff backend every number is a tensor over batch and time, so that the result can be differentiated.
+/// On a bare backend, all threads compute as many poses at a time as SIMD registers hold (Lane). On an Autodiff backend
+/// every value is a tensor over batch and time, so the result can be differentiated.
 #pragma once
 
 #include <algorithm>    // min
@@ -38,7 +38,7 @@ LanePoses<B> lanes(Tensor<B, 4> rot6d, Tensor<B, 3> root) {
 
 namespace detail {
 
-/// Poses in plain arrays, and as many of them at a time as there are lanes.
+/// Poses in plain arrays, processed in groups of as many as there are lanes.
 template <Scalar S>
 class PoseArrays {
  public:
@@ -63,7 +63,7 @@ class PoseArrays {
   }
 
  private:
-  /// The numbers of the next group come into the cache meanwhile, a few lines with every joint.
+  /// Prefetches the values of the next group meanwhile, a few lines with every joint.
   template <class L>
   void place_group(Index first, Index last, JointTransforms<L>& world) const {
     const std::size_t n = has_children_.size();
@@ -72,7 +72,7 @@ class PoseArrays {
     S* const to = joints_ + first * static_cast<Index>(3 * n);
     const bool more = first + 2 * L::size <= count_;
     Vec3<L> root;
-    Rotation6dRows<L> local[2];  // twelve numbers: three fours, as load_rows likes them
+    Rotation6dRows<L> local[2];  // twelve values: three fours, for load_rows
     static_assert(sizeof(local) == 12 * sizeof(L) && sizeof(root) == 3 * sizeof(L));
     load_rows(root_ + first * 3, 3, poses, std::span<L>(&root.x, 3));
     for (std::size_t j = 0; j < n; j += 2) {
@@ -93,7 +93,7 @@ class PoseArrays {
   }
 
   const Skeleton& skeleton_;
-  std::vector<char> has_children_;  // of every joint: what nothing hangs on needs no rotation
+  std::vector<char> has_children_;  // of every joint: a joint without children needs no rotation
   const S *rot6d_, *root_;
   Index count_;
   S* joints_;
@@ -118,7 +118,7 @@ void forward_kinematics(const Skeleton& skeleton, std::span<const S> rot6d, std:
   });
 }
 
-/// -> (batch, time, joints, 3). Throws shape_error 204 if the number of joints is another.
+/// -> (batch, time, joints, 3). Throws shape_error 204 if the number of joints is wrong.
 template <Backend B>
 Tensor<B, 4> forward_kinematics(const Skeleton& skeleton, const LanePoses<B>& poses) {
   const Index batch = poses.rot6d.size(0), time = poses.rot6d.size(1), n = poses.rot6d.size(2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Smoothing of curves over time.
+/// Smooths curves over time.
 #pragma once
 
 #include <algorithm>  // clamp
@@ -16,7 +16,7 @@ constexpr double smoothstep(double s) { return s * s * (3 - 2 * s); }
 
 /// Gaussian filter along time.
 ///     y_t = sum_k w_k x_{t+k},   w_k ~ exp(-k^2 / (2 sigma^2)),   |k| <= floor(4 sigma + 1/2),   sum w = 1
-/// Beyond the ends the first and last frame go on. The sum is taken in double, as scipy does.
+/// Beyond the ends, the first and last frame are repeated. The sum is computed in double, as in scipy.
 /// Source  scipy.ndimage.gaussian_filter1d, mode "nearest"; MotionDiffuse smooths joints with sigma 1
 /// Shapes  values (frames, width) -> the same
 /// Throws  config_error 101 (sigma), shape_error 205 (size)
@@ -36,7 +36,7 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
   }
   for (double& w : kernel) w /= sum;
   const Index frames = std::ssize(values) / width, size = frames * width;
-  std::vector<double> longer, sums(values.size());  // the values with the ends going on
+  std::vector<double> longer, sums(values.size());  // the values with repeated ends
   for (Index t = -radius; t < frames + radius; ++t) {
     const auto row = values.subspan(static_cast<std::size_t>(std::clamp<Index>(t, 0, frames - 1) * width));
     for (Index c = 0; c < width; ++c) longer.push_back(static_cast<double>(row[static_cast<std::size_t>(c)]));

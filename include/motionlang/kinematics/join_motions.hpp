@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Motions one after the other: each is turned and moved over the floor to go on where the one before it ends.
+/// Joins motions: each is turned and moved over the floor to start where the one before it ends.
 ///
 ///     const Motion both = join_motions(read_motion("walk.bvh"), read_motion("sit.bvh"), 0.3);
 #pragma once
@@ -9,8 +9,8 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The second motion after the first, on its skeleton and at its rate (match_motion), blended into it (blend_into).
-/// blend   seconds in which both play; at least one frame
-/// Throws  option_error 101 for a motion that is shorter than the blend, and what match_motion throws
+/// blend   seconds during which both play; at least one frame
+/// Throws  option_error 101 for a motion shorter than the blend, and what match_motion throws
 Motion join_motions(const Motion& first, Motion second, double blend);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The side of the body that the name of a joint tells, and what its partner may be called.
+/// The side of the body in the name of a joint, and possible names of its partner.
 #pragma once
 
 #include <string>       // names
@@ -15,11 +15,11 @@ enum class Side : int { middle, left, right };
 
 namespace detail {
 
-/// The side that a joint's name tells: left, Left, l_, _L, .l, _L_, lHand, LHip and the same for the right.
+/// The side in a joint's name: left, Left, l_, _L, .l, _L_, lHand, LHip, and the same for the right.
 Side side_of_name(std::string_view name);
 
 bool has_side_word(std::string_view name);
-/// Possible names of the joint on the other side. A letter may be a coincidence ("lowerback"): look the names up.
+/// Possible names of the joint on the other side. A letter may be a coincidence ("lowerback"), so look the names up.
 std::vector<std::string> other_side(const std::string& name);
 
 }  // namespace detail

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The skeletons of the field: names, order and parents as published; the bone lengths are those of a neutral figure of
+/// The skeletons of the field: names, order and parents as published. The bone lengths are those of a neutral figure of
 /// our own (1.75 m), so that no licensed body model is needed. Rest pose: standing, arms to the sides, Y up, facing +Z,
 /// left at +X, metres.
 #pragma once
@@ -14,7 +14,7 @@ const Skeleton& smpl24_skeleton();
 /// HumanML3D, 22 joints: SMPL without the hands.
 const Skeleton& humanml3d22_skeleton();
 
-/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the coordinates of the data set have other
+/// KIT Motion-Language, 21 joints of the Master Motor Map, in metres here. The coordinates of the data set have other
 /// units.
 const Skeleton& kit21_skeleton();
 

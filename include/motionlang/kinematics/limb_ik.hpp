@@ -22,13 +22,13 @@ void require_limb(std::string_view function, const Skeleton& skeleton, const Lim
 }  // namespace detail
 
 /// Bends and turns a limb so that its end comes to `target`, or as near as its bones reach. The middle joint stays in
-/// its plane, and the rotation of the end in the world is kept.
-///     cos(middle) = (l1^2 + l2^2 - r^2) / (2 l1 l2),   r = |target - upper|
+/// its plane, and the end keeps its rotation in the world.
+///    cos(middle) = (l1^2 + l2^2 - r^2) / (2 l1 l2),   r = |target - upper|
 /// pose        (joints) local rotations of one frame, changed in place
-/// world       the same frame by forward kinematics, as it was before; not changed
-/// towards     where in the world the middle joint goes if the limb is straight (knees: forward)
-/// Throws      config_error 103 if the joints do not hang together, shape_error 205 unless there is one rotation for
-///             each joint, numeric_error 302 for a bone that is shorter than 0.1 mm
+/// world       the same frame by forward kinematics, before the change; not changed
+/// towards     the direction in the world to which the middle joint of a straight limb moves (knees: forward)
+/// Throws      config_error 103 if the joints are not connected, shape_error 205 unless there is one rotation for each
+///             joint, numeric_error 302 for a bone that is shorter than 0.1 mm
 void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, const JointTransforms<double>& world,
            const Limb& limb, const Vec3<double>& target, const Vec3<double>& towards);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Cycles in a clip (steps, waving, breathing) and clips made longer by going round them.
+/// Finds cycles in a clip (steps, waving, breathing), and makes clips longer by repeating them.
 #pragma once
 
 #include <algorithm>  // min
@@ -9,7 +9,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames first and last look alike, so that after `last - 1` the clip may go on at `first`.
+/// Frames first and last look alike, so that after `last - 1` the clip may continue at `first`.
 struct Loop {
   Index first = 0, last = 0;
   double cost = 0;  // mean distance of joints, metres, velocities included
@@ -17,7 +17,7 @@ struct Loop {
 
 namespace detail {
 
-/// Rotation about the vertical that a quaternion contains.
+/// The rotation about the vertical in a quaternion.
 inline double heading(const Quaternion<double>& q) { return 2 * std::atan2(q.y, q.w); }
 inline Quaternion<double> turn(double angle) { return from_axis_angle(Vec3<double>{0, 1, 0}, angle); }
 
@@ -31,8 +31,8 @@ std::vector<Vec3<double>> poses_in_place(const Motion& motion);
 /// Throws config_error 101 unless least >= 1.
 std::optional<Loop> find_loop(const Motion& motion, Index least, double most = 0.08);
 
-/// The clip up to loop.last, then round the loop until there are `frames` frames. Each round goes on from where the
-/// last one was, in its direction; what is left of the difference between the ends fades away over `blend` frames.
+/// The clip up to loop.last, then repetitions of the loop until there are `frames` frames. Each round continues at the
+/// end of the one before, in its direction. The remaining difference between the ends fades out over `blend` frames.
 Motion go_round(const Motion& motion, const Loop& loop, Index frames, Index blend = 8);
 
 MOTIONLANG_NAMESPACE_END

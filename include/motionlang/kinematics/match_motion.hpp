@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// A clip made like another one, so that both can be joined or composed.
+/// Adapts a clip to another one, so that both can be joined or composed.
 #pragma once
 
 #include <motionlang/kinematics/retarget.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The motion on the skeleton and at the rate of another one. If it comes from another skeleton, it stands on the floor
-/// of the other motion. Throws what retarget and resample throw.
+/// The motion on the skeleton and at the rate of another one. If it was on another skeleton, it is put on the floor of
+/// the other motion. Throws what retarget and resample throw.
 Motion match_motion(Motion motion, const Motion& other);
 
 MOTIONLANG_NAMESPACE_END

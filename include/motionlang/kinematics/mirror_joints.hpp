@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Joint positions in a mirror that stands in the plane x = 0: how HumanML3D doubles its clips. Of whole motions, with
-/// rotations: motion_tools.hpp.
+/// Mirrors joint positions at the plane x = 0, as HumanML3D does to double its clips. motion_tools.hpp mirrors whole
+/// motions with rotations.
 ///
 /// Source  Guo et al. (CVPR 2022), raw_pose_processing.ipynb swap_left_right
 #pragma once
@@ -12,9 +12,9 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Partners of the 22 joints of HumanML3D or the 52 of SMPL-H. The published list of the fingers pairs wrong ones (the
-/// left index finger with the right little one, ...); `fix_fingers` pairs the right ones.
-/// Throws config_error 101 for another number of joints.
+/// Partners of the 22 joints of HumanML3D or the 52 of SMPL-H. The published list pairs wrong fingers (the left index
+/// finger with the right little one, ...); `fix_fingers` pairs the right ones. Throws config_error 101 for another
+/// number of joints.
 std::vector<int> humanml3d_mirror_partners(int joints, bool fix_fingers = false);
 
 /// joints (frames, joints) -> the same, p'_partner(j) = (-x, y, z)_j. Throws shape_error 205, config_error 102 if the

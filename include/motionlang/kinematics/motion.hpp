@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 /// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
 ///
-/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
-/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
-/// to the last printed digit.
+/// Inside the library every clip is Y up, right-handed and in metres, and a rest pose faces +Z. Readers and writers
+/// convert from and to other conventions (BVH files in centimetres, AMASS with Z up, ...). Values are double, so files
+/// and features are exact to the last printed digit.
 #pragma once
 
 #include <motionlang/kinematics/forward.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Rotations (frames x joints) of a clip that is made by sampling another; 1.6 GB. More are a frame rate typed wrong.
+/// The limit for rotations (frames x joints) of a clip that samples another one; 1.6 GB. More come from a mistyped
+/// frame rate.
 inline constexpr double max_rotations = 5e7;
 
 struct Motion {

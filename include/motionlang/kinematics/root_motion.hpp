@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Where a clip stands and goes on the floor: moving a whole clip, clips in place, and the path of the root as a track
-/// of its own, as game engines want it. Y up, metres, radians; a turn to the left is positive.
+/// The place and path of a clip on the floor: moving a whole clip, clips in place, and the path of the root as a track
+/// of its own for game engines. Y up, metres, radians; a turn to the left is positive.
 #pragma once
 
 #include <numbers>  // pi
@@ -11,9 +11,9 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The turn about the vertical that brings rotation `from` nearest to `to`, in [-pi, pi]. Whatever the local axes of
-/// the root are: turn_between(q, Ry(a) q) = a.
-///     max over a of |<to, Ry(a) from>|:   a = 2 atan2(d_y, d_w),   d = to from^-1
+/// The turn about the vertical that brings rotation `from` nearest to `to`, in [-pi, pi]. It does not depend on the
+/// local axes of the root: turn_between(q, Ry(a) q) = a.
+///    max over a of |<to, Ry(a) from>|:   a = 2 atan2(d_y, d_w),   d = to from^-1
 inline double turn_between(const Quaternion<double>& from, const Quaternion<double>& to) {
   const Quaternion<double> d = to * inverse(from);
   return std::remainder(2 * std::atan2(d.y, d.w), 2 * std::numbers::pi);
@@ -28,8 +28,8 @@ struct Placement {
   Vec3<double> operator()(const Vec3<double>& p) const { return rotate(rotation(), p) + shift; }
 };
 
-/// The transform that moves the root in frame `from` of one clip over the place and heading of the root in frame `to`
-/// of another. Heights stay. The frames exist.
+/// The transform that moves the root in frame `from` of one clip to the place and heading of the root in frame `to` of
+/// another. Heights stay. Both frames must exist.
 Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to);
 
 /// The whole clip moved.
@@ -38,10 +38,10 @@ Motion placed(const Motion& motion, const Placement& placement);
 struct InPlaceOptions {
   bool keep_height = true;  // false: the root stays at the height of the first frame
 };
-/// The clip with its root over the origin, x = z = 0, in all frames. Rotations stay, headings with them.
+/// The clip with its root over the origin, x = z = 0, in all frames. Rotations, and so headings, stay.
 Motion in_place(const Motion& motion, const InPlaceOptions& options = {});
 
-/// The way of a root over the floor.
+/// The path of a root over the floor.
 struct RootMotion {
   double fps = 20;
   std::vector<Vec3<double>> position;  // (frames), y = 0
@@ -49,15 +49,15 @@ struct RootMotion {
 };
 struct ExtractedRoot {
   RootMotion path;
-  Motion pose;  // in place, and always facing where the first frame faces
+  Motion pose;  // in place, always with the heading of the first frame
 };
 
-/// Takes the way of the root out of a clip. apply_root_motion puts it back.
-///     position = (x, 0, z) of the root,   heading_f = turn_between(q_0, q_f)
-///     pose: root (0, y, 0), rotation of the root Ry(-heading_f) q_f, all others as they are
+/// Removes the path of the root from a clip. apply_root_motion adds it again.
+///    position = (x, 0, z) of the root,   heading_f = turn_between(q_0, q_f)
+///    pose: root (0, y, 0), rotation of the root Ry(-heading_f) q_f, all others unchanged
 ExtractedRoot extract_root_motion(const Motion& motion);
 
-/// A clip carried along a path, frame by frame. Throws shape_error 204 unless both have as many frames.
+/// A clip moved along a path, frame by frame. Throws shape_error 204 unless both have the same number of frames.
 Motion apply_root_motion(const Motion& pose, const RootMotion& path);
 
 MOTIONLANG_NAMESPACE_END

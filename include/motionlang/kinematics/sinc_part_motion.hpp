@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// Which parts of the body a recording moves, measured instead of read from its text: SINC's baseline.
+/// The body parts that a recording moves, measured instead of read from its text: SINC's baseline.
 ///
 /// Source  thesis B.2.1, "Could we extract body part labels without GPT-3?"; SINC sinc/data/babel.py compute_heuristic
-/// Differs from the paper, which standardises: the six speeds are brought to 0 ... 1, as the code does
+/// Differs from the paper, which standardises: the six speeds are scaled to 0 ... 1, as in the code
 #pragma once
 
 #include <algorithm>  // minmax_element
@@ -38,7 +38,7 @@ std::array<S, sinc_part_count> sinc_part_speeds(std::span<const Vec3<S>> joints)
   return speeds;
 }
 
-/// The parts above `threshold` of the way from the slowest to the fastest. Nobody moves: none.
+/// The parts that are faster than `threshold` of the range from the slowest to the fastest. None if nothing moves.
 template <Scalar S>
 SincParts moving_sinc_parts(const std::array<S, sinc_part_count>& speeds, double threshold = 0.65) {
   const auto [least, most] = std::minmax_element(speeds.begin(), speeds.end());

@@ -13,7 +13,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// In the order of SINC's part vectors. `global` is the pelvis: where the body is and how it is turned.
+/// In the order of SINC's part vectors. `global` is the pelvis: the place and orientation of the body.
 enum class SincPart : std::size_t { global, torso, left_arm, right_arm, left_leg, right_leg };
 inline constexpr std::size_t sinc_part_count = 6;
 inline constexpr std::array<std::string_view, sinc_part_count> sinc_part_names{"global",    "torso",    "left arm",
@@ -29,7 +29,7 @@ SincParts sinc_parts(Part... parts) {
 }
 inline bool has(const SincParts& parts, SincPart part) { return parts[static_cast<std::size_t>(part)]; }
 
-/// Throws nothing: an unknown name is not part.
+/// Does not throw: an unknown name gives nothing.
 constexpr std::optional<SincPart> parse_sinc_part(std::string_view name) {
   for (std::size_t p = 0; p < sinc_part_count; ++p) {
     if (name == sinc_part_names[p]) return static_cast<SincPart>(p);
@@ -37,7 +37,7 @@ constexpr std::optional<SincPart> parse_sinc_part(std::string_view name) {
   return std::nullopt;
 }
 
-/// Two actions can be done at once if no part does both.
+/// True if no part acts in both, so that both actions can be done at the same time.
 inline bool are_compatible(const SincParts& a, const SincParts& b) { return (a & b).none(); }
 
 /// Part of each of SMPL's first 22 joints. Collars belong to the arms, neck and head to the torso.

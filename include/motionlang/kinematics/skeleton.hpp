@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// A kinematic tree: names, parents and rest offsets of joints, depth first.
 ///
-/// Established here and relied upon everywhere: parents[0] = -1, 0 <= parents[j] < j, names are unique. Algorithms over
-/// a skeleton are therefore one loop over j in which the parent has been visited already.
+/// Every skeleton guarantees this: parents[0] = -1, 0 <= parents[j] < j, names are unique. So algorithms over a
+/// skeleton are one loop over j, which visits the parent first.
 #pragma once
 
 #include <initializer_list>  // from_joints({...})
@@ -15,7 +15,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One joint as it is written down: its parent by name ("" for the root) and its rest position relative to the parent,
+/// One joint in its written form: its parent by name ("" for the root) and its rest position relative to the parent,
 /// metres.
 struct Joint {
   std::string name;
@@ -27,8 +27,8 @@ struct Skeleton {
   std::vector<std::string> names;
   std::vector<int> parents;
   std::vector<Vec3<double>> offsets;
-  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have
-  /// them. One for each joint, (0, 0, 0) where it is not known, or none at all.
+  /// The ends of the bones of joints without children, relative to them: tips of toes and fingers, as in BVH files. One
+  /// for each joint, (0, 0, 0) if it is not known, or none at all.
   std::vector<Vec3<double>> ends{};
 
   /// From joints in an order in which parents come first. Throws config_error 106.
@@ -58,7 +58,7 @@ struct Skeleton {
 
   /// Throws config_error 106 unless the promises above hold.
   void validate() const;
-  /// Poses of one fit the other: `ends` are of no account.
+  /// True if poses of one fit the other. `ends` do not count.
   bool operator==(const Skeleton& s) const { return names == s.names && parents == s.parents && offsets == s.offsets; }
 };
 

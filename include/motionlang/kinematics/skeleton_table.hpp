@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// Which joint of a kind of skeleton has the part of which joint of SMPL: one table. Those that are known are in
-/// skeleton_tables.hpp.
+/// One table that maps the joints of a kind of skeleton to those of SMPL. The known ones are in skeleton_tables.hpp.
 #pragma once
 
 #include <motionlang/kinematics/skeleton.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
-/// "mixamorig1:" and, where colons were lost, "mixamorig".
+/// A joint's name without prefixes of programs: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
+/// "mixamorig1:" and, without its colon, "mixamorig".
 std::string_view bare_joint_name(std::string_view name);
 
 /// The beginning of the names of three quarters of the joints, up to a separator: "Character1_", "ValveBiped.Bip01_".
@@ -24,14 +23,14 @@ int find_joint(const Skeleton& skeleton, std::string_view name);
 struct MappedJoint {
   std::string target;  // name in SMPL
   std::string source;
-  /// The two local axes of the source joint that point to the left and up while the figure stands in a T-pose. "+x+y"
-  /// for files whose rotations are all zero in that pose.
+  /// The two local axes of the source joint that point to the left and up in the T-pose. "+x+y" for files in which all
+  /// rotations are zero in that pose.
   std::string axes = "+x+y";
-  /// How the frame given by `axes` is turned in the T-pose besides: rotation vector in degrees, x left, y up, z
+  /// An additional turn of the frame that `axes` gives in the T-pose: rotation vector in degrees, x left, y up, z
   /// forward.
   Vec3<double> turn{};
-  /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, else of
-  /// its parent.
+  /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, otherwise
+  /// of its parent.
   std::string second{};
   double share = 0;
 
@@ -45,17 +44,17 @@ struct MappedJoint {
 struct SkeletonTable {
   std::string name;
   std::vector<MappedJoint> joints;
-  /// True if limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
+  /// True if limbs are turned so that the source's bones take the directions of the target's. False if the zero pose
   /// (with `turn`) is known to be the T-pose although its bones are not straight.
   bool straighten = true;
-  /// True if the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
-  /// skin is bound. Otherwise feet lean to the side with their shins.
+  /// True if the soles are level in the zero pose although the legs are apart, as in the bind pose of a character's
+  /// skin. Otherwise feet lean to the side with their shins.
   bool level_soles = false;
 
   const MappedJoint* find(std::string_view target) const;
   /// The first joint that the table needs and the skeleton lacks; empty if there is none.
   std::string missing(const Skeleton& source) const;
-  /// How many of its joints the skeleton has.
+  /// The number of its joints that the skeleton has.
   int found(const Skeleton& source) const;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Which joint of a known skeleton has the part of which joint of SMPL: the tables behind retargeting, and how to
-/// recognise one. They are read in both directions: SMPL's 24 joints are what all skeletons have in common.
+/// The tables for retargeting, which map the joints of known skeletons to those of SMPL, and functions that recognise a
+/// skeleton. Tables are used in both directions, because SMPL's 24 joints are common to all skeletons.
 #pragma once
 
 #include <motionlang/kinematics/skeleton_table.hpp>
@@ -17,10 +17,10 @@ inline constexpr std::string_view own_table_hint =
 /// The built-in tables.
 const std::vector<SkeletonTable>& skeleton_tables();
 
-/// The table whose joints the skeleton has; of several one by which it stands at rest, then the one with the most. Null
-/// if none fits.
+/// The table whose joints the skeleton has. Among several it prefers one whose rest pose fits, then the one with the
+/// most joints. Null if none fits.
 const SkeletonTable* find_skeleton_table(const Skeleton& source);
-/// The same. Throws config_error 103 with the joint that the closest table misses if none fits.
+/// The same. If none fits, throws config_error 103 with the joint that is missing for the closest table.
 const SkeletonTable& detect_skeleton_table(const Skeleton& source);
 /// A built-in table by name. Throws config_error 103.
 const SkeletonTable& skeleton_table(std::string_view name);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Linear blend skinning of many poses on a processor: the kernel of body models on bare backends.
+/// Linear blend skinning of many poses on the CPU: the kernel of body models on bare backends.
 ///
 ///     vertex_i = sum_j w_ij (R_j v_i + t_j)
 ///
-/// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Every lane of a
-/// register holds another pose.
+/// A vertex follows few joints (SMPL: at most four), so only nonzero weights are visited. Every lane of a register
+/// holds another pose.
 /// Source    Loper et al. (2015), eq. 2
 #pragma once
 
@@ -18,7 +18,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The weights that are not 0, vertex by vertex.
+/// The nonzero weights, vertex by vertex.
 template <Scalar S>
 class SkinWeights {
  public:
@@ -27,7 +27,7 @@ class SkinWeights {
     S weight;
   };
   SkinWeights() = default;
-  /// From all of them, (vertices, joints).
+  /// From all weights, (vertices, joints).
   SkinWeights(std::span<const S> dense, Index joints) {
     for (std::size_t at = 0; at < dense.size(); at += static_cast<std::size_t>(joints)) {
       for (Index j = 0; j < joints; ++j) {
@@ -49,23 +49,23 @@ class SkinWeights {
   std::vector<std::size_t> ends_{0};
 };
 
-/// Numbers of a joint's transform, row by row: [R | t].
+/// The values of a joint's transform, row by row: [R | t].
 inline constexpr Index skin_transform_size = 12;
-/// Bytes of the transforms of this many poses, filled up to whole registers of any width.
+/// The number of bytes for the transforms of this many poses, padded to whole registers of any width.
 template <Scalar S>
 constexpr std::size_t skin_transform_bytes(Index poses, Index joints) {
   constexpr Index most = 64 / sizeof(S);
   return static_cast<std::size_t>((poses + most - 1) / most * most * joints * skin_transform_size) * sizeof(S);
 }
 
-/// Vertices first ... last - 1 of up to L::size poses.
+/// Skins vertices first ... last - 1 of up to L::size poses.
 /// posed        (poses, last - first, 3): the vertices before they are moved
 /// transforms   (joints, 12)
-/// vertices     (poses, all vertices, 3): from the first pose on
+/// vertices     (poses, all vertices, 3), starting with the first pose
 template <class L, Scalar S>
 void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const S* posed, const L* transforms,
                    int poses, S* vertices) {
-  constexpr Index some = 4;  // vertices, whose twelve numbers are three fours, as load_rows likes them
+  constexpr Index some = 4;  // vertices, whose twelve values are three fours, for load_rows
   const auto row = static_cast<std::size_t>(3 * (last - first)),
              whole_row = static_cast<std::size_t>(3 * weights.vertices());
   for (Index v = first; v < last; v += some) {
@@ -74,7 +74,7 @@ void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const
     const auto numbers = std::span<L>(&points[0].x, static_cast<std::size_t>(3 * count));
     static_assert(sizeof(points) == 3 * some * sizeof(L));
     load_rows(posed + 3 * (v - first), row, poses, numbers);
-    for (int i = 0; i < poses; ++i)  // where they will be written some steps later
+    for (int i = 0; i < poses; ++i)  // the place of the results of some steps later
       __builtin_prefetch(vertices + static_cast<std::size_t>(i) * whole_row + 3 * std::min(v + 4 * some, last), 1);
     for (Index i = 0; i < count; ++i) {
       std::array<L, skin_transform_size> m;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A skeleton as it stands in its T-pose, by the axes that its table states.
+/// A skeleton in its T-pose, by the axes in its table.
 #pragma once
 
 #include <optional>     // mirrored tables
@@ -14,12 +14,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A joint of a limb and the one where its bone ends, by SMPL's names.
+/// A joint of a limb and the joint at the end of its bone, by SMPL's names.
 struct LimbBone {
   std::string_view joint, end;
 };
 
-/// True if a text names two different axes, as "+x+y" does.
+/// True if a text names two different axes, such as "+x+y".
 bool is_axes(std::string_view axes);
 /// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
 Quaternion<double> axes_rotation(const MappedJoint& joint);
@@ -41,18 +41,18 @@ class StandingSkeleton {
   static StandingSkeleton of(const Skeleton& s, const SkeletonTable& t);
 
   /// The reason why it does not stand and face forward: the head is not over the pelvis, the hips are not side by side,
-  /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.
+  /// or toes point back because left and right are exchanged. "" if it stands, or lacks these joints.
   std::string lies() const;
 
-  /// The joint with a role, a name of SMPL's; -1 if there is none.
+  /// The joint with a role, which is a name of SMPL's; -1 if there is none.
   int joint(std::string_view role) const {
     const MappedJoint* row = table.find(role);
     return row == nullptr ? -1 : find_joint(skeleton, row->source);
   }
-  /// The role of a joint: that which it fills with the largest share, of several the last. "" if it has none.
+  /// The role of a joint: the one with its largest share; of equals the last. "" if it has none.
   std::string role(int joint) const;
-  /// A bone of a limb; zero without its joints. Where the table says that the zero pose is the T-pose although bones
-  /// are not straight: as in SMPL.
+  /// A bone of a limb; zero without its joints. If the table says that the zero pose is the T-pose although bones are
+  /// not straight, the bone is that of SMPL.
   Vec3<double> bone(const LimbBone& limb) const;
   double length(const LimbBone& limb) const;
 

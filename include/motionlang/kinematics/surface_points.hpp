@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Points on the surface of a body that move with it: face landmarks.
+/// Points on the surface of a body that move with it, such as face landmarks.
 ///
 ///     point = w_0 v_a + w_1 v_b + w_2 v_c      on the triangle (a, b, c)
 /// Source  vchoutas/smplx smplx/lbs.py vertices2landmarks; lmk_faces_idx and lmk_bary_coords of the model files
@@ -20,8 +20,8 @@ struct SurfacePoints {
   Index size() const { return static_cast<Index>(corners.size()); }
 };
 
-/// vertices (N, V, 3) -> (N, points, 3). Differentiable. Throws shape_error 203 for a vertex that does not exist, 204
-/// unless each point has weights.
+/// vertices (N, V, 3) -> (N, points, 3). Differentiable. Throws shape_error 203 for a vertex that does not exist, and
+/// 204 unless each point has weights.
 template <Backend B>
 Tensor<B, 3> surface_points(const Tensor<B, 3>& vertices, const SurfacePoints& points) {
   using S = typename B::scalar;

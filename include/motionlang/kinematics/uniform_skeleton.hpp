@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Joint positions of anybody on a skeleton of given bone lengths: every bone keeps its direction, the path of the root
-/// is scaled with the length of the leg.
+/// Joint positions of any person on a skeleton of given bone lengths. Every bone keeps its direction, and the path of
+/// the root is scaled with the length of the leg.
 ///
 ///     scale = (thigh + shank of the target) / (thigh + shank of frame 0)
 ///     X_0 = scale p_0,   X_j = X_parent(j) + length_j (p_j - p_parent(j)) / |p_j - p_parent(j)|
 ///
-/// Source  Guo et al. (CVPR 2022), HumanML3D motion_representation.ipynb uniform_skeleton. The
-///         published code goes there and back through rotations, which cancel; its NaN for a bone opposite to its zero
-///         direction is not reproduced here.
+/// Source  Guo et al. (CVPR 2022), HumanML3D motion_representation.ipynb uniform_skeleton. The published code converts
+///         to rotations and back, which cancels. Its NaN for a bone opposite to its zero direction is not reproduced.
 #pragma once
 
 #include <span>    // joints
@@ -25,7 +24,7 @@ struct UniformJoints {
 
 /// joints   (frames, joints)
 /// lengths  (joints), of the target's bones
-/// The result keeps its own height, without a search for the floor. Without frames it is empty, with scale 0.
+/// The result keeps its own height; it does not search for the floor. Without frames it is empty, with scale 0.
 /// Throws   shape_error 204, 205, config_error 106, numeric_error 301 for a bone that is not finite, 302 for one of
 ///          length 0
 template <Scalar S>

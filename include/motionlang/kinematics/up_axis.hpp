@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which axis of a file points up, where it is not Y: programs that have Z up, and cameras, whose Y points down.
+/// Finds the axis of a file that points up if it is not Y. Some programs have Z up, and in cameras Y points down.
 ///
 ///     if (const auto stands = find_up_axis(motion)) motion = turned_upright(motion, stands->axis);
 #pragma once
@@ -12,18 +12,18 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The axis that points up. `y_down`: the other end of Y does, as in the coordinates of a camera.
+/// The axis that points up. `y_down`: -Y points up, as in the coordinates of a camera.
 enum class UpAxis { found, y, z, x, y_down, z_down, x_down };
 
 /// "+Y", "-Z".
 std::string_view to_string(UpAxis axis);
 /// The axis as a vector of length 1, (0, 1, 0) for `found`.
 Vec3<double> up_direction(UpAxis axis);
-/// The rotation that turns the axis to +Y, about x where that is possible.
+/// The rotation that turns the axis to +Y, about x if possible.
 Quaternion<double> upright_rotation(UpAxis axis);
 
-/// The motion with another axis turned to +Y. If the rest pose stands along that axis, too, it is turned along;
-/// otherwise, and where no table tells how it stands, the root alone is turned. Positions are the same in both cases.
+/// The motion with another axis turned to +Y. If the rest pose stands along that axis, too, it is turned as well.
+/// Otherwise, and if no table describes the rest pose, only the root is turned. Positions are the same in both cases.
 Motion turned_upright(const Motion& motion, const Quaternion<double>& upright);
 inline Motion turned_upright(const Motion& motion, UpAxis axis) {
   return turned_upright(motion, upright_rotation(axis));
@@ -35,10 +35,10 @@ struct StandingAxis {
   double share;  // mean part of the trunk's direction along it; 1: exactly
 };
 
-/// The axis other than +Y along which trunk and legs are, in the mean over the frames. The rest pose has to stand along
-/// it, too, or feet on the floor; else the body lies. Upside down, arms that hang to the feet tell a camera's
-/// coordinates from a handstand. Nothing for a body that stands along +Y or none of them, and where no table of joints
-/// fits.
+/// The axis other than +Y along which trunk and legs are, in the mean over the frames. The rest pose must stand along
+/// it, too, or feet must be on the floor; otherwise the body is lying. If it is upside down, arms that hang towards the
+/// feet distinguish a camera's coordinates from a handstand. Nothing for a body that stands along +Y or along no axis,
+/// and if no table of joints fits.
 std::optional<StandingAxis> find_up_axis(const Motion& motion);
 
 namespace detail {
@@ -55,7 +55,7 @@ struct BodyTrack {
 };
 struct UprightLimits {
   double upright = 0.8;   // mean direction of trunk and legs along an axis; 1: exactly
-  double standing = 0.3;  // that feet may be off 0 along an axis that the rest pose does not stand along
+  double standing = 0.3;  // distance of the feet from 0 along an axis along which the rest pose does not stand
 };
 std::optional<StandingAxis> find_up_axis(const BodyTrack& track, const UprightLimits& limits);
 

@@ -9,10 +9,10 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     l_i = -sum_j t_ij log softmax(s_i)_j,   t_ij = 1 - e where j = y_i, e / (classes - 1) elsewhere
-/// computed relative to the largest s_ij of each row: nothing overflows. e: label smoothing as TM2T has it
-/// (Szegedy et al., 2016, section 7, give e / classes to every class).
+/// Values are computed relative to the largest s_ij of each row, so that nothing overflows. e: label smoothing as in
+/// TM2T (Szegedy et al., 2016, section 7, give e / classes to every class).
 /// logits s (rows, classes), one label y per row -> (rows). Throws shape_error 203 for a label that is not a class, 204
-/// if the counts differ, config_error 101 unless 0 <= e < 1.
+/// if the counts differ, and config_error 101 unless 0 <= e < 1.
 template <Backend B>
 Tensor<B, 1> cross_entropies(const Tensor<B, 2>& logits, std::span<const Index> labels, double smoothing = 0) {
   const Index rows = logits.size(0), classes = logits.size(1);
@@ -39,8 +39,8 @@ Tensor<B, 0> cross_entropy(const Tensor<B, 2>& logits, std::span<const Index> la
   return mean(cross_entropies(logits, labels, smoothing));
 }
 
-/// The sum over all symbols of -log p (TM2T eq. 4, and the first sum of TM2T eq. 7), not their mean. `logits`: of what
-/// comes after each symbol but the last one.
+/// The sum over all symbols of -log p (TM2T eq. 4, and the first sum of TM2T eq. 7), not their mean. `logits`:
+/// predictions of the next symbol after each symbol except the last.
 template <Backend B>
 Tensor<B, 0> next_symbol_loss(const Tensor<B, 2>& logits, const IdSequences& written, double smoothing = 0) {
   return sum(cross_entropies(logits, written.without_ends(1, 0).ids, smoothing));

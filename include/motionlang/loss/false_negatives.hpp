@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Pairs of a batch that contrastive losses must not push apart, because their texts say nearly the same.
+/// Pairs of a batch that contrastive losses must not push apart, because their texts mean nearly the same.
 #pragma once
 
 #include <cmath>  // sqrt
@@ -10,13 +10,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 ///     filtered_ij = i != j and <t_i, t_j> > 2 threshold - 1
 /// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.3; the threshold is given in [0, 1] and mapped to [-1,
-///          1], as the published code does
+///          1], as in the published code
 /// sentences  (batch, width), rows of length 1; one of zeros (no words) has similarity 0 to all
 /// threshold  0: nothing is filtered
-/// result   (batch, batch), row by row, 1 = filtered; empty for threshold 0. The diagonal never is, whatever the
-///          threshold: the published code filters it below 0.5, and its loss is NaN
+/// result   (batch, batch), row by row, 1 = filtered; empty for threshold 0. The diagonal is never filtered. The
+///          published code filters it below 0.5, and its loss is then NaN
 /// Throws   config_error 101 unless 0 <= threshold <= 1, numeric_error 302 for a row whose length is not 1 within 0.01
-///          (normalize_rows makes it so)
+///          (use normalize_rows)
 template <Backend B>
 std::vector<unsigned char> false_negatives(const Tensor<B, 2>& sentences, double threshold) {
   if (!(threshold >= 0 && threshold <= 1)) raise<config_error>(101, "false_negatives: threshold ", threshold);

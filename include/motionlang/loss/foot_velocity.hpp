@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A loss on the velocity of the feet: it keeps them from sliding under the figure.
+/// A loss on the velocity of the feet, which keeps them from sliding under the figure.
 ///
 ///     const auto loss = foot_velocity_loss<A>(normaliser.denormalize(out), truth, offsets, 20);
 #pragma once
@@ -53,10 +53,10 @@ Tensor<B, 2> feet_of(const Tensor<B, 2>& features) {
 /// Mean square of the error of the feet's velocity in the world, in (m/s)^2.
 ///     V = (v + Rz(turn) p' - p, z' + p'_z - z - p_z),   p: foot, p': in the next frame, v: the root's velocity
 /// To first order in the error of `turn`.
-/// Shapes   features, truth (rows, 205), not normalised: sequences behind each other by `offsets` -> ()
+/// Shapes   features, truth (rows, 205), not normalised: sequences one after another, by `offsets` -> ()
 /// Source   the geometric losses of MDM (Tevet et al. 2023, eq. 4 and 5)
-/// Differs  from these: the path of the root is part of the velocity. Feet that `truth` moves over the floor at less
-///          than 0.4 m/s, as those that stand, count five times.
+/// Differs  from these: the path of the root is part of the velocity. Feet that move at less than 0.4 m/s over the
+///          floor in `truth`, as standing feet do, count five times.
 template <AutodiffBackend A>
 Tensor<A, 0> foot_velocity_loss(const Tensor<A, 2>& features, const Tensor<typename A::inner, 2>& truth,
                                 const Offsets& offsets, double fps) {
@@ -66,7 +66,7 @@ Tensor<A, 0> foot_velocity_loss(const Tensor<A, 2>& features, const Tensor<typen
   for (Index s = 0; s < offsets.count(); ++s)
     for (Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);
 
-  // what the feet truly do, and how much each number weighs
+  // The true movement of the feet, and the weight of each value.
   const auto true_feet = detail::feet_of(truth);
   const auto feet = true_feet.span(), root = truth.span();
   std::vector<S> lever, weight;
@@ -83,7 +83,7 @@ Tensor<A, 0> foot_velocity_loss(const Tensor<A, 2>& features, const Tensor<typen
   }
   const Shape shape{std::ssize(now), detail::foot_values};
 
-  // columns of the root's error to the twelve numbers
+  // Maps columns of the root's error to the twelve values.
   std::vector<S> here(4 * detail::foot_values), there(4 * detail::foot_values), turn(4 * detail::foot_values);
   for (std::size_t k = 0; k < detail::foot_values; k += 3) {
     here[1 * detail::foot_values + k] = here[2 * detail::foot_values + k + 1] = 1;

@@ -42,7 +42,7 @@ Tensor<B, 0> scaled_info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const
 ///     loss = (CE(S) + CE(S^T)) / 2,   CE(S) = mean_i (log sum_j exp(S_ij) - S_ii)
 /// Source    TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2, TMR eq. 1; thesis 5.2.2, thesis eq. 5.1;
 ///           van den Oord et al. (2018); a learned temperature: CLIP (Radford et al., ICML 2021), section 2.3
-/// Differs   from TMR eq. 1 by the filter of section 3.3, which takes pairs out of both sums
+/// Differs   from TMR eq. 1 by the filter of section 3.3, which removes pairs from both sums
 /// Notation  motion -> x, text -> y, temperature -> tau
 /// Shapes    x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none -> ()
 /// Throws    shape_error 204 if the sizes of the batches differ, 205 for a filter of another size, config_error 101

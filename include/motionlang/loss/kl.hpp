@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Divergences between diagonal Gaussians, averaged over all coordinates of all rows, or of each row.
+/// Divergences between diagonal Gaussians, averaged over all coordinates of all rows, or for each row.
 #pragma once
 
 #include <motionlang/tensor/ops.hpp>

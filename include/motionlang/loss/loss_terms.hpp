@@ -22,7 +22,7 @@ struct LossTerms {
   void add(std::string name, double weight, Tensor<B, 0> value) {
     terms.push_back({std::move(name), weight, std::move(value)});
   }
-  /// Adds the terms of another loss, with a suffix behind their names.
+  /// Adds the terms of another loss, with a suffix on their names.
   void append(LossTerms other, const std::string& suffix = "") {
     for (Term& t : other.terms) add(t.name + suffix, t.weight, std::move(t.value));
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Contrastive losses with a Euclidean margin: of all pairs of a batch, what InfoNCE is compared with; of one other
-/// partner for each.
+/// Contrastive losses with a Euclidean margin. margin_loss compares all pairs of a batch, as an alternative to InfoNCE.
+/// shifted_margin_loss compares each with one other partner.
 #pragma once
 
 #include <motionlang/loss/false_negatives.hpp>
@@ -11,7 +11,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// max(0, margin - d) for squared distances. Two equal points have no direction to be pushed in: their root gets slope
+/// max(0, margin - d) for squared distances. For two equal points no direction is defined, so their root gets the slope
 /// 0.
 template <Backend B, int R>
 Tensor<B, R> short_of_margin(const Tensor<B, R>& squared, double margin) {
@@ -55,8 +55,8 @@ Tensor<B, 0> margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double ma
 ///     d(a, b) = |a - b + 1e-6|,   positive = mean_i d(x_i, y_i)^2,   negative = mean_i max(0, margin - d(x_i, y_(i +
 ///     shift) mod n))^2
 /// Source   TM2T (Guo et al., ECCV 2022), appendix C, TM2T eq. 8; text-to-motion networks/trainers.py
-///          TextMotionMatchTrainer, networks/modules.py ContrastiveLoss. There the shift is drawn from 0 ... n - 2, so
-///          that now and then, at 0, the right partner is pushed away
+///          TextMotionMatchTrainer, networks/modules.py ContrastiveLoss. There the shift is random in 0 ... n - 2, so
+///          the right partner is sometimes pushed away, at shift 0
 /// Differs  from TM2T eq. 8, as published: the equation squares |s - p|^2 once more, and compares |s - p|^2 with the
 ///          margin
 /// Shapes   x, y (batch, latent) -> the two terms, of weight 1
@@ -70,7 +70,7 @@ LossTerms<B> shifted_margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, I
   for (Index i = 0; i < n; ++i) other.push_back((i + shift) % n);
   auto squared = [&](const Tensor<B, 2>& partner) { return sum(square(x - partner + 1e-6), 1); };
   LossTerms<B> out;
-  // the two terms of TM2T eq. 8, see above
+  // The two terms of TM2T eq. 8, see above.
   out.add("positive", 1, mean(squared(y)));
   out.add("negative", 1, mean(square(detail::short_of_margin(squared(gather(y, other)), margin))));
   return out;

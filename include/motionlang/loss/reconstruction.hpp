@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Losses that compare numbers with numbers.
+/// Losses that compare values with true values.
 #pragma once
 
 #include <algorithm>  // max
@@ -37,18 +37,19 @@ Tensor<B, 0> smooth_l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
 }
 
 namespace detail {
-/// Numbers of a batch that is padded to this many frames, or to the longest sequence.
+/// The number of values in a batch that is padded to this many frames, or to the longest sequence.
 template <Backend B>
 double padded_count(const Sequences<B>& a, Index frames) {
   return static_cast<double>(a.count() * std::max(frames, a.offsets.longest()) * a.width());
 }
 }  // namespace detail
 
-/// Sum of squares over the rows, divided by what a padded batch would have divided by:
-///     loss = sum (a - b)^2 / (count * frames * width)
-/// frames  that the batch is padded to, if more than the longest sequence has
+/// Sum of squares over the rows, divided by the number of values in a padded batch:
+///    loss = sum (a - b)^2 / (count * frames * width)
+/// frames   of the padded batch, if more than in the longest sequence
 /// Source   thesis eq. 6.5, as STMC src/model/gaussian.py diffusion_step trains with it
-/// Differs  from thesis eq. 6.5, a squared norm: here a mean, where padding adds nothing to the sum but is counted
+/// Differs  from thesis eq. 6.5, which is a squared norm. This is a mean: padding adds nothing to the sum, but counts
+///          in the divisor
 template <Backend B>
 Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
   return sum(square(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
@@ -60,7 +61,7 @@ Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b, Inde
   return sum(detail::huber(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
 }
 
-/// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one.
+/// The mean over the sequences of their smooth_l1. A short sequence has the same weight as a long one.
 /// Source  TEACH teach/model/losses/compute_teach.py
 template <Backend B>
 Tensor<B, 0> smooth_l1_of_sequences(const Sequences<B>& a, const Tensor<B, 2>& b) {
@@ -81,7 +82,7 @@ Tensor<B, 2> frame_steps(const Sequences<B>& x) {
   return gather(x.rows, to) - gather(x.rows, from);
 }
 
-/// mse of the steps from frame to frame. Throws shape_error 204 unless both have the same frames.
+/// mse of the differences from frame to frame. Throws shape_error 204 unless both have the same frames.
 template <Backend B>
 Tensor<B, 0> velocity_mse(const Sequences<B>& a, const Sequences<B>& b) {
   if (!(a.offsets == b.offsets))

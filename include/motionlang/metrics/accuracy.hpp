@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How often a classifier names the action of a motion, as ACTOR reports it, and a labeller its body parts, as SINC
-/// does.
+/// The accuracy of a classifier of actions, as in ACTOR, and of a labeller of body parts, as in SINC.
 ///
 /// Source  thesis 3.3.1; ACTOR src/evaluate/action2motion/accuracy.py; SINC: thesis B.2.1, table B.1
 #pragma once
@@ -9,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Counts (classes, classes): rows are labels, columns predictions, the largest logit (of equals the first).
+/// Counts (classes, classes). Rows are labels, columns are predictions: the largest logit, of equals the first.
 /// logits  (samples, classes)
 /// Throws  shape_error 204, 203 for a label that is not a class
 template <Scalar S>
@@ -27,8 +26,8 @@ std::vector<Index> confusion_matrix(const Rows<S>& logits, std::span<const Index
   return out;
 }
 
-/// Share of the samples on the diagonal, 0 to 1. Throws shape_error 205 unless it is a square, numeric_error 302 of no
-/// samples.
+/// Share of the samples on the diagonal, 0 to 1. Throws shape_error 205 unless it is a square, and numeric_error 302
+/// without samples.
 inline double accuracy(std::span<const Index> confusion) {
   const auto classes = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(confusion.size()))));
   if (classes * classes != std::ssize(confusion))
@@ -42,11 +41,11 @@ inline double accuracy(std::span<const Index> confusion) {
   return static_cast<double>(right) / static_cast<double>(all);
 }
 
-/// For labels with several yes-or-no answers (body parts of actions): for each answer the share of the items that
-/// have it right, 0 to 1. SINC's figure is the mean of them.
+/// For labels with several yes-or-no answers (body parts of actions): for each answer, the share of the items that have
+/// it right, 0 to 1. SINC's figure is their mean.
 /// predicted  (items, answers), 0 or 1
-/// wanted     (items, answers), 0, 1, or 0.5 where either is right, which does not count
-/// Throws     shape_error 204; numeric_error 302 if an answer does not count in any item, or for another number
+/// wanted     (items, answers): 0, 1, or 0.5 if both are right, which does not count
+/// Throws     shape_error 204; numeric_error 302 if an answer does not count in any item, or for another value
 template <Scalar S, Scalar T>
 std::vector<double> answer_accuracies(const Rows<S>& predicted, const Rows<T>& wanted) {
   detail::require_same_width("answer_accuracies", predicted, wanted);

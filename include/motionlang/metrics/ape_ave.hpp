@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// Average position error and average variance error of generated motions against recorded ones, and the jump where two
-/// actions meet.
+/// Average position error and average variance error of generated motions against recorded ones, and the jump between
+/// two actions.
 ///
 ///     ApeAveMetric<double> metric(temos_rifke(), 0.001);                      // joints in mm, errors in m
 ///     for (const auto& [generated, recorded] : pairs) metric.add(generated, recorded);  // joints, (frames, J) each
 ///     const ApeAve errors = metric.result();                             // errors.ape.root, errors.ave.mean_joints()
 ///
-/// Both motions are brought to the start: root at the origin, heading 0, on the floor. With x = root (3 coordinates),
-/// trajectory (2), each joint seen from the body ("local", "pose") and each joint in the world:
+/// Both motions are moved to the start: root at the origin, heading 0, on the floor. x is the root (3 coordinates), the
+/// trajectory (2), each joint seen from the body ("local", "pose") or each joint in the world:
 ///     APE_x = sum_clips sum_t |x_t - x*_t| / sum_clips L
 ///     AVE_x = mean_clips |v - v*|,   v = sum_t (x_t - mean x)^2 / (L - 1) of each coordinate
 /// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 4.1 and appendix C: APE is TEMOS eq. 4, AVE is
@@ -15,10 +15,9 @@
 ///         temos/model/metrics/compute*.py, TEACH teach/model/metrics/compute.py and compute_td.py, SINC
 ///         sinc/model/metrics/compute_sinc.py
 /// Units   those of the joints times `unit`; AVE in their square
-/// Differs from the paper: APE is an average over frames of the whole set, not over clips; the variance has no square
-///         root. As published, the body's heading is that of knees and elbows in TEMOS and TEACH (temos_rifke) and is
-///         swapped in SINC (sinc_rifke), and the floor is that of the whole clip, which is cut to the common length
-///         after
+/// Differs from the paper: APE is an average over the frames of the whole set, not over clips, and the variance has no
+/// square root. As published, the body's heading is that of knees and elbows in TEMOS and TEACH (temos_rifke), and is
+/// swapped in SINC (sinc_rifke). The floor is that of the whole clip, which is cut to the common length afterwards
 #pragma once
 
 #include <array>    // level coordinates
@@ -30,18 +29,18 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A motion brought to the start. Frames one after the other.
+/// A motion moved to the start. Frames follow each other.
 template <Scalar S>
 struct CanonicalMotion {
   std::vector<Vec3<S>> joints;               // (frames, J)
-  std::vector<Vec3<S>> local;                // (frames, J - 1): joints 1 ... seen from the body, heights as they are
+  std::vector<Vec3<S>> local;                // (frames, J - 1): joints 1 ... seen from the body, heights unchanged
   std::vector<Vec3<S>> root;                 // (frames)
   std::vector<std::array<S, 2>> trajectory;  // (frames): the root over the ground
 
   Index frames() const { return std::ssize(root); }
 };
 
-/// joints  (frames, J), as the variant has them
+/// joints  (frames, J) of the variant
 /// unit    all results are multiplied by it: 0.001 for millimetres
 /// Throws  shape_error 205, 203
 template <Scalar S>
@@ -91,7 +90,7 @@ inline std::array<double, 3> coordinates(const auto& p) {
   }
 }
 
-/// Point j of every frame out of `per_frame`: the sum of distances over time, and the distance of the variances.
+/// Point j of every frame of `per_frame` points: the sum of distances over time, and the distance of the variances.
 struct PointErrors {
   double distance = 0, variance = 0;
 };
@@ -115,13 +114,13 @@ PointErrors point_errors(const std::vector<Point>& a, const std::vector<Point>& 
       difference[i] += (x[i] - mean_a[i]) * (x[i] - mean_a[i]) - (y[i] - mean_b[i]) * (y[i] - mean_b[i]);
     }
   }
-  // TEMOS eq. 5: the length of the difference of two variances, each TEMOS eq. 6
+  // TEMOS eq. 5: the length of the difference of two variances, each by TEMOS eq. 6.
   for (const double d : difference) out.variance += d * d;
   out.variance = std::sqrt(out.variance) / static_cast<double>(frames - 1);
   return out;
 }
 
-/// The errors of one pair: sums over time, and variances. Cut to `frames`.
+/// The errors of one pair: sums over time, and variances, of the first `frames` frames.
 template <Scalar S>
 ApeAve clip_errors(const CanonicalMotion<S>& a, const CanonicalMotion<S>& b, Index frames) {
   const auto n = static_cast<std::size_t>(frames);
@@ -160,7 +159,8 @@ inline PositionErrors divided(PositionErrors x, double by) {
 
 }  // namespace detail
 
-/// The mean of several results: "avg" of several samples, one result for each. Throws numeric_error 302 of none.
+/// The mean of several results: "avg" of several samples, one result for each. Throws numeric_error 302 without
+/// results.
 inline ApeAve mean_errors(std::span<const ApeAve> results) {
   if (results.empty()) raise<numeric_error>(302, "mean_errors: no results");
   ApeAve sums;
@@ -177,19 +177,19 @@ class ApeAveMetric {
 
   explicit ApeAveMetric(RifkeVariant variant, S unit = S(1)) : variant_(std::move(variant)), unit_(unit) {}
 
-  /// A pair of joints, (frames, J) each; compared as far as both go.
-  /// Throws shape_error 205, 203; numeric_error 302 unless two frames are compared
+  /// Adds a pair of joints, (frames, J) each, which are compared up to the shorter length. Throws shape_error 205, 203;
+  /// numeric_error 302 unless two frames are compared
   void add(Joints generated, Joints reference) { add(canonical(generated), canonical(reference)); }
-  /// The same of motions that were padded at the end: the padding takes part in the floor, as in TEMOS' validation.
-  /// Throws also shape_error 203 if there are fewer than `frames`.
+  /// The same for motions that were padded at the end. The padding counts for the floor, as in TEMOS' validation. Also
+  /// throws shape_error 203 if there are fewer than `frames`.
   void add_padded(Joints generated, Joints reference, Index frames) {
     const auto a = canonical(generated), b = canonical(reference);
     if (frames > std::min(a.frames(), b.frames()))
       raise<shape_error>(203, "ApeAveMetric: ", frames, " of ", a.frames(), " and ", b.frames(), " frames");
     collect(errors_of(a, b, frames), frames);
   }
-  /// The sample with the smallest (largest) sum of root errors. As published, all its sums are divided
-  /// by the frames of the first sample. Throws also numeric_error 302 of no samples.
+  /// Adds the sample with the smallest (largest) sum of root errors. As published, all its sums are divided by the
+  /// frames of the first sample. Also throws numeric_error 302 without samples.
   void add_best(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, false); }
   void add_worst(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, true); }
 
@@ -241,7 +241,7 @@ class ApeAveMetric {
   Index frames_ = 0, clips_ = 0;
 };
 
-/// The jump at a frame: the mean over joints of |X[frame] - X[frame - 1]|. TEACH takes the first frame of the second
+/// The jump at a frame: the mean over joints of |X[frame] - X[frame - 1]|. TEACH uses the first frame of the second
 /// action of pairs, generated without interpolation, and averages over pairs.
 /// joints  (frames, J)
 /// Throws  shape_error 205, 203 unless 1 <= frame < frames

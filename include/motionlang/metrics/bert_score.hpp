@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// BERTScore of descriptions from token embeddings. The language model stays outside: TM2T takes layer 17 of
-/// roberta-large, sentences stripped and with a leading blank.
+/// BERTScore of descriptions from token embeddings. The caller supplies the language model: TM2T uses layer 17 of
+/// roberta-large, on sentences that are stripped and get a leading blank.
 ///
 ///     BertWeights weights;
 ///     for (const auto& ids : ids_of_references) weights.add(ids);        // every reference of the test set
@@ -9,11 +9,11 @@
 /// With unit embeddings x_i of the candidate and y_j of a reference and weights w of their tokens:
 ///     P = sum_i w_i max_j x_i . y_j / sum_i w_i,   R = sum_j w_j max_i x_i . y_j / sum_j w_j,   F = 2 P R / (P + R)
 ///     w = log((N + 1) / (c + 1)),   c = references with this token, of N
-///     of several references the largest P, R and F, each for itself; then (x - b) / (1 - b) with a baseline b
+///    With several references: the largest P, R and F, each on its own; then (x - b) / (1 - b) with a baseline b
 /// Source  Zhang et al., "BERTScore: evaluating text generation with BERT" (ICLR 2020), sections 3 and 4; the package
 ///         bert-score, bert_score/utils.py greedy_cos_idf
-/// The package counts pairs with padding as similarity 0, which shows only where all similarities of a token are
-/// negative: beside padding (BertPadding) their largest is 0.
+/// The package counts pairs with padding as similarity 0. This only matters if all similarities of a token are
+/// negative: with padding (BertPadding) the largest is then 0.
 #pragma once
 
 #include <algorithm>  // max
@@ -24,7 +24,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Weights of tokens. Those of every sentence, as its start and end, have 0.
+/// Weights of tokens. Tokens in every sentence, such as its start and end, have weight 0.
 class BertWeights {
  public:
   void add(std::span<const Index> reference) {
@@ -49,7 +49,7 @@ struct BertSentence {
   Rows<S> embeddings;
 };
 
-/// Tokens that the sentences of a batch are padded to; 0: none is.
+/// The number of tokens to which the sentences of a batch are padded; 0: no padding.
 struct BertPadding {
   Index candidate = 0, reference = 0;
 };
@@ -60,9 +60,9 @@ struct BertScore {
 /// roberta-large, layer 17, English.
 inline constexpr BertScore tm2t_bert_baseline{0.83150584, 0.8314941, 0.83122575};
 
-/// Against one reference, without baseline. All are 0 if a sentence has nothing but its start and end, two tokens; a
-/// side whose tokens have no weight is 0.
-/// Throws shape_error 204 unless every token has its row and all rows the same width
+/// The score against one reference, without a baseline. All values are 0 if a sentence has only its start and end, two
+/// tokens. A side whose tokens have no weight is 0. Throws shape_error 204 unless every token has its row and all rows
+/// have the same width
 template <Scalar S>
 BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& reference, const BertWeights& weights,
                      const BertPadding& padding = {}) {
@@ -91,7 +91,7 @@ BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& re
   return out;
 }
 
-/// The score for several references. Throws shape_error 204, numeric_error 302 of none
+/// The score for several references. Throws shape_error 204, and numeric_error 302 without references
 template <Scalar S>
 BertScore bert_score(const BertSentence<S>& candidate, std::span<const BertSentence<S>> references,
                      const BertWeights& weights, const BertScore& baseline = {}, const BertPadding& padding = {}) {

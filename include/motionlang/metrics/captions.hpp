@@ -5,9 +5,9 @@
 ///     const std::vector<CaptionPair> all{{"a man walk forward", three_references({"a man walk", "someone walk"})}};
 ///     use(bleu(corpus_counts(all))[3], rouge_l(all), cider(all));               // published tables: times 100
 ///
-/// A candidate is the words of the model, joined by blanks; references are the lemmas of the annotation, three for each
-/// motion. Nothing is lower-cased and no punctuation is taken away.
-/// Source  nlg-eval (pycocoevalcap), as TM2T (Guo et al., ECCV 2022, section 4.2 and appendix B) calls it
+/// A candidate is the words of the model, joined by blanks. References are the lemmas of the annotation, three for each
+/// motion. Nothing is lower-cased, and punctuation stays.
+/// Source  nlg-eval (pycocoevalcap), as called by TM2T (Guo et al., ECCV 2022, section 4.2 and appendix B)
 #pragma once
 
 #include <array>   // n-gram lengths
@@ -27,13 +27,14 @@ struct CaptionPair {
 
 /// The words before the tags, joined by blanks.
 std::string lemmas(std::span<const TaggedWord> words);
-/// The first three; of two, the first again; of one, three times. Throws numeric_error 302 of none.
+/// The first three. Of two, the first is repeated; one is taken three times. Throws numeric_error 302 without
+/// references.
 std::vector<std::string> three_references(std::vector<std::string> references);
 
 // ---- BLEU
 // -------------------------------------------------------------------------------------------------------------
 
-/// The counts of BLEU; the counts of several sentences add up. Entry k - 1 is of runs of k words.
+/// The counts of BLEU. The counts of several sentences can be added. Entry k - 1 counts runs of k words.
 struct BleuCounts {
   std::array<Index, 4> correct{}, guess{};
   Index length = 0, reference_length = 0;
@@ -43,7 +44,7 @@ struct BleuCounts {
 
 ///     correct_k = sum_g min(count of g in the candidate, largest count of g in a reference),   g: runs of k words
 ///     guess_k   = max(0, length - k + 1)
-/// The reference length is the one closest to the candidate's; of two as close, the shorter.
+/// The reference length is the one closest to the candidate's; of two equally close ones, the shorter.
 /// Source  Papineni et al., "BLEU: a method for automatic evaluation of machine translation" (ACL 2002)
 /// Throws  numeric_error 302 without a reference
 BleuCounts bleu_counts(const CaptionPair& pair);
@@ -60,8 +61,8 @@ std::array<double, 4> bleu(const BleuCounts& counts);
 /// With l = the longest common subsequence of the candidate c and a reference r:
 ///     P = max_r l / |c|,   R = max_r l / |r|,   score = (1 + beta^2) P R / (R + beta^2 P); 0 if P or R is
 /// Source  Lin, "ROUGE: a package for automatic evaluation of summaries" (2004)
-/// Differs from the paper: P and R may come from different references, and words are what stands between single blanks:
-///         two blanks in a row have an empty word between them, as published. Throws numeric_error 302
+/// Differs from the paper: P and R may come from different references. As published, words are separated by single
+/// blanks, so two blanks in a row have an empty word between them. Throws numeric_error 302
 double rouge_l(const CaptionPair& pair, double beta = 1.2);
 /// The mean over a corpus. Throws numeric_error 302.
 double rouge_l(std::span<const CaptionPair> pairs, double beta = 1.2);
@@ -69,13 +70,13 @@ double rouge_l(std::span<const CaptionPair> pairs, double beta = 1.2);
 // ---- CIDEr
 // ------------------------------------------------------------------------------------------------------------
 
-/// The score of each sentence. The references of all motions say which words are common.
+/// The score of each sentence. The references of all motions determine which words are common.
 ///     v_n[g] = count of g * (log N - log max(1, df(g))),   df(g) = motions with g in a reference, N = motions
 ///     s_n    = sum_g min(c[g], r[g]) r[g] / (|c_n| |r_n|) * exp(-(b_c - b_r)^2 / (2 sigma^2)),   b = number of bigrams
 ///     score  = 10 mean_n mean_r s_n
 /// Source  Vedantam et al., "CIDEr: consensus-based image description evaluation" (CVPR 2015): the form of section 5.3,
 ///         CIDEr-D, with clipped counts and a penalty for other lengths
-/// Differs from the paper: the lengths are those in bigrams, as published. Of a single motion all scores are 0.
+/// Differs from the paper: the lengths are those in bigrams, as published. For a single motion all scores are 0.
 /// Throws  numeric_error 302
 std::vector<double> cider_of_each(std::span<const CaptionPair> pairs, double sigma = 6);
 /// The mean over a corpus. Throws numeric_error 302.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Fréchet distance of two sets of vectors, each taken for a normal distribution: the FID of ACTOR, Guo et al. and
+/// Fréchet distance of two sets of vectors, each modelled as a normal distribution: the FID of ACTOR, Guo et al. and
 /// STMC.
 ///
 ///     FID = |m1 - m2|^2 + tr C1 + tr C2 - 2 tr (C1 C2)^(1/2)
@@ -8,9 +8,9 @@
 ///         ACTOR src/evaluate/action2motion/fid.py, text-to-motion utils/metrics.py, STMC mtt/metrics.py;
 ///         thesis 3.3.1 and 6.3.2; TM2T (ECCV 2022), appendix C
 /// Units   none: that of the features, squared
-/// Differs from the code: it takes a general matrix square root, whose imaginary part it drops, and adds 1e-6 to the
-///         diagonals if that fails. The symmetric form needs no such repair, also with fewer samples than features;
-///         both agree to about 1e-6 (1e-3 in STMC, whose reference has rank 59 of 256)
+/// Differs from the code, which takes a general matrix square root, drops its imaginary part, and adds 1e-6 to the
+/// diagonals if that fails. The symmetric form needs no such repair, even with fewer samples than features. Both agree
+/// to about 1e-6 (1e-3 in STMC, whose reference has rank 59 of 256)
 #pragma once
 
 #include <motionlang/metrics/rows.hpp>
@@ -23,7 +23,7 @@ struct GaussianStatistics {
   Index width() const { return std::ssize(mean); }
 };
 
-/// Throws numeric_error 302 of fewer than two rows.
+/// Throws numeric_error 302 for fewer than two rows.
 template <Scalar S>
 GaussianStatistics gaussian_statistics(const Rows<S>& rows) {
   if (rows.size() < 2) raise<numeric_error>(302, "gaussian_statistics: a covariance of ", rows.size(), " rows");
@@ -47,7 +47,7 @@ GaussianStatistics gaussian_statistics(const Rows<S>& rows) {
   return out;
 }
 
-/// Rows divided by their length, as STMC's FID+ has them; a row of zeros stays.
+/// Rows divided by their length, for STMC's FID+. A row of zeros stays.
 template <Scalar S>
 std::vector<double> unit_rows(const Rows<S>& rows) {
   const auto lengths = detail::lengths_of_rows(rows, 1e-12);

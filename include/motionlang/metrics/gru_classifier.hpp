@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Action2Motion's classifier of joint positions: a recurrent network. Its accuracy and its features judge generated
+/// Action2Motion's classifier of joint positions, a recurrent network. Its accuracy and its features judge generated
 /// motions.
 #pragma once
 
@@ -8,15 +8,14 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The output of a classifier of motions for each sequence: values for statistics of motions, and a score for each
-/// class.
+/// The output of a classifier for each sequence: features for statistics of motions, and a score for each class.
 template <Backend B>
 struct Recognition {
   Tensor<B, 2> features, logits;
 };
 
 struct GruClassifierConfig {
-  Index input_size = 72;  // three numbers of 24 joints; 54 for NTU-13
+  Index input_size = 72;  // three values of 24 joints; 54 for NTU-13
   Index hidden_size = 128;
   Index num_layers = 2;
   Index num_classes = 12;
@@ -45,7 +44,7 @@ struct GruClassifier {
         linear2(feature_count, c.num_classes, rng) {}
 
   /// x: frames of joint positions, joint by joint. The official code draws h0 (layers, sequences, hidden) from N(0, 1)
-  /// at every call, in use too; here the caller draws it (`initial_state`), and without one the network starts from
+  /// at every call, also in use. Here the caller supplies it (`initial_state`). Without it the network starts from
   /// zeros.
   Recognition<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
     const auto h = last_row(recurrent(x, h0));

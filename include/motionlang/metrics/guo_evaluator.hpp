@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The networks of Guo et al. that judge generated motions: a text and a motion that belong together lie close to each
-/// other.
+/// The networks of Guo et al. that judge generated motions. They put a text and its motion close to each other.
 ///
 ///     const auto text = evaluator.embed_texts(words.encode<B>(texts).tokens);       // text/glove.hpp
 ///     const auto motion = evaluator.embed_motions(normalized);                      // (motions, 512), in their order
@@ -8,7 +7,7 @@
 ///
 /// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), section 5.2;
 ///         text-to-motion networks/modules.py, networks/evaluator_wrapper.py; TM2T (ECCV 2022), appendix C
-/// Differs from the wrapper in that rows keep the order of the caller; the wrapper's come out longest motion first.
+/// Differs from the wrapper: rows keep the order of the caller, while the wrapper returns the longest motion first.
 #pragma once
 
 #include <motionlang/metrics/guo_movement.hpp>
@@ -39,7 +38,7 @@ struct CoEmbedding {
   }
 };
 
-/// Rows of word vectors with parts of speech behind them, as `GloVe::encode` makes them.
+/// Rows of word vectors followed by parts of speech, as `GloVe::encode` makes them.
 template <Backend B>
 struct GuoTextEncoder {
   Linear<B> pos_emb;
@@ -115,9 +114,10 @@ struct GuoEvaluator {
   Tensor<B, 2> embed_texts(const Sequences<B>& words) const { return text_encoder(words); }
   Tensor<B, 2> embed_motions(const Sequences<B>& motions) const { return motion_encoder(movements(motions)); }
 
-  /// Normalised features to floor(frames / 4) movements each. As published every motion is filled up with zeros before
-  /// the convolutions, which look behind its end: to 196 frames, but two behind the last movement make all the
-  /// difference. No gradient reaches the convolutions: they are trained beforehand. Throws shape_error 203, 204, 205.
+  /// Converts normalised features to floor(frames / 4) movements each. As published, every motion is padded with zeros
+  /// before the convolutions, which read beyond its end. The padding is to 196 frames, but only the two after the last
+  /// movement matter. No gradient reaches the convolutions, because they are trained beforehand. Throws shape_error
+  /// 203, 204, 205.
   Sequences<B> movements(const Sequences<B>& motions, Index longest = 196) const {
     const Index width = motions.width() - 4;
     std::vector<Index> lengths;

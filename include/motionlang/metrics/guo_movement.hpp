@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Four frames become one movement: the convolutions before Guo's motion encoder, and the autoencoder in which they are
-/// trained.
+/// The convolutions before Guo's motion encoder, which turn four frames into one movement, and the autoencoder that
+/// trains them.
 #pragma once
 
 #include <motionlang/loss/loss_terms.hpp>
@@ -41,7 +41,7 @@ struct MovementEncoder {
     main.conv(hidden, latent, 4, halving, rng).dropout(dropout).leaky_relu();
   }
 
-  /// Normalised features without contacts.
+  /// The input is normalised features without contacts.
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
     const ModuleScope scope(*this);
     return out_net(main(x, context));
@@ -70,7 +70,7 @@ struct MovementDecoder {
   }
 };
 
-/// Both, under the names of their checkpoint.
+/// Both, with the names of their checkpoint.
 template <Backend B>
 struct MovementAutoencoder {
   MovementEncoder<B> movement_enc;
@@ -81,7 +81,7 @@ struct MovementAutoencoder {
     return motionlang::fields("movement_enc", &M::movement_enc, "movement_dec", &M::movement_dec);
   }
   MovementAutoencoder() = default;
-  /// features: with the contacts, which are written but not read.
+  /// features: including the contacts, which are written but not read.
   MovementAutoencoder(Index features, Index hidden, Index latent, Rng auto& rng, double dropout = 0.2)
       : movement_enc(features - 4, hidden, latent, rng, dropout), movement_dec(latent, hidden, features, rng) {}
 

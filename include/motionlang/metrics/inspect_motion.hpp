@@ -5,12 +5,12 @@
 ///     for (const Finding& f : found.findings) std::puts(f.text.c_str());
 ///     Motion better = mended(motion, found.cure);
 ///
-/// A wrong scale, up axis or frame rate is corrected before the checks that follow it, so that each finding has one
-/// cause. All limits are in SI units and named in InspectionLimits.
+/// A wrong scale, up axis or frame rate is corrected before later checks, so that each finding has one cause. All
+/// limits are in SI units and named in InspectionLimits.
 ///
-/// A usual but wrong frame rate shows only where physics leaves no choice: in jumps and runs, in which the body falls
-/// with 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is not a
-/// finding: a person may walk as slowly.
+/// A common but wrong frame rate shows only where physics allows no other choice: in jumps and runs, in which the body
+/// falls with 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is not a
+/// finding, because a person may walk slowly.
 #pragma once
 
 #include <algorithm>  // any_of
@@ -62,18 +62,18 @@ inline const FaultInfo& info(Fault fault) { return fault_info[static_cast<std::s
 struct Finding {
   Fault fault;
   std::string text;   // with figures and units
-  double moment = 0;  // seconds into the clip, of what happens at a time
+  double moment = 0;  // seconds into the clip, for findings at one time
 };
 
-/// The steps of `mended`, in this order. Frames count in the clip that was inspected.
+/// The steps of `mended`, in this order. Frames are those of the inspected clip.
 struct Cure {
-  std::vector<Index> spikes;               // frames that are replaced by the middle of their neighbours
-  Index lead_in = 0;                       // frames that are cut off at the start
+  std::vector<Index> spikes;               // frames to replace by the middle of their neighbours
+  Index lead_in = 0;                       // frames to cut off at the start
   Quaternion<double> upright{1, 0, 0, 0};  // turns the up axis of the clip to +Y
   double scale = 1;
-  double root = 1;  // by which the root's positions are to be multiplied, besides
+  double root = 1;  // additional factor for the root's positions
   double lift = 0;  // metres, after scaling
-  double fps = 0;   // the true frame rate; 0: as it is
+  double fps = 0;   // the true frame rate; 0: unchanged
 };
 
 struct Inspection {
@@ -86,36 +86,36 @@ struct Inspection {
 };
 
 struct InspectionLimits {
-  double shortest = 1.0, tallest = 2.3;  // m: a person
-  double doll = 0.3, giant = 5;          // m: between these a figure may be drawn so, unless it has a person's legs,
+  double shortest = 1.0, tallest = 2.3;        // m: a person
+  double doll = 0.3, giant = 5;                // m: a figure between these is accepted unless it has a person's legs
   double least_legs = 0.45, most_legs = 0.72;  // of the height up to the head; recordings have 0.55 to 0.67
-  double upright = 0.8;     // mean direction of trunk and legs along another axis than +Y; 1: exactly
-  double standing = 0.3;    // m that feet may be off 0 along an axis that is taken for the true one
-  double swapped = 0.4;     // mean cosine between the right that names tell and the left that toes and knees tell
-  double wrong_rate = 1.6;  // the stated rate over the one at which bodies fall as they do, or the other way round
-  double least_rise = 0.015, least_flight = 0.06;  // m that the centre of mass rises, in a step and in a jump
-  double parabola = 0.04;                          // of that rise: how far off a parabola in the mean
-  double off_floor = 0.08;                         // m that the lower foot is above where it stands, in a flight
-  double spike = 0.08;                             // m that a joint is off the middle of its neighbours in time
+  double upright = 0.8;     // mean direction of trunk and legs along an axis other than +Y; 1: exactly
+  double standing = 0.3;    // m: distance of the feet from 0 along an axis that is taken for the true one
+  double swapped = 0.4;     // mean cosine between the right by names and the left by toes and knees
+  double wrong_rate = 1.6;  // the stated rate over the rate at which bodies fall correctly, or the inverse
+  double least_rise = 0.015, least_flight = 0.06;  // m: rise of the centre of mass, in a step and in a jump
+  double parabola = 0.04;                          // of that rise: mean distance from a parabola
+  double off_floor = 0.08;                         // m: height of the lower foot above its standing height, in a flight
+  double spike = 0.08;                             // m: distance of a joint from the middle of its neighbours in time
   double jump = 0.15;                              // m between two frames, and
   double jump_speed = 8;                           // m/s: a fast punch or kick
   double jump_seconds = 0.1;                       // a jump may be spread over this many
-  double isolated = 5;    // spikes and jumps: this many times what the joint does in the frames around
-  double violent = 1000;  // m/s2 that no joint takes in any surroundings; recordings have up to 700
+  double isolated = 5;    // spikes and jumps: this many times the movement of the joint in the frames around
+  double violent = 1000;  // m/s2 that no joint reaches; recordings have up to 700
   double slide = 0.2;     // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
-  double low = 0.03;      // m above where a foot joint is when it stands: still on the floor
-  // Part of the length of the legs that the pelvis is above a foot that carries it: not for those who swim or crawl.
+  double low = 0.03;      // m above the standing height of a foot joint: still on the floor
+  // Height of the pelvis above the foot that carries it, as a share of the leg length: less for swimming or crawling.
   double carried = 0.4;
-  double on_the_spot = 0.5;           // m across which the root moves in a clip in place
-  double below = 0.08, above = 0.10;  // m that feet may be below or above y = 0
+  double on_the_spot = 0.5;           // m: range of the root in a clip in place
+  double below = 0.08, above = 0.10;  // m: depth or height of feet below or above y = 0
 };
 
-/// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate,
-/// spikes and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a wrong frame rate,
-/// shape_error 205 if the arrays do not fit.
+/// All findings of a clip. If no table of skeleton_tables.hpp fits, only values, frame rate, spikes and jumps are
+/// checked. Throws config_error 106 for a malformed skeleton, 101 for a wrong frame rate, and shape_error 205 if the
+/// arrays do not fit.
 Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits = {});
 
-/// The clip with what the cure says. Throws shape_error 203 if it names frames that the clip does not have.
+/// Applies the cure to the clip. Throws shape_error 203 if it names frames that the clip does not have.
 Motion mended(const Motion& motion, const Cure& cure);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// How physical a clip looks, without a reference: foot skating, acceleration, jitter, penetration of the floor,
-/// constancy of bones. Published figures use many definitions; the ones used here are written down with each function.
-/// Y up, metres.
+/// The physical plausibility of a clip, without a reference: foot skating, acceleration, jitter, penetration of the
+/// floor, constancy of bones. Published figures use many definitions; each function states its own. Y up, metres.
 #pragma once
 
 #include <span>  // positions
@@ -11,7 +10,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Joint positions of a clip, (frames, joints), and how fast they follow each other.
+/// Joint positions of a clip, (frames, joints), and its frame rate.
 struct JointTracks {
   std::span<const Vec3<double>> positions;
   Index joints = 0;
@@ -31,14 +30,14 @@ struct FootSkate {
   double contact = 0;  // share of frames x joints in contact
 };
 
-/// Sliding feet. A joint is in contact between frames f and f + 1 if it is below its height in both; its speed there is
-/// the horizontal distance between the two times fps. `limit` (m/s) counts a contact as skating: 0.5 m/s are the 2.5 cm
-/// per frame at 20 fps of GMD (Karunratanakul et al., ICCV 2023).
-/// Without contacts everything is 0. Throws as JointTracks::validate, shape_error 203 for a joint out of range.
+/// Sliding feet. A joint is in contact between frames f and f + 1 if it is below its height in both. Its speed there is
+/// its horizontal displacement times fps. A contact faster than `limit` (m/s) is skating: 0.5 m/s are the 2.5 cm per
+/// frame at 20 fps of GMD (Karunratanakul et al., ICCV 2023). Without contacts everything is 0. Throws as
+/// JointTracks::validate, and shape_error 203 for a joint out of range.
 FootSkate foot_skate(const JointTracks& tracks, std::span<const ContactJoint> feet = smpl_contact_joints,
                      double floor = 0, double limit = 0.5);
 
-/// Mean size of the second derivative of joint positions, m/s^2. ACTOR prints it per frame: fps = 1.
+/// Mean size of the second derivative of joint positions, m/s^2. ACTOR prints it per frame: use fps = 1.
 ///     |p_{f+2} - 2 p_{f+1} + p_f| fps^2,   averaged over frames and joints; 0 for fewer than three frames
 double mean_acceleration(const JointTracks& tracks);
 
@@ -47,18 +46,17 @@ double mean_acceleration(const JointTracks& tracks);
 double jitter(const JointTracks& tracks);
 
 struct Penetration {
-  double mean = 0;     // depth of the lowest joint, averaged over all frames (0 where nothing is below), metres
+  double mean = 0;     // depth of the lowest joint, averaged over all frames (0 if nothing is below), metres
   double deepest = 0;  // metres
-  double ratio = 0;    // share of frames in which something is below
+  double ratio = 0;    // share of frames with a joint below
 };
 
-/// How far joints are below the floor.
+/// The depth of joints below the floor.
 Penetration penetration(const JointTracks& tracks, double floor = 0);
 
-/// How much the lengths of bones change: the largest |length - mean| / mean over frames and bones. 0 for a motion that
-/// was made by rotations; generated joint positions are not so good. A bone of mean length 0 does not count.
-/// Throws as JointTracks::validate, shape_error 204 if there is not one parent for each joint, 203 for a parent out of
-/// range.
+/// The change of the lengths of bones: the largest |length - mean| / mean over frames and bones. It is 0 for a motion
+/// made by rotations, and larger for generated joint positions. A bone of mean length 0 does not count. Throws as
+/// JointTracks::validate, shape_error 204 if there is not one parent for each joint, and 203 for a parent out of range.
 double bone_length_deviation(const JointTracks& tracks, std::span<const int> parents);
 
 struct MotionQuality {
@@ -66,7 +64,7 @@ struct MotionQuality {
   double jitter = 0;
   Penetration below_floor;
 };
-/// All of it for a clip on SMPL's joints (or on others, with their feet) that stands on y = `floor`.
+/// All measures of a clip on SMPL's joints (or on others, with their feet) whose floor is y = `floor`.
 MotionQuality motion_quality(const Motion& motion, std::span<const ContactJoint> feet = smpl_contact_joints,
                              double floor = 0);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A motion as an eye follows it: curves over time of what the body does, and what looks wrong whatever it does. SMPL's
-/// joints, Y up, metres, seconds, degrees. The floor is y = 0.
+/// A motion as an eye sees it: curves over time of the body's movement, and faults of any movement. SMPL's joints, Y
+/// up, metres, seconds, degrees. The floor is y = 0.
 ///
 ///     const MotionTrace t = trace_motion(motion);
 ///     const double degrees = t.turned(), seconds = longest_hover(t);
@@ -17,7 +17,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A number as a text with two digits behind the point.
+/// A number as text with two decimals.
 inline std::string two_digits(double x) {
   char text[40];
   std::snprintf(text, sizeof text, "%.2f", x);
@@ -28,7 +28,7 @@ inline std::string two_digits(double x) {
 
 /// An arm or a leg at each frame.
 struct ArmTrace {
-  std::vector<double> raised;       // wrist above its shoulder, in the world or along a bent trunk
+  std::vector<double> raised;       // height of the wrist above its shoulder, in the world or along a bent trunk
   std::vector<double> elbow;        // 180: straight
   std::vector<double> to_mouth;     // distance of the wrist from the head joint
   std::vector<Vec3<double>> hand;   // wrist seen from the chest: x left, y up, z forward
@@ -36,11 +36,11 @@ struct ArmTrace {
   std::vector<double> above_floor;  // wrist
 };
 struct LegTrace {
-  std::vector<double> height;  // of the foot above where it stands
+  std::vector<double> height;  // of the foot above its standing height
   std::vector<double> knee;    // height of the knee
-  std::vector<double> yaw;     // where the foot points, continuous
+  std::vector<double> yaw;     // heading of the foot, continuous
   std::vector<double> speed;   // of the ankle, seen from the pelvis
-  std::vector<double> ahead;   // ankle before the pelvis, along the heading
+  std::vector<double> ahead;   // distance of the ankle in front of the pelvis, along the heading
 };
 
 struct MotionTrace {
@@ -48,12 +48,12 @@ struct MotionTrace {
   std::vector<double> over_floor;          // of the whole body (kinematics/floor_fix.hpp)
   std::vector<double> pelvis, head;        // heights
   std::vector<double> heading;             // continuous, left is positive; 0 in the first frame
-  std::vector<double> forward, left;       // way of the root, seen from the first heading
+  std::vector<double> forward, left;       // displacement of the root, relative to the first heading
   std::vector<double> lean;                // of the trunk from upright, in any direction
-  std::vector<double> twist;               // of the chest against the pelvis, left is positive
-  std::vector<double> look_left, look_up;  // of the head against the chest
+  std::vector<double> twist;               // of the chest relative to the pelvis, left is positive
+  std::vector<double> look_left, look_up;  // of the head relative to the chest
   std::vector<double> upside_down;         // height of the pelvis above the head
-  std::vector<double> step;                // way of the root over the floor to the next frame
+  std::vector<double> step;                // displacement of the root over the floor to the next frame
   std::vector<double> joint_speed;         // of the fastest joint, to the next frame
   std::vector<double> hands_apart;         // distance of the wrists
   std::array<ArmTrace, 2> arms{};          // left, right
@@ -68,36 +68,37 @@ struct MotionTrace {
 
 /// Throws config_error 103 for a skeleton without SMPL's joints.
 MotionTrace trace_motion(const Motion& motion);
-/// Frames [first, last) of it. The way and the heading still count from the first frame of the whole.
+/// Frames [first, last) of it. Displacement and heading still count from the first frame of the whole.
 MotionTrace part_of(const MotionTrace& trace, std::size_t first, std::size_t last);
 
-/// A stretch of time in which nothing touches the floor.
+/// A time in which nothing touches the floor.
 struct Flight {
   std::size_t first = 0, last = 0;  // frames [first, last)
-  double seconds = 0, peak = 0;     // how long, how high above the floor
+  double seconds = 0, peak = 0;     // duration, height above the floor
   double off_arc = 0;               // root mean square distance of the pelvis from a thrown body, metres
   bool lands = false;               // before the end
 };
-/// Those at least 5 cm above the floor. `lowest`: this peak or more.
+/// Flights at least 5 cm above the floor. `lowest`: only those with this peak or more.
 std::vector<Flight> flights(const MotionTrace& trace, double lowest = 0.05);
 
 double longest_hover(const MotionTrace& trace);         // seconds, above 5 cm
 double sunken_seconds(const MotionTrace& trace);        // deeper than 4 cm
 double still_share(const MotionTrace& trace);           // of frames in which no joint is faster than 15 cm/s
-double turned_on_flat_soles(const MotionTrace& trace);  // degrees, of both feet at once
+double turned_on_flat_soles(const MotionTrace& trace);  // degrees, by both feet at the same time
 
-/// Limits of what counts as wrong. They are what 796 recorded segments on the floor do (`motionlang judge --clips`):
-/// 98 % hover less, none sinks in so long, and 94 % stand still less. 99 % turn less on two feet, and 91 % of flights
-/// are nearer to their arc.
+/// Limits beyond which something looks wrong. They come from 796 recorded segments on the floor (`motionlang judge
+/// --clips`): 98 % hover less, none sinks in for so long, and 94 % stand still less. 99 % turn less on two feet, and 91
+/// % of flights are nearer to their arc.
 struct EyeLimits {
   double hover = 0.75, sunken = 0.25, still = 0.7, flat_turn = 55, off_arc = 0.15;
 };
-/// The first of it: "hovers 1.20 s", "sinks in", ...; "" if nothing looks wrong. Standing still is not looked at.
+/// The first fault: "hovers 1.20 s", "sinks in", ...; "" if nothing looks wrong. Standing still is not checked.
 std::string look_wrong(const MotionTrace& trace, const EyeLimits& limits = {});
 
-/// How often a curve rises from below `low` to above `high`. A curve that begins above counts once it has been low.
+/// The number of times that a curve rises from below `low` to above `high`. A curve that begins above counts after it
+/// has been low.
 std::size_t rises(const std::vector<double>& curve, double low, double high);
-/// How often it turns back after a way of at least `way`.
+/// The number of times that it turns back after a change of at least `way`.
 std::size_t reversals(const std::vector<double>& curve, double way);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Motions made from timelines against their texts: the metrics of STMC on MTT.
+/// The metrics of STMC on MTT: motions made from timelines, compared with their texts.
 ///
 ///     const auto features = mtt_features(humanml3d_chains(), joints, 24);          // of each motion, Z up, 20 fps
 ///     const MttScores s = mtt_scores(motions, reference, encode);                  // encode: TMR's motion encoder
@@ -7,14 +7,14 @@
 /// R@1, R@3     share of the intervals whose text is the first (among the first three) of all texts, 0 to 1
 /// M2T, M2M     mean of (cos + 1) / 2 of an interval's latent with that of its text, of its recorded motion
 /// FID          of unit latents of five crops of each motion against those of the recorded motions (FID+)
-/// transition   mean way of the joints between two frames where a text begins or ends [m]; printed in cm
-/// Two flavours: `as_coded` gives the published tables, `as_written` what the thesis describes. They do not compare.
+/// transition   mean displacement of the joints between two frames where a text begins or ends [m]; printed in cm
+/// Two variants: `as_coded` gives the published tables, `as_written` follows the thesis. Their values cannot be
+/// compared.
 /// Source  thesis 6.3.2; STMC (Petrovich et al., CVPR workshops 2024) mtt/stmc_metrics.py, mtt/metrics.py,
 ///         mtt/motion_representation_local.py
 /// Differs as coded from the thesis: the crops for FID begin at five fixed frames (47, 117, 67, 103, 9), because the
-/// number
-///         of features is taken for the length, and are shorter where the motion ends; the reference are whole clips;
-///         transitions subtract the x coordinate of each joint in place of the root, and leave the last one out
+/// number of features is taken for the length. They are shorter if the motion ends. The reference is whole clips.
+/// Transitions subtract the x coordinate of each joint in place of the root, and leave the last one out
 #pragma once
 
 #include <algorithm>  // sort, unique
@@ -34,9 +34,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 enum class MttFlavour { as_coded, as_written };
 
-/// HumanML3D's numbers of joint positions, of which the first 22 count.
+/// HumanML3D's values of joint positions, of which the first 22 count.
 /// joints     (frames, per_frame)
-/// z_up       as MDM-SMPL has them; false: Y up, as MDM and MotionDiffuse
+/// z_up       as in MDM-SMPL; false: Y up, as in MDM and MotionDiffuse
 /// result     (frames - 1, 263), not normalised
 /// Throws     shape_error 205 and what guoh3d_features throws
 template <Scalar S>
@@ -57,8 +57,7 @@ std::vector<S> mtt_features(const ChainSkeleton& skeleton, std::span<const Vec3<
   return guoh3d_features(skeleton, std::span<const Vec3<S>>(y_up), std::span<const S>(lengths), options);
 }
 
-/// Joints with the turns left out, so that every pose is seen in its own heading and the root goes by its own
-/// velocities.
+/// Joints without the turns, so that every pose is seen in its own heading and the root moves by its own velocities.
 /// features  (frames, 12 J - 1), not normalised
 /// result    (frames, J), Z up
 /// Throws    shape_error 205
@@ -72,8 +71,8 @@ std::vector<Vec3<S>> mtt_local_joints(std::span<const S> features, Index joints 
   return out;
 }
 
-/// Frames at which a text begins or ends, in order; the beginning and the end of the whole are left out. As coded,
-/// frames that the features do not have go first, which costs the last real one.
+/// Frames at which a text begins or ends, in order, without the beginning and the end of the whole. As coded, frames
+/// beyond the features are removed first, which drops the last real one.
 std::vector<Index> transition_points(const Timeline& timeline, Index feature_frames, MttFlavour flavour);
 /// Points of a motion without intervals: recorded clips, and motions of one text.
 inline std::array<Index, 3> quarter_points(Index feature_frames) {
@@ -82,14 +81,15 @@ inline std::array<Index, 3> quarter_points(Index feature_frames) {
 
 /// The offset that is subtracted from a joint before it is compared with the frame before.
 enum class MttOrigin {
-  root,   // the root, as written and of recorded motions
-  own_x,  // its own x, from all of its coordinates: as coded of generated motions
+  root,   // the root, as written and for recorded motions
+  own_x,  // its own x, from all of its coordinates: as coded for generated motions
 };
 inline MttOrigin mtt_origin(MttFlavour flavour) {
   return flavour == MttFlavour::as_coded ? MttOrigin::own_x : MttOrigin::root;
 }
 
-/// The mean over joints of |Q[p] - Q[p - 1]| at each point; points that have no frame, or none before, are left out.
+/// The mean over joints of |Q[p] - Q[p - 1]| at each point. Points without a frame, or without one before, are left
+/// out.
 /// joints  (frames, per_frame), see mtt_local_joints
 /// Throws  shape_error 205
 template <Scalar S>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Two decompositions of symmetric matrices, row by row in double: what the Fréchet distance needs and no more.
+/// Two decompositions of symmetric matrices, row by row in double, for the Fréchet distance.
 ///
 /// Source  Golub and Van Loan, "Matrix Computations", 4.2.8 (Cholesky with pivots), 8.3.1 (tridiagonal form), 8.3.3
 ///         (implicit QL steps, with Wilkinson's shift)
@@ -18,7 +18,7 @@ namespace detail {
 /// out.
 std::vector<double> semidefinite_factor(std::vector<double> a, std::size_t n);
 
-/// Eigenvalues of a symmetric matrix (n, n) in no order. Throws numeric_error 301 if a value is not finite.
+/// Eigenvalues of a symmetric matrix (n, n) in any order. Throws numeric_error 301 if a value is not finite.
 std::vector<double> symmetric_eigenvalues(const std::vector<double>& a, std::size_t n);
 
 }  // namespace detail
