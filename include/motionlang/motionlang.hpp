@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The whole library except what needs a third-party package: add the backends that you use, and the files.
+/// The whole library except headers that need a third-party package: add the backends and file headers that you use.
 ///
 ///     #include <motionlang/motionlang.hpp>
 ///     #include <motionlang/backend/eigen.hpp>    // or backend/xtensor.hpp

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Everything to turn a timeline of texts into a motion: include this one.
+/// Everything for turning a timeline of texts into a motion: include this header.
 ///
 ///     namespace ml = motionlang;
 ///     using B = ml::EigenBackend<float>;
@@ -8,13 +8,14 @@
 ///                                              "raise both arms # 2.0 # 5.0 # left arm # right arm\n");
 ///     const ml::Motion motion = ml::generate_motion(stmc, timeline, {.seed = 7});
 ///
-/// stmc.generate and stmc_motion give the model's own output, without smoothing and foot fixing. Writers of
-/// BVH, GLB, NPZ and pages are in <motionlang/formats/...> and <motionlang/view/...>. Who calculates with the features
-/// (exp, max, ...) includes <motionlang/backend/eigen.hpp> as well; the compiler says so.
+/// stmc.generate and stmc_motion return the model's own output, without smoothing and foot fixing. Writers of BVH, GLB,
+/// NPZ and pages are in <motionlang/formats/...> and <motionlang/view/...>. To calculate with the features (exp, max,
+/// ...), also include <motionlang/backend/eigen.hpp>; otherwise the compiler asks for it.
 ///
-/// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library
-/// then, and this header only says what can be called. For other backends, and for `generate_from`, include
-/// <motionlang/generate/generate_motion.ipp> and <motionlang/weights/stmc_file.hpp> as well; the compiler says so.
+/// With motionlang::instantiated, your code compiles several times faster. Stmc over EigenBackend<float> is then in the
+/// library, and this header only declares it. For other backends, and for `generate_from`, also include
+/// <motionlang/generate/generate_motion.ipp> and <motionlang/weights/stmc_file.hpp>; otherwise the compiler asks for
+/// them.
 #pragma once
 
 #include <motionlang/backend/detail/eigen_class.hpp>

@@ -29,8 +29,7 @@ struct FootFixOptions {
   double path_sigma = 1.5;  // frames; smoothness of the correction of the path
   Index blend = 4;          // frames before and after a contact over which the leg is blended
   double pivot = 15;        // degrees/s; turn_from_feet allows two feet on the floor to turn together at this speed
-  double clearance =
-      0.03;  // m; toes swing this high above their standing height; in recorded walks mostly 2.7 to 5.5 cm
+  double clearance = 0.03;  // m; toes swing this much above their standing height; recorded walks: 2.7 to 5.5 cm
 };
 
 /// The clip turned so that nobody turns like a turntable. If both feet turn together on the floor faster than `pivot`,

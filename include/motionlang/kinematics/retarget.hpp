@@ -20,7 +20,7 @@ namespace detail {
 class StandingSkeleton;
 }
 
-/// How a map matched the joints of both skeletons.
+/// The report of a map about the joints that it matched.
 struct RetargetReport {
   std::string table, target_table;                          // the kinds of source and target
   std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source

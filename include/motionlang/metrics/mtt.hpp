@@ -116,25 +116,25 @@ std::vector<double> mtt_transitions(std::span<const Vec3<S>> joints, std::span<c
 struct RealismCrops {
   Index frames = 100, samples = 5;
   std::uint32_t seed = 0;
-  Index features = 263;  // as coded, starts are drawn below this number less the frames, the same for every motion
+  Index features = 263;  // as coded, starts are below this number minus the frames, the same for every motion
 };
-/// As coded: NumPy's generator, seeded anew for each motion. Throws config_error 101.
+/// As coded: NumPy's generator, with a new seed for each motion. Throws config_error 101.
 std::vector<Index> fixed_crop_starts(const RealismCrops& crops = {});
-/// As written: anywhere in the motion; one that is shorter is taken whole. Throws config_error 101.
+/// As written: anywhere in the motion. A shorter motion is taken whole. Throws config_error 101.
 std::vector<Index> random_crop_starts(Index feature_frames, NumpyRandom& rng, const RealismCrops& crops = {});
-/// Frames of a crop from `start` on, fewer at the end of the motion.
+/// Frames of a crop that begins at `start`, fewer at the end of the motion.
 inline Index crop_frames(Index start, Index feature_frames, const RealismCrops& crops = {}) {
   return std::clamp<Index>(feature_frames - start, 0, crops.frames);
 }
 
-/// Shares and similarities of latents with known texts.
+/// Retrieval shares and similarities of latents for known texts.
 struct MttSemantics {
   double r1 = 0, r3 = 0, m2t = 0, m2m = 0;
 };
 /// latents                  (n, d), of intervals
 /// labels                   (n), the right text of each
 /// text_latents, motion_latents  (texts, d)
-/// Throws                   shape_error 204, 203; numeric_error 302 of none, 301 for a NaN
+/// Throws                   shape_error 204, 203; numeric_error 302 without latents, 301 for a NaN
 template <Scalar S, Scalar T>
 MttSemantics mtt_semantics(const Rows<S>& latents, std::span<const Index> labels, const Rows<T>& text_latents,
                            const Rows<T>& motion_latents) {
@@ -164,7 +164,7 @@ MttSemantics mtt_semantics(const Rows<S>& latents, std::span<const Index> labels
   return out;
 }
 
-/// A motion with the intervals that it was made from, and the number of the text of each.
+/// A motion with the intervals of its timeline, and the number of each interval's text.
 template <Scalar S>
 struct MttMotion {
   Timeline timeline;          // frames at 20 fps
@@ -181,7 +181,7 @@ struct MttReference {
 
 struct MttEvaluation {
   MttFlavour flavour = MttFlavour::as_coded;
-  bool one_text = false;  // the motions were made from one sentence each: the whole is compared with each of its texts
+  bool one_text = false;  // each motion comes from one sentence: compare the whole with each of its texts
   RealismCrops crops{};
   std::uint32_t seed = 0;  // of the crops as written
   Index joints = 22;
@@ -222,7 +222,7 @@ double realism_of(const Rows<double>& crops, const MttReference<S>& reference) {
 
 }  // namespace detail
 
-/// encode(rows) -> latent numbers of a crop, rows: Rows<S> of (frames, 263) that are not normalised
+/// encode(rows) -> latent values of a crop; rows: Rows<S> of (frames, 263), not normalised
 /// As coded, motions of one text are cut after 263 frames.
 /// Throws  shape_error 203 (an interval outside of its motion), 204, 205; numeric_error 302
 template <Scalar S, class Encode>
@@ -271,7 +271,7 @@ MttScores mtt_scores(std::span<const MttMotion<S>> motions, const MttReference<S
 
 namespace detail {
 
-/// Latents of which each belongs to the text of its own number.
+/// Latents that each belong to the text of the same number.
 template <Scalar S>
 MttSemantics own_semantics(const Rows<S>& motion_latents, const Rows<S>& text_latents) {
   std::vector<Index> labels(static_cast<std::size_t>(motion_latents.size()));

@@ -5,12 +5,12 @@
 ///     for (const auto& [name, value] : named(m)) std::printf("%s %.2f\n", name.c_str(), value);   // t2m/R01 ...
 ///
 /// The rank of a query is the number of answers that are closer than the right one. Answers at exactly the same
-/// distance share their places: each has the mean of them.
+/// distance share their ranks: each gets the mean.
 ///     R@k  = 100 |{i : r_i < k}| / n   [percent],      MedR = median(r) + 1
 /// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.1; thesis 5.3.1; reference: Mathux/TMR
 ///         src/model/metrics.py and retrieval.py
-/// Differs from the paper: it does not say that ties share their places, which matters where captions are repeated: two
-///         equal best answers have rank 1/2 each and both count for R@1
+/// Differs from the paper, which does not say that ties share their ranks. This matters if captions are repeated: two
+/// equal best answers have rank 1/2 each, and both count for R@1
 #pragma once
 
 #include <algorithm>  // sort, lower_bound
@@ -29,9 +29,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The direction of a search. Tables have texts as rows and motions as columns.
 enum class RetrievalDirection { text_to_motion, motion_to_text };
 
-/// Which pairs of texts mean the same, (n, n), 1 = yes:  i = j, or e_i . e_j > 2 threshold - 1.
+/// Pairs of texts with the same meaning, (n, n), 1 = yes:  i = j, or e_i . e_j > 2 threshold - 1.
 /// sentences  (n, d) unit rows
-/// threshold  from 0 to 1, as scores are; TMR takes 0.95
+/// threshold  from 0 to 1, like scores; TMR uses 0.95
 template <Scalar S>
 std::vector<std::uint8_t> texts_alike(const Rows<S>& sentences, double threshold) {
   const Index n = sentences.size();
@@ -42,10 +42,10 @@ std::vector<std::uint8_t> texts_alike(const Rows<S>& sentences, double threshold
   return out;
 }
 
-/// Ranks from 0 on of every query.
+/// The rank of every query, from 0 on.
 /// similarities  (n, n), texts by motions; pair i belongs together
-/// alike         of `texts_alike`: the closest of the answers with such a text counts as the right one. Empty: only the
-///               own
+/// alike         from `texts_alike`: the closest of the answers with such a text counts as the right one. Empty: only
+///               the own one
 /// Throws        shape_error 205, 204; numeric_error 301 for a NaN
 template <Scalar S>
 std::vector<double> retrieval_ranks(const Rows<S>& similarities, RetrievalDirection direction,
@@ -66,7 +66,7 @@ std::vector<double> retrieval_ranks(const Rows<S>& similarities, RetrievalDirect
     }
   }
   std::vector<Index> closer(right.size(), 0), equal(right.size(), 0), farther(right.size(), 0);
-  for (Index row = 0; row < n; ++row) {  // as the table lies, in both directions
+  for (Index row = 0; row < n; ++row) {  // in the order of the table, for both directions
     for (Index column = 0; column < n; ++column) {
       const auto query = static_cast<std::size_t>(by_text ? row : column);
       const S s = similarities[row][static_cast<std::size_t>(column)];
@@ -90,7 +90,7 @@ struct RetrievalMetrics {
   double median_rank = 0;          // the best is 1
   double queries = 0;
 };
-/// The metrics of all queries. Throws numeric_error 302 if there is none.
+/// The metrics of all queries. Throws numeric_error 302 without queries.
 RetrievalMetrics retrieval_metrics(std::vector<double> ranks);
 
 /// Both directions.
@@ -104,7 +104,7 @@ RetrievalTable retrieval_table(const Rows<S>& similarities, std::span<const std:
           retrieval_metrics(retrieval_ranks(similarities, motion_to_text, alike))};
 }
 
-/// "t2m/R01", "t2m/R02", "t2m/R03", "t2m/R05", "t2m/R10", "t2m/MedR", "t2m/len", then the same of "m2t": the keys of
+/// "t2m/R01", "t2m/R02", "t2m/R03", "t2m/R05", "t2m/R10", "t2m/MedR", "t2m/len", then the same for "m2t": the keys of
 /// TMR's files.
 std::vector<std::pair<std::string, double>> named(const RetrievalTable& table);
 
@@ -118,14 +118,14 @@ RetrievalTable mean_table(std::span<const RetrievalTable> tables);
 /// As TMR prints them: two decimal places.
 RetrievalTable rounded(const RetrievalTable& table, int places = 2);
 
-/// The batches of protocol `guo`: positions 0 ... n-1 of the sorted ids, shuffled by NumPy with seed 0, in groups; the
+/// The batches of protocol `guo`: positions 0 ... n-1 of the sorted ids, shuffled by NumPy with seed 0, in groups. The
 /// last incomplete group is dropped. Throws config_error 101 for a batch below 1.
 std::vector<std::vector<Index>> guo_batches(Index n, Index batch = 32);
 
 /// normal     all pairs
-/// threshold  all pairs; answers whose text means the same are right, too
+/// threshold  all pairs; answers whose text has the same meaning are right, too
 /// nsim       the pairs of a list of ids, chosen to be dissimilar
-/// guo        batches of 32, the mean over them: the protocol of Guo et al. (CVPR 2022)
+/// guo        the mean over batches of 32: the protocol of Guo et al. (CVPR 2022)
 enum class RetrievalProtocol { normal, threshold, nsim, guo };
 
 struct RetrievalOptions {
@@ -136,7 +136,7 @@ struct RetrievalOptions {
 };
 
 /// texts, motions  (n, latent); pair i belongs together
-/// sentences       (n, d) unit rows, for `threshold`: what decides which texts mean the same
+/// sentences       (n, d) unit rows, for `threshold`: their similarity decides which texts have the same meaning
 /// Throws          shape_error 204 if counts differ, numeric_error 302 if nothing is left, config_error 101, 103 (a
 ///                 duplicate id)
 template <Scalar S, Scalar E>
@@ -185,17 +185,16 @@ RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const 
   if (tables.empty()) raise<numeric_error>(302, "retrieve: ", n, " pairs make no batch of ", options.batch);
   return detail::mean_table(tables);
 }
-/// The same where the sentences are not asked for.
+/// The same for protocols that do not need sentences.
 template <Scalar S>
 RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const Rows<S>& motions,
                         const RetrievalOptions& options = {}) {
   return retrieve(protocol, texts, motions, Rows<S>(std::span<const S>{}, 1), options);
 }
 
-/// A choice of texts that are far from each other, for protocol `nsim`. Begins with the least similar pair and adds the
-/// text whose similarities to the chosen ones have the smallest sum; of equals, the one with the first id.
-/// The program that chose TMR's lists is not published: the paper says that it approximates a quadratic knapsack
-/// problem.
+/// Chooses texts that are far from each other, for protocol `nsim`. It begins with the least similar pair. Then it adds
+/// the text with the smallest sum of similarities to the chosen ones; of equals, the one with the first id. The program
+/// that chose TMR's lists is not published. The paper says that it approximates a quadratic knapsack problem.
 /// sentences  (n, d) unit rows
 /// result     positions in the order in which they were chosen
 /// Throws     shape_error 204; config_error 101 unless 2 <= count <= n
@@ -236,25 +235,23 @@ std::vector<Index> dissimilar_subset(const Rows<E>& sentences, std::span<const s
   return out;
 }
 
-// ---- moments: where in a long motion a text happens
-// -------------------------------------------------------------------
-//
-// Source  Petrovich's thesis (2024), section 5.3.6. There is no published code: that windows are cut
-//         off at the ends of the motion and follow each other by `stride` frames is a choice made here.
+// ---- moments: the place of a text in a long motion
+// Source  Petrovich's thesis (2024), section 5.3.6. There is no published code. So it is a choice made here that
+//         windows are cut at the ends of the motion and follow each other by `stride` frames.
 
-/// Windows of `width` frames, the k-th with its middle at frame k * stride, cut off at the ends of the motion.
-/// Throws config_error 101 unless width and stride are positive.
+/// Windows of `width` frames. The k-th has its middle at frame k * stride, and is cut at the ends of the motion. Throws
+/// config_error 101 unless width and stride are positive.
 std::vector<FrameSlice> moment_windows(Index frames, Index width, Index stride = 1);
 
-/// The window with the largest similarity; of equals the first. Windows of several widths may stand in one list.
-/// Throws shape_error 204, numeric_error 302 if there is none.
+/// The window with the largest similarity; of equals the first. A list may contain windows of several widths. Throws
+/// shape_error 204, and numeric_error 302 without windows.
 FrameSlice best_moment(std::span<const FrameSlice> windows, std::span<const double> similarities);
 
-/// |a intersected with b| / |a united with b| in frames; 0 of two empty ones.
+/// a intersected with b| / |a united with b| in frames; 0 if both are empty.
 double temporal_iou(const FrameSlice& a, const FrameSlice& b);
 
-/// Share of the queries, 0 to 1, that are found with at least this intersection over union; the thesis takes 0.4.
-/// Throws shape_error 204, numeric_error 302 if there is none.
+/// The share of queries, 0 to 1, that are found with at least this intersection over union; the thesis uses 0.4. Throws
+/// shape_error 204, and numeric_error 302 without queries.
 double localisation_accuracy(std::span<const FrameSlice> found, std::span<const FrameSlice> wanted,
                              double least_iou = 0.4);
 

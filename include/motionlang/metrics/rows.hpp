@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Vectors of one width, row after row: the latents, embeddings and activations that metrics compare. And how far apart
-/// two of them are, in double whatever the numbers are.
+/// Vectors of one width in rows: the latents, embeddings and activations that metrics compare. Also their distances,
+/// computed in double for any scalar.
 ///
 ///     const Rows texts(text_latents.span(), 256), motions(motion_latents.span(), 256);
 ///     const std::vector<double> similarity = cosine_similarities(texts, motions);      // (texts, motions)
@@ -17,7 +17,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A view of (rows, width) numbers.
+/// A view of (rows, width) values.
 template <Scalar S>
 class Rows {
  public:
@@ -48,7 +48,7 @@ class Rows {
   Index width_;
 };
 
-/// Rows at the given positions, in this order. Throws shape_error 203 for one that is not there.
+/// Rows at the given positions, in this order. Throws shape_error 203 for a position that does not exist.
 template <Scalar S>
 std::vector<S> rows_at(const Rows<S>& rows, std::span<const Index> positions) {
   std::vector<S> out;
@@ -68,7 +68,7 @@ void require_same_width(const char* function, const Rows<S>& x, const Rows<T>& y
   if (x.width() != y.width())
     raise<shape_error>(204, function, ": rows of ", x.width(), " numbers against rows of ", y.width());
 }
-/// Throws shape_error 204 unless there are as many.
+/// Throws shape_error 204 unless both counts are equal.
 inline void require_same_count(const char* function, Index x, Index y) {
   if (x != y) raise<shape_error>(204, function, ": ", x, " against ", y);
 }
@@ -79,7 +79,7 @@ void require_square(const char* function, const Rows<S>& table) {
     raise<shape_error>(205, function, ": a table of ", table.size(), " rows and ", table.width(), " columns");
 }
 
-/// Sums run from the first number to the last, so that equal rows give equal results bit by bit.
+/// Sums run from the first value to the last, so equal rows give equal results bit by bit.
 template <Scalar S, Scalar T>
 double dot_product(std::span<const S> x, std::span<const T> y) {
   double sum = 0;
@@ -95,7 +95,7 @@ double euclidean_distance(std::span<const S> x, std::span<const T> y) {
   }
   return std::sqrt(sum);
 }
-/// Calls on_product(i, j, x_i . y_j) for all pairs. The sums are those of `dot_product`, sixteen of them side by side.
+/// Calls on_product(i, j, x_i . y_j) for all pairs. The sums are those of `dot_product`, sixteen side by side.
 template <Scalar S, Scalar T, class F>
 void each_dot_product(const Rows<S>& x, const Rows<T>& y, F on_product) {
   constexpr Index block = 16;
@@ -130,8 +130,8 @@ std::vector<double> lengths_of_rows(const Rows<S>& rows, double least) {
 
 }  // namespace detail
 
-/// |x_i - y_j|, (x, y). The evaluator of Guo et al. expands the square, which loses digits where rows are close.
-/// Throws shape_error 204.
+/// x_i - y_j|, (x, y). The evaluator of Guo et al. expands the square, which loses digits for close rows. Throws
+/// shape_error 204.
 template <Scalar S, Scalar T>
 std::vector<double> distances(const Rows<S>& x, const Rows<T>& y) {
   detail::require_same_width("distances", x, y);

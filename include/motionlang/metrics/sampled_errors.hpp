@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Errors of the positions of joints (metrics/ape_ave.hpp) over several motions for each text, and of motions that know
-/// no text: what TEMOS, SINC and TEACH are measured by.
+/// Errors of joint positions (metrics/ape_ave.hpp) over several motions for each text, and of motions that ignore the
+/// text. These are the measurements of TEMOS, SINC and TEACH.
 ///
 ///     SampledErrors sampled(JointErrors(variant, 1.0), 10);
 ///     for (const auto& [ten_motions_of_a_text, recorded] : items) sampled.add(ten_motions_of_a_text, recorded);
@@ -43,17 +43,17 @@ class SampledErrors {
   JointErrors best_, worst_;
 };
 
-/// Errors of motions that know no text: the mean of all poses, seen from the body, standing still, and another, random
-/// motion.
+/// Errors of motions that ignore the text. One is the mean of all poses, seen from the body, standing still. The other
+/// is another, random motion.
 class BlindErrors {
  public:
   using Motions = std::function<JointFrames(Index)>;
 
-  /// joints_of(i): those of motion i of this many to train on
+  /// joints_of(i): the joints of training motion i, of this many
   BlindErrors(const RifkeVariant& variant, const JointErrors& none, Index motions, Motions joints_of,
               std::uint64_t seed);
 
-  /// own: the number of the motion itself, if it is among those to train on; it is not drawn where there are others.
+  /// own: the number of the motion itself, if it is a training motion; it is not chosen if there are others.
   void add(const JointFrames& truth, Index own = -1);
 
   ApeAve mean_pose() const { return pose_.result(); }
@@ -72,8 +72,8 @@ struct NamedErrors {
   std::string name;
   ApeAve errors;
 };
-/// "one sample", the first motion of each text; of several also "mean of 10 samples", "best of 10 samples" and "worst
-/// of 10 samples".
+/// "one sample", the first motion of each text. If there are several, also "mean of 10 samples", "best of 10 samples"
+/// and "worst of 10 samples".
 std::vector<NamedErrors> named_errors(const SampledErrors& errors);
 /// "mean pose" and "random clip".
 std::vector<NamedErrors> named_errors(const BlindErrors& errors);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// ST-GCN: a classifier of motions by convolutions over a skeleton's graph and over time. Judges ACTOR's motions on
-/// UESTC, and shows what generated motions are worth as training data.
+/// ST-GCN: a classifier of motions by convolutions over a skeleton's graph and over time. It judges ACTOR's motions on
+/// UESTC, and measures the value of generated motions as training data.
 ///
 /// Source  Yan, Xiong, Lin: "Spatial temporal graph convolutional networks for skeleton-based action recognition" (AAAI
 ///         2018); ACTOR, src/recognition/models/stgcn.py, whose keys are the field names
@@ -13,9 +13,9 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The tree with loops, every column divided by its degree, in three parts: 0 the loops, 2 the edges (row, column) that
-/// lead away from the centre, 1 the others. (3, joints, joints), row by row.
-/// Differs  from the paper: distances from the centre beyond 1 count as infinite and so as equal; such edges are in
+/// The tree with loops, every column divided by its degree, in three parts: 0 the loops, 2 the edges (row, column) away
+/// from the centre, 1 the others. (3, joints, joints), row by row.
+/// Differs  from the paper: distances from the centre beyond 1 count as infinite, and so as equal; such edges are in
 ///          part 1
 /// Throws   config_error 101 if the centre is not a joint
 std::vector<double> stgcn_adjacency(std::span<const int> parents, Index centre);
@@ -47,7 +47,7 @@ struct TemporalConv {
   }
 };
 
-/// One layer: a convolution over the graph, one over time, and a way past both.
+/// One layer: a convolution over the graph, one over time, and a residual connection.
 ///     y_w = sum_k sum_v (W_k x_v) (A_k M_k)_vw,   out = relu(residual(x) + BN(conv(relu(BN(y)))))
 /// Rows are ordered by joint, then sequence, then frame: every joint of every motion is a sequence of its own.
 template <Backend B>
@@ -72,8 +72,8 @@ struct StGcnBlock {
     shortcut_norm.emplace(out);
   }
 
-  /// edges (3, joints, joints): A M. `Self` is constant in use and not in training, where norms take the batch's
-  /// statistics.
+  /// edges (3, joints, joints): A M. `Self` is constant in use. In training it is not, and norms use the statistics of
+  /// the batch.
   template <class Self>
   static Sequences<B> run(Self& self, const Sequences<B>& x, const Tensor<B, 3>& edges) {
     const ModuleScope scope(self);
@@ -93,7 +93,7 @@ struct StGcnBlock {
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 3>& edges) const { return run(*this, x, edges); }
 };
 
-/// The graph that a model was made for: saved and loaded, not trained.
+/// The graph of a model. It is saved and loaded, but not trained.
 template <Backend B>
 struct SkeletonGraph {
   static constexpr bool trainable = false;
@@ -117,7 +117,7 @@ struct StGcnConfig {
 template <Backend B>
 struct StGcn {
   SkeletonGraph<B> graph;
-  BatchNorm<B> data_bn;  // of every number of a frame
+  BatchNorm<B> data_bn;  // of every value of a frame
   std::vector<StGcnBlock<B>> st_gcn_networks;
   std::vector<Tensor<B, 3>> edge_importance;  // M of each block, (3, joints, joints)
   TemporalConv<B> fcn;                        // (classes, channels, 1, 1)
@@ -147,7 +147,7 @@ struct StGcn {
 
   /// x: frames, joint by joint. Features (sequences, width of the last block), logits (sequences, classes).
   Recognition<B> operator()(const Sequences<B>& x) const { return run(*this, x); }
-  /// The same with the statistics of the batch, which the norms remember.
+  /// The same with the statistics of the batch, which the norms store.
   Recognition<B> train(const Sequences<B>& x) { return run(*this, x); }
 
   /// The input of the first block: normalised, with every joint as a sequence of its own.

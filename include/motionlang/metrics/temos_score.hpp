@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How alike two motions are to a motion encoder: SINC's TEMOS score.
+/// The similarity of two motions to a motion encoder: SINC's TEMOS score.
 ///
 /// Source  thesis B.3.1; SINC (Athanasiou et al., ICCV 2023) sample_eval_latent.py
 #pragma once
@@ -22,7 +22,7 @@ std::vector<double> temos_distances(const Rows<S>& generated, const Rows<T>& ref
   return out;
 }
 
-/// 1 - mean d / 4, the mean of (1 + cos) / 2: from 0 to 1. Throws shape_error 204, numeric_error 302 of no items.
+/// 1 - mean d / 4, the mean of (1 + cos) / 2: from 0 to 1. Throws shape_error 204, and numeric_error 302 without items.
 template <Scalar S, Scalar T>
 double temos_score(const Rows<S>& generated, const Rows<T>& reference) {
   const auto distances = temos_distances(generated, reference);

@@ -25,8 +25,8 @@ struct RunningStatistics {
 
 ///     y = (x - m) / sqrt(v + eps) weight + bias
 /// Source  Ioffe and Szegedy (2015), algorithms 1 and 2; parameter names of PyTorch.
-/// In use m and v are the running statistics. In training, `train(x)`, they are mean and variance (divided by n) of the
-/// rows, and the running ones move towards them: r = (1 - momentum) r + momentum s, where s has the variance divided by
+/// In use, m and v are the running statistics. In training, `train(x)`, they are mean and variance (divided by n) of
+/// the rows. The running ones move towards them: r = (1 - momentum) r + momentum s, where s has the variance divided by
 /// n - 1.
 template <Backend B>
 struct BatchNorm {
@@ -52,7 +52,7 @@ struct BatchNorm {
     const auto scale = weight / sqrt(statistics.running_var + eps);
     return x * scale + (bias - statistics.running_mean * scale);
   }
-  /// The same by the statistics of these rows, which are remembered. Throws shape_error 205 for fewer than two rows.
+  /// The same with the statistics of these rows, which are stored. Throws shape_error 205 for fewer than two rows.
   Tensor<B, 2> train(const Tensor<B, 2>& x) {
     const ModuleScope scope(*this);
     check(x);

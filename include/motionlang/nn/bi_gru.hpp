@@ -12,13 +12,13 @@ template <Backend B>
 struct BiGruStates {
   Sequences<B> forward, backward;
 
-  /// Where both have read everything: the last row of `forward` beside the first of `backward`, (sequences, 2 hidden).
-  /// Throws shape_error 203 for a sequence without rows.
+  /// The states after the whole sequence: the last row of `forward` beside the first of `backward`, (sequences, 2
+  /// hidden). Throws shape_error 203 for a sequence without rows.
   Tensor<B, 2> ends() const {
     const PoolVector<Index> first(static_cast<std::size_t>(backward.count()), 0);
     return concat(1, last_row(forward), pick_rows(backward, first));
   }
-  /// Row t of `forward` beside row n - 1 - t of `backward`, as TM2T pairs them: both have read t + 1 rows.
+  /// Row t of `forward` beside row n - 1 - t of `backward`, as in TM2T: both have read t + 1 rows.
   Sequences<B> equally_far() const {
     const Offsets& offsets = forward.offsets;
     PoolVector<Index> turned;
@@ -29,7 +29,7 @@ struct BiGruStates {
   }
 };
 
-/// One layer for each direction, under PyTorch's names.
+/// One layer for each direction, with PyTorch's names.
 template <Backend B>
 struct BiGru {
   Tensor<B, 2> weight_ih_l0, weight_hh_l0, weight_ih_l0_reverse, weight_hh_l0_reverse;
@@ -53,7 +53,7 @@ struct BiGru {
 
   Index hidden() const { return weight_hh_l0.size(1); }
 
-  /// h0 (2, sequences, hidden): of both directions. Throws shape_error 204, 205.
+  /// h0 (2, sequences, hidden), for both directions. Throws shape_error 204, 205.
   BiGruStates<B> operator()(const Sequences<B>& x, const Tensor<B, 3>& h0) const {
     const ModuleScope scope(*this);
     GruLayer<B> a, b;
@@ -67,7 +67,7 @@ struct BiGru {
   }
 };
 
-/// Rows are projected, then read from both ends, from a learned state on.
+/// Rows are projected, then read from both ends, starting from a learned state.
 /// Source  text-to-motion networks/modules.py TextEncoderBiGRUCo and MotionEncoderBiGRUCo; TM2T networks/modules.py
 template <Backend B>
 struct BiGruEncoder {

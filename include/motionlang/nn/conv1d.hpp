@@ -14,15 +14,15 @@ struct Conv1dOptions {
   bool operator==(const Conv1dOptions&) const = default;
 };
 
-/// Rows that a sequence of n rows becomes: floor((n + 2 padding - dilation (kernel - 1) - 1) / stride) + 1.
-/// Throws config_error 101 for options that mean nothing, shape_error 205 if the kernel does not fit into the sequence.
+/// The number of rows of the result for n rows: floor((n + 2 padding - dilation (kernel - 1) - 1) / stride) + 1. Throws
+/// config_error 101 for invalid options, and shape_error 205 if the kernel does not fit into the sequence.
 Index conv1d_length(Index n, Index kernel, const Conv1dOptions& o);
 
 ///     y[t] = act(bias + sum_j W[:, :, j] x[t stride + j dilation - padding]),   x = 0 outside of its sequence
 /// x packed (rows, in), weight (out, in, kernel), bias (out) or null -> packed (rows', out). Every sequence is
 /// convolved by itself.
-/// Source  PyTorch's Conv1d, which correlates. One product of all windows with all weights; a backend with a `conv1d`
-///         of its own need not write the windows down.
+/// Source  PyTorch's Conv1d, which correlates. One product of all windows with all weights. A backend with its own
+///         `conv1d` need not write the windows down.
 /// Throws  shape_error 201, 204, 205, config_error 101
 template <Backend B>
 Sequences<B> conv1d(const Sequences<B>& x, const Tensor<B, 3>& weight, const Tensor<B, 1>* bias,

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// A stack of convolutions over time with what stands between them, numbered like PyTorch's Sequential.
+/// A stack of convolutions over time and the steps between them, numbered like PyTorch's Sequential.
 ///
 ///     ConvStack<B> main;
 ///     // main.0, main.1, main.2
 ///     main.conv(259, 512, 4, {.stride = 2, .padding = 1}, rng).dropout(0.2).leaky_relu();
 ///
-/// The networks of Guo et al. are such stacks: the movement encoder and decoder of their evaluator (CVPR 2022), TM2T's
-/// tokenizer and discriminator (ECCV 2022). Weights of convolutions begin as xavier_normal, biases as 0.
+/// The networks of Guo et al. are such stacks: the movement encoder and decoder of their evaluator (CVPR 2022), and
+/// TM2T's tokenizer and discriminator (ECCV 2022). Weights of convolutions begin as xavier_normal, biases as 0.
 #pragma once
 
 #include <motionlang/nn/batch_norm.hpp>
@@ -16,7 +16,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Every row several times in a row: the sequences become longer.
+/// Repeats every row several times, so that sequences become longer.
 template <Backend B>
 Sequences<B> repeat_rows(const Sequences<B>& x, Index times) {
   PoolVector<Index> pick, lengths;
@@ -62,7 +62,7 @@ struct ConvResidual {
 
 enum class ConvStep { conv, transposed, norm, residual, leaky_relu, dropout, repeat };
 
-/// One step: of the members the one that it needs.
+/// One step. Only the member that it needs is set.
 template <Backend B>
 struct ConvStackLayer {
   ConvStep step = ConvStep::conv;
@@ -111,9 +111,9 @@ class ConvStack {
 
   Index size() const { return std::ssize(layers_); }
 
-  /// In use: norms go by their running statistics.
+  /// In use: norms take their running statistics.
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const { return run(*this, x, context); }
-  /// In training: norms go by the statistics of these rows, and remember them.
+  /// In training: norms take the statistics of these rows, and store them.
   Sequences<B> train(const Sequences<B>& x, const Context& context = {}) { return run(*this, x, context); }
 
  private:

@@ -9,7 +9,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///     y[t stride + j - padding] += W[:, :, j]^T x[t],   y begins as the bias
 /// x packed (rows, in), weight (in, out, kernel), bias (out) -> packed; n rows become (n - 1) stride + kernel - 2
 /// padding.
-/// Source  PyTorch's ConvTranspose1d. One product, whose rows are added up.
+/// Source  PyTorch's ConvTranspose1d. One product, whose rows are added.
 /// Throws  shape_error 201, 205, config_error 101
 template <Backend B>
 Sequences<B> conv_transpose1d(const Sequences<B>& x, const Tensor<B, 3>& weight, const Tensor<B, 1>& bias, Index stride,

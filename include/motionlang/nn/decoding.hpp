@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Writing a sequence symbol by symbol with a model that says what may come next: the most probable symbol, a random
-/// one, or the best of several beams. The model is any function from the beginnings written so far to logits of the
-/// next symbol:
+/// Writes a sequence symbol by symbol with a model of the next symbol. It takes the most probable symbol, a random one,
+/// or the best of several beams. The model is any function from the beginnings written so far to logits of the next
+/// symbol:
 ///
 ///     // Tensor<B, 2> (rows, symbols)
 ///     auto next = [&](const IdSequences& written) { return m.next_logits(written, memory); };
@@ -24,11 +24,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct DecodingOptions {
   Index begin = 0, end = 1, pad = 2;
   Index max_steps = 50;
-  Index top_k = 0;         // draws only from this many most probable symbols; 0: all
-  bool redraw_pad = true;  // decode_one never draws the padding either
+  Index top_k = 0;         // samples only from this many most probable symbols; 0: all
+  bool redraw_pad = true;  // decode_one never samples the padding either
 };
 
-/// Adds -1e30 to all logits but the top_k largest of a row and their equals; 0 or less: all stay. (rows, symbols).
+/// Adds -1e30 to all logits of a row except the top_k largest and their equals; 0 or less: keeps all. (rows, symbols).
 /// Throws numeric_error 301 for a logit that is NaN.
 template <Backend B>
 std::vector<typename B::scalar> top_k_penalty(const Tensor<B, 2>& logits, Index top_k) {
@@ -54,7 +54,7 @@ std::vector<typename B::scalar> top_k_penalty(const Tensor<B, 2>& logits, Index 
 
 namespace detail {
 
-/// The probabilities of each row, without those that the filter takes away.
+/// The probabilities of each row, without those that the filter removes.
 template <Backend B>
 std::vector<std::vector<double>> next_probabilities(const Tensor<B, 2>& logits, Index top_k) {
   const auto penalty = top_k_penalty(logits, top_k);
@@ -73,17 +73,17 @@ std::vector<std::vector<double>> next_probabilities(const Tensor<B, 2>& logits, 
 }
 inline Index most_probable(std::span<const double> p) { return std::max_element(p.begin(), p.end()) - p.begin(); }
 
-/// The first symbol whose cumulative share is greater than u. Throws numeric_error 302 if nothing has any.
+/// The first symbol whose cumulative share is greater than u. Throws numeric_error 302 if all shares are 0.
 Index draw(std::span<const double> p, double u);
 
 }  // namespace detail
 
-/// One sequence, the mark of the beginning first and without that of the end, which is written when it is the most
-/// probable symbol.
+/// Writes one sequence. The result begins with the start mark and has no end mark; the end is written when it is the
+/// most probable symbol.
 /// next   takes one beginning
-/// uniform()  a number of [0, 1) for each draw, or nullptr: the most probable symbol is taken. Marks that are drawn are
-///            drawn again
-/// Throws numeric_error 301 for a logit that is NaN, 302 where nothing but marks can be drawn
+/// uniform()  a value of [0, 1) for each draw, or nullptr: the most probable symbol is taken. If a mark is drawn, it is
+/// drawn again
+/// Throws numeric_error 301 for a logit that is NaN, 302 if only marks can be drawn
 template <class Next, class Uniform = std::nullptr_t>
 std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& uniform = nullptr) {
   std::vector<Index> out{o.begin};
@@ -97,7 +97,7 @@ std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& u
       for (Index i = 0; i < std::ssize(p); ++i) allowed += marks(i) ? 0 : p[static_cast<std::size_t>(i)];
       if (!(allowed > 0)) raise<numeric_error>(302, "decode_one: after ", out.size(), " symbols only marks can follow");
       for (int draws = 1; marks(id = detail::draw(p, uniform())); ++draws) {
-        if (draws < 1000) continue;  // next to nothing but marks: without them, the others have the same shares
+        if (draws < 1000) continue;  // nearly only marks: without them, the others have the same shares
         for (Index i = 0; i < std::ssize(p); ++i) p[static_cast<std::size_t>(i)] *= marks(i) ? 0 : 1;
       }
     }
@@ -106,7 +106,7 @@ std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& u
   return out;
 }
 
-/// Several sequences at once: as many symbols for each, of which the first `lengths` behind the mark of the beginning
+/// Several sequences at once. All have the same number of symbols, of which the first `lengths` after the start mark
 /// count.
 struct Decoded {
   std::vector<std::vector<Index>> ids;
@@ -117,10 +117,10 @@ struct Decoded {
 };
 
 /// next     takes `count` beginnings of one length
-/// uniform(step, row)  a number of [0, 1), or nullptr: the most probable symbols are taken. Marks are never drawn;
-///          where the end is the most probable symbol, it is written. A sequence that has ended goes on until the last
-///          one has; then nothing is written in that step
-/// Throws   numeric_error 302 where nothing but marks could be drawn
+/// uniform(step, row)  a value of [0, 1), or nullptr: the most probable symbols are taken. Marks are never drawn; if
+/// the end is the most probable symbol, it is written. A sequence that has ended continues until the last one has
+/// ended; nothing is written in that step
+/// Throws   numeric_error 302 if only marks could be drawn
 template <class Next, class Uniform = std::nullptr_t>
 Decoded decode_batch(Next&& next, Index count, const DecodingOptions& o, Uniform&& uniform = nullptr) {
   const auto n = static_cast<std::size_t>(count);
@@ -146,7 +146,7 @@ Decoded decode_batch(Next&& next, Index count, const DecodingOptions& o, Uniform
   }
   return out;
 }
-/// The uniform numbers of decode_batch from a generator: each depends on its step and row only.
+/// The uniform values of decode_batch from a generator. Each depends only on its step and row.
 inline auto uniform_of(const Philox& rng) {
   return [rng](Index step, Index row) {
     std::array<double, 1> u{};
@@ -158,11 +158,11 @@ inline auto uniform_of(const Philox& rng) {
 struct BeamOptions {
   Index begin = 0, end = 1, pad = 2;
   Index beams = 2, max_length = 30;  // with the marks
-  double alpha = 0.7;                // how much long sequences are favoured
+  double alpha = 0.7;                // larger values favour longer sequences
 };
 struct BeamSearch {
   std::vector<Index> ids;                 // the answer, with the marks
-  std::vector<std::vector<Index>> beams;  // (beams, max_length), filled up with the padding
+  std::vector<std::vector<Index>> beams;  // (beams, max_length), padded
   std::vector<double> scores;             // sums of log probabilities
   std::vector<Index> lengths;             // up to the first end
   std::vector<std::size_t> order{};       // of the beams, the answer first
@@ -170,29 +170,29 @@ struct BeamSearch {
 
 namespace detail {
 
-/// Throws config_error 101 for options that mean nothing.
+/// Throws config_error 101 for invalid options.
 void require_beams(const BeamOptions& o);
-/// The best continuations of all beams by one symbol, of which p are the probabilities.
+/// Continues all beams by the best symbols; p are the probabilities of the next symbol.
 void continue_beams(BeamSearch& found, const std::vector<std::vector<double>>& p, const BeamOptions& o);
 bool all_ended(const BeamSearch& found, const BeamOptions& o);
-/// Lengths, order and answer.
+/// Computes lengths, order and answer.
 void order_beams(BeamSearch& found, const BeamOptions& o);
 
 }  // namespace detail
 
 ///     answer = arg max of score / length^alpha over the beams
-/// Each beam is continued by the symbols that are most probable after it, and the best of all continuations go on;
-/// until all have ended. Beams that have ended are continued, too, and go on losing score, as published.
+/// Each beam is continued by its most probable symbols, and the best of all continuations are kept, until all have
+/// ended. As published, beams that have ended are continued, too, and lose score.
 /// next    takes 1 or `beams` beginnings of one length
 /// Source  TM2T networks/translator.py translate_sentence; the length penalty of Wu et al. (2016) without its constants
-/// Throws  config_error 101 for options that mean nothing
+/// Throws  config_error 101 for invalid options
 template <class Next>
 BeamSearch beam_search(Next&& next, const BeamOptions& o) {
   detail::require_beams(o);
   BeamSearch out{{}, {{o.begin}}, {0}, {}};
   for (Index length = 1; length < o.max_length; ++length) {
     detail::continue_beams(out, detail::next_probabilities(next(IdSequences::from(out.beams)), 0), o);
-    // As published the first step is not looked at: at least two symbols are written.
+    // As published, the first step is not checked, so at least two symbols are written.
     if (length > 1 && detail::all_ended(out, o)) break;
   }
   detail::order_beams(out, o);

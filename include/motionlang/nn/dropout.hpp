@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Dropout that runs only when the call brings a generator.
+/// Dropout that runs only if the call has a generator.
 #pragma once
 
 #include <motionlang/core/context.hpp>
@@ -7,7 +7,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
+/// The next mask of a context; its probability is 0 without a generator. Throws config_error 101 unless 0 <= p < 1.
 inline Dropout next_dropout(double p, const Context& context) {
   detail::check_dropout({.p = p});
   if (!context.dropout || p == 0) return {};

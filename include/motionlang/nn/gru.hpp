@@ -14,8 +14,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Packed sequences as steps of time: step t has row t of every sequence that is that long, the longest first; with
-/// `backwards` counted from the end. Like PyTorch's packed sequences.
+/// Packed sequences as steps of time. Step t has row t of every sequence that is long enough, the longest first. With
+/// `backwards`, t counts from the end. This is like PyTorch's packed sequences.
 template <Backend B>
 struct TimeSteps {
   std::vector<Tensor<B, 2>> steps;
@@ -73,7 +73,7 @@ struct GruLayer {
   Index hidden() const { return weight_hh.size(1); }
 
   /// x: one (rows, in) per time step; h0 (rows, hidden) -> one (rows, hidden) per step. Steps may have fewer rows than
-  /// the ones before: the last sequences have ended.
+  /// the ones before, because the last sequences have ended.
   std::vector<Tensor<B, 2>> operator()(const std::vector<Tensor<B, 2>>& x, const Tensor<B, 2>& h0) const {
     const ModuleScope scope(*this);
     const Index n = hidden();
@@ -90,8 +90,8 @@ struct GruLayer {
     }
     return out;
   }
-  /// Each sequence by itself, from its first row to the last or `backwards`; h0 (sequences, hidden). A row of the
-  /// result for every row. Throws shape_error 204.
+  /// Runs each sequence on its own, from its first row to the last or `backwards`; h0 (sequences, hidden). Every row
+  /// gives a row of the result. Throws shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 2>& h0, bool backwards = false) const {
     const ModuleScope scope(*this);
     if (h0.shape() != Shape{x.count(), hidden()})
@@ -103,8 +103,8 @@ struct GruLayer {
   }
 
  private:
-  /// W_i x + b_i of all gates for each step, by one product of all steps: weights are read once. Not on a tape, where
-  /// the gradient of each step would be one of all rows.
+  /// W_i x + b_i of all gates for each step, by one product for all steps, which reads the weights once. Not used on a
+  /// tape, where the gradient of each step would have all rows.
   std::vector<Tensor<B, 2>> read(const std::vector<Tensor<B, 2>>& x) const {
     std::vector<Tensor<B, 2>> out;
     if (AutodiffBackend<B> || x.size() < 2) {
@@ -121,8 +121,8 @@ struct GruLayer {
   }
 };
 
-/// A stack of layers; every layer starts from zeros unless the caller passes a state. Official keys are
-/// weight_ih_l0, ...: see `gru_key`.
+/// A stack of layers. Every layer starts from zeros unless the caller passes a state. Official keys are weight_ih_l0,
+/// ...: see `gru_key`.
 template <Backend B>
 struct Gru {
   std::vector<GruLayer<B>> layers;
@@ -140,8 +140,8 @@ struct Gru {
     }
     return x;
   }
-  /// Each sequence by itself; a row of the result for every row. h0 (layers, sequences, hidden), null for zeros. Throws
-  /// shape_error 204.
+  /// Runs each sequence on its own. Every row gives a row of the result. h0 (layers, sequences, hidden), null for
+  /// zeros. Throws shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
     const ModuleScope scope(*this);
     const Index n = x.count(), hidden = layers.empty() ? 0 : layers.front().hidden();
@@ -162,8 +162,8 @@ struct Gru {
   }
 };
 
-/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth: PyTorch numbers the parameters instead of nesting
-/// them. Other paths stay. `name`: what the model calls its Gru.
+/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth, because PyTorch numbers the parameters instead of
+/// nesting them. Other paths stay. `name`: the name of the Gru in the model.
 std::string gru_key(const std::string& path, std::string_view name = "gru");
 
 MOTIONLANG_NAMESPACE_END

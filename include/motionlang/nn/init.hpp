@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Initial values of parameters, as PyTorch draws them (the distributions, not the same numbers).
+/// Initial values of parameters, from PyTorch's distributions but not its random numbers.
 #pragma once
 
 #include <algorithm>  // fill
@@ -12,11 +12,11 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// While it lives, this thread makes no more parameters than a file of weights justifies: twice its numbers and 16 Mi.
-/// So a small file whose sizes are huge is refused before memory is taken for them.
+/// While it lives, this thread makes at most as many parameters as a file of weights justifies: twice its values and 16
+/// Mi. So a small file with huge sizes is refused before memory is taken for them.
 class ParameterRoom {
  public:
-  /// file: its name in messages; numbers: of all its tensors
+  /// file: its name for messages; numbers: of all its tensors
   ParameterRoom(std::string file, Index numbers);
   ~ParameterRoom();
   ParameterRoom(const ParameterRoom&) = delete;
@@ -35,7 +35,7 @@ class ParameterRoom {
   ParameterRoom* before_;
 };
 
-/// A generator that gives zeros at no cost: for models whose parameters are about to be loaded.
+/// A generator that gives zeros at no cost, for models whose parameters will be loaded.
 struct NoInit {
   template <class S>
   void normal(std::span<S> out) {
@@ -52,7 +52,7 @@ static_assert(Rng<NoInit>);
 
 namespace detail {
 
-/// Zeros that take no memory before somebody reads them, where the backend's tensors can lie in memory of others.
+/// Zeros that take no memory before they are read, if the backend's tensors can use foreign memory.
 template <Backend B, int R>
 Tensor<B, R> untouched_zeros(const Shape& shape) {
   using S = typename B::scalar;
@@ -101,7 +101,7 @@ Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
   if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
   return t;
 }
-/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if
+/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), followed by the kernel if
 /// there is one.
 template <Backend B, int R>
 Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {

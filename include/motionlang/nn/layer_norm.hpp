@@ -8,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Ba, Kiros, Hinton (2016). eps = 1e-5, as everywhere in the published systems.
+/// Ba, Kiros, Hinton (2016). eps = 1e-5, as in all published systems.
 template <Backend B>
 struct LayerNorm {
   Tensor<B, 1> weight, bias;  // (width)

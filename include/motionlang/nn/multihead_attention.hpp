@@ -7,7 +7,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Throws config_error 101 if the heads do not divide the width. In a constant expression the compiler refuses it.
+/// Throws config_error 101 if the heads do not divide the width. In a constant expression this is a compile error.
 constexpr void check_heads(Index width, Index heads) {
   if (heads < 1 || width % heads != 0) {
     raise<config_error>(101, "MultiheadAttention: ", heads, " heads do not divide width ", width);
@@ -41,8 +41,8 @@ struct MultiheadAttention {
     out_proj.bias = constant_init<B, 1>({width}, 0);
   }
 
-  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability
-  /// `drop` (where the context brings a generator) and added to `residual`.
+  /// x (rows, width) attends to itself within each sequence. The result is projected, gets dropout with probability
+  /// `drop` (if the context has a generator), and is added to `residual`.
   Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
                     const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     return attend(project(x), offsets, context, residual, causal, drop);
@@ -52,7 +52,7 @@ struct MultiheadAttention {
     const ModuleScope scope(*this);
     return linear(x, in_proj_weight, &in_proj_bias);
   }
-  /// `self` behind `project`.
+  /// `self` after `project`.
   Tensor<B, 2> attend(Tensor<B, 2> qkv, const Offsets& offsets, const Context& context,
                       const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     const ModuleScope scope(*this);
@@ -63,7 +63,7 @@ struct MultiheadAttention {
                                       .precision = precision_of(in_proj_weight)});
     return out_proj(read, Activation::none, residual, next_dropout(drop, context));
   }
-  /// x attends to `memory`. Where every memory has one row, softmax over one key is 1 and the result is that row's
+  /// x attends to `memory`. If every memory has one row, the softmax over one key is 1 and the result is that row's
   /// value.
   Tensor<B, 2> cross(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                      const Context& context) const {

@@ -41,8 +41,8 @@ Tensor<B, 2> last_row(const Sequences<B>& x) {
   return pick_rows(x, at);
 }
 
-/// How the tokens of a text are pooled: all stay; their mean; the first one ([CLS]); the end token, which is the last
-/// one where the network does not say.
+/// The pooling of a text's tokens: keep all; their mean; the first one ([CLS]); the end token, or the last token if the
+/// network does not mark an end.
 enum class Pooling { none, mean, first, end };
 
 /// (texts, width). Throws config_error 101 for Pooling::none, shape_error 203 for a text without tokens.

@@ -36,7 +36,7 @@ Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   });
 }
 
-/// The table of a model: computed from its size, so it is neither saved nor loaded.
+/// The table of a model. It is computed from its size, so it is neither saved nor loaded.
 template <Backend B>
 class PositionTable {
  public:
@@ -52,7 +52,7 @@ class PositionTable {
   Tensor<B, 2> rows_;
 };
 
-/// Positions of a sequence that are left out, as if padding stood there: `rows` of them before row `before`.
+/// Positions of a sequence that are skipped, as for padding: `rows` of them before row `before`.
 struct PositionGap {
   Index before = 0, rows = 0;
 };
@@ -68,8 +68,8 @@ void require_positions(std::string_view op, const Tensor<B, 2>& table, Index wan
 
 }  // namespace detail
 
-/// Adds row i of the table to row i of each sequence; with `gaps`, one for each sequence, later rows move up.
-/// Throws shape_error 203 for a sequence longer than the table, 204 for another number of gaps.
+/// Adds row i of the table to row i of each sequence. With `gaps`, one for each sequence, later rows take higher
+/// positions. Throws shape_error 203 for a sequence longer than the table, and 204 for another number of gaps.
 template <Backend B>
 Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std::span<const PositionGap> gaps = {}) {
   if (!gaps.empty() && static_cast<Index>(gaps.size()) != x.count()) {
@@ -86,8 +86,8 @@ Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std
   return x.with(gather(table, rows) + x.rows);
 }
 
-/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence
-/// has one row: 0 instead of a division by 0.
+/// The relative time of each row in its sequence, (rows, 1): t / (length - 1). Differs from published code for a
+/// sequence of one row: 0 instead of a division by 0.
 template <Backend B>
 Tensor<B, 2> relative_time(const Offsets& offsets) {
   std::vector<typename B::scalar> time;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Layers whose inside is calculated again in the backward pass, where the context asks for it.
+/// Layers whose inner values are recomputed in the backward pass, if the context asks for it.
 #pragma once
 
 #include <motionlang/core/context.hpp>
@@ -8,8 +8,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what
-/// happens inside is calculated once more with the same dropout masks, so gradients are the same bits.
+/// Calls layer(x, offsets, context). With `context.recompute` the graph keeps only x and a copy of the layer's handles.
+/// The inner values are recomputed with the same dropout masks, so gradients have the same bits.
 template <class Layer, Backend B>
 Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) {
   if constexpr (AutodiffBackend<B>) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// TM2T's published model from text to motion: words are read from both ends, and a recurrent network that attends to
-/// them writes motion tokens one after the other.
+/// TM2T's published model from text to motion. Words are read from both ends, and a recurrent network that attends to
+/// them writes motion tokens one by one.
 ///
 ///     auto state = m.start(words.encode<B>(texts).tokens);
 ///     const auto logits = m.step(previous, state).logits;  // (texts, symbols), and so on with what was chosen
@@ -20,8 +20,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 ///     a = softmax(W_q h . W_k w / sqrt(width)) W_v w
 /// Source  TM2T eq. 5 (queries, keys, values) and TM2T eq. 6
-/// Words are a padded tensor and nothing is masked: what stands behind a short text has logit 0 and the bias of W_v as
-/// value. A text is attended to a little differently beside longer ones, as published.
+/// Words are a padded tensor, and nothing is masked. The padding after a short text has logit 0 and the bias of W_v as
+/// value. So, as published, a text is attended to a little differently beside longer ones.
 template <Backend B>
 struct WordAttention {
   Linear<B> W_q;
@@ -41,7 +41,7 @@ struct WordAttention {
   };
   Memory memory(const Tensor<B, 3>& words) const {
     const auto rows = reshape<2>(words, {words.size(0) * words.size(1), words.size(2)});
-    // keys and values of TM2T eq. 5
+    // The keys and values of TM2T eq. 5.
     return {reshape<3>(W_k(rows), {words.size(0), words.size(1), W_k.weight.size(0)}), W_v(words)};
   }
   struct Result {
@@ -147,7 +147,7 @@ struct Seq2SeqGru {
     using M = Seq2SeqGru;
     return motionlang::fields("text_encoder", &M::text_encoder, "motion_decoder_step", &M::motion_decoder_step);
   }
-  /// Input and output share the vectors of the tokens; the files hold them twice.
+  /// Input and output share the vectors of the tokens. Files contain them twice.
   std::string copy_of(const std::string& path) const {
     return path == "motion_decoder_step.trg_word_prj.weight" ? "motion_decoder_step.input_emb.weight" : "";
   }
@@ -160,7 +160,7 @@ struct Seq2SeqGru {
   using State = typename AttentiveGruDecoder<B>::State;
   using Step = typename AttentiveGruDecoder<B>::Result;
 
-  /// words: vectors without parts of speech. `longest`: as if the longest text had this many words; 0: as it is.
+  /// words: vectors without parts of speech. `longest`: pads as if the longest text had this many words; 0: does not.
   State start(const Sequences<B>& words, Index longest = 0) const {
     const auto read = text_encoder(words);
     return motion_decoder_step.start(to_padded(read.equally_far(), 0, longest), read.ends());
@@ -168,8 +168,9 @@ struct Seq2SeqGru {
   /// previous: the last token of each text.
   Step step(std::span<const Index> previous, State& state) const { return motion_decoder_step.step(previous, state); }
 
-  /// For each token the logits of what comes after it, packed like `inputs`, of which there are as many as texts.
-  /// `forced`: the decoder reads the inputs; if not, their first token and then what it finds most probable itself.
+  /// For each token, the logits of the next one, packed like `inputs`, of which there must be one for each text.
+  /// `forced`: the decoder reads the inputs. Otherwise it reads their first token and then its own most probable
+  /// tokens.
   Tensor<B, 2> logits(const Sequences<B>& words, const IdSequences& inputs, bool forced) const {
     const Index n = inputs.count();
     if (words.count() != n) raise<shape_error>(204, "Seq2SeqGru: ", n, " sequences for ", words.count(), " texts");
@@ -192,8 +193,7 @@ struct Seq2SeqGru {
     return gather(concat(std::span<const Tensor<B, 2>>(steps), 0), pick);
   }
 
-  /// The function that decode_batch calls. The state goes along with the steps, so that beginnings have to grow by one
-  /// token at a time.
+  /// The function that decode_batch calls. The state follows the steps, so beginnings must grow by one token at a time.
   auto next(State& state) const {
     return [this, &state](const IdSequences& written) {
       std::vector<Index> last;
@@ -203,11 +203,11 @@ struct Seq2SeqGru {
   }
 };
 
-/// Sequences that are written at random, as something that gradients go through.
+/// Randomly written sequences through which gradients flow.
 template <Backend B>
 struct GumbelSample {
   Tensor<B, 3> one_hot;        // (sequences, 1 + steps, symbols), the mark of the beginning first
-  std::vector<Index> lengths;  // tokens behind it
+  std::vector<Index> lengths;  // tokens after it
 
   /// The rows that count, with the mark of the beginning.
   Sequences<B> rows() const {
@@ -222,7 +222,7 @@ struct GumbelOptions {
   double tau = 1;
 };
 
-/// g = -log(-log u) for uniform numbers u: the arg max of logits + g is drawn by their softmax. (rows, symbols)
+/// g = -log(-log u) for uniform values u: the arg max of logits + g is distributed by their softmax. (rows, symbols)
 template <Backend B>
 Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
   std::vector<typename B::scalar> g(static_cast<std::size_t>(rows * symbols));
@@ -234,13 +234,12 @@ Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
 }
 
 ///     y = softmax((logits + g) / tau),   row = onehot(arg max y) - sg(y) + y
-/// The next token is the arg max, and no gradient goes through that choice. Marks of beginning and end are never
-/// written; a sequence ends where the end is the most probable symbol, and goes on until the last one has ended.
+/// The next token is the arg max, and no gradient flows through that choice. Start and end marks are never written. A
+/// sequence ends if the end is the most probable symbol, and continues until the last one has ended.
 /// noise(step)  (sequences, symbols), see gumbel_noise
 /// Source       Jang, Gu, Poole, "Categorical reparameterization with Gumbel-softmax" (ICLR 2017), section 2.2;
 ///              TM2T networks/modules.py gumbel_sample
-/// Differs      from TM2T, whose code fails where all sequences end at once: here each is the mark of the beginning
-///              only
+/// Differs      from TM2T, whose code fails if all sequences end at once: here each is then the start mark only
 template <Backend B, class Noise>
 GumbelSample<B> gumbel_sample(const Seq2SeqGru<B>& m, const Sequences<B>& words, const GumbelOptions& o,
                               Noise&& noise) {

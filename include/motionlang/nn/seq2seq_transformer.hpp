@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The transformer from sequence to sequence, as TM2T has it: motion tokens to words, words to motion tokens.
+/// The sequence-to-sequence transformer of TM2T: motion tokens to words, and words to motion tokens.
 ///
-///     // From IdSequences, word vectors, or shares of symbols; then what comes next after each word, (rows, words).
+/// From IdSequences, word vectors, or shares of symbols; then the next word after each word, (rows, words).
 ///     const auto memory = m.encode(tokens);
 ///     const auto logits = m.logits(words.without_ends(0, 1), memory);
 ///
@@ -24,13 +24,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct Seq2SeqConfig {
   Index source_symbols = 1027;  // 0: the source are vectors
   Index source_width = 0;       // of these vectors
-  Index target_symbols = 4200;  // what is written
+  Index target_symbols = 4200;  // of the written sequence
   Index target_width = 0;       // of the vectors that the decoder reads; 0: it reads symbols
   Index d_model = 512, d_inner = 2048, heads = 8, head_width = 64;
   Index value_width = 0;  // of each head; 0: as wide as its queries
   Index encoder_layers = 4, decoder_layers = 4;
   Index source_positions = 100, target_positions = 50;
-  bool shared_projection = true;  // what is written goes by the vectors of the symbols that are read
+  bool shared_projection = true;  // the output projection uses the vectors of the input symbols
   double dropout = 0.1;
 };
 
@@ -51,7 +51,7 @@ Linear<B> xavier_uniform_linear(Index in, Index out, Rng auto& rng) {
   return layer;
 }
 
-/// Heads of another width, side by side: zeros behind each head, or the first columns of each.
+/// Changes the width of heads that are side by side: adds zeros to each head, or takes the first columns of each.
 template <Backend B>
 Tensor<B, 2> resized_heads(const Tensor<B, 2>& x, Index heads, Index width) {
   const Index own = x.size(1) / heads;
@@ -94,7 +94,7 @@ struct Seq2SeqAttention {
     const ModuleScope scope(*this);
     return read(x, memory.with(w_ks(memory.rows)), w_vs(memory.rows), causal, context);
   }
-  /// The same with keys and values that are known.
+  /// The same with known keys and values.
   Tensor<B, 2> read(const Sequences<B>& x, const Sequences<B>& keys, const Tensor<B, 2>& values, bool causal,
                     const Context& context = {}) const {
     const AttentionOptions options{.heads = heads,
@@ -102,7 +102,7 @@ struct Seq2SeqAttention {
                                    .dropout = next_dropout(dropout_p, context),
                                    .precision = precision_of(w_qs.weight)};
     const auto queries = w_qs(x.rows);
-    // Heads of one width: zeros add nothing to products, and what stands behind the values is cut off again.
+    // Heads of one width: zeros add nothing to products, and the columns after the values are cut off again.
     const Index key = keys.width() / heads, value = values.size(1) / heads, wide = std::max(key, value);
     const auto heard =
         key == value ? attention(queries, keys.rows, values, x.offsets, keys.offsets, options)
@@ -152,7 +152,7 @@ struct Seq2SeqEncoderLayer {
   Seq2SeqEncoderLayer() = default;
   Seq2SeqEncoderLayer(const Seq2SeqConfig& c, Rng auto& rng) : slf_attn(c, rng), pos_ffn(c, rng) {}
 
-  /// Rows of x read those of `visible`, which are x itself in use.
+  /// Rows of x attend to those of `visible`, which equal x in use.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& visible, const Context& context = {}) const {
     const ModuleScope scope(*this);
     return pos_ffn(slf_attn(x, visible, false, context), context);
@@ -171,7 +171,7 @@ struct Seq2SeqDecoderLayer {
   Seq2SeqDecoderLayer() = default;
   Seq2SeqDecoderLayer(const Seq2SeqConfig& c, Rng auto& rng) : slf_attn(c, rng), enc_attn(c, rng), pos_ffn(c, rng) {}
 
-  /// Rows of x read those of `visible` before them, which are x itself in use, and all of the memory.
+  /// Rows of x attend to those of `visible` before them, which equal x in use, and to all of the memory.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& visible, const Sequences<B>& memory,
                           const Context& context = {}) const {
     const ModuleScope scope(*this);
@@ -180,7 +180,7 @@ struct Seq2SeqDecoderLayer {
   }
 };
 
-/// The sinusoidal table, which the published files hold.
+/// The sinusoidal table, which is stored in the published files.
 template <Backend B>
 struct StoredPositions {
   static constexpr bool trainable = false;
@@ -193,7 +193,7 @@ struct StoredPositions {
 
 namespace detail {
 
-/// From vectors to what enters a stack of layers:  sqrt(width) x + positions.
+/// From vectors to the input of a stack of layers:  sqrt(width) x + positions.
 template <Backend B>
 Sequences<B> seq2seq_input(const Sequences<B>& x, const StoredPositions<B>& positions) {
   return add_positions(x.with(x.rows * std::sqrt(static_cast<double>(x.width()))), positions.positional_encoding);
@@ -260,7 +260,7 @@ struct Seq2SeqTransformer {
     using M = Seq2SeqTransformer;
     return motionlang::fields("encoder", &M::encoder, "decoder", &M::decoder, "trg_word_prj", &M::trg_word_prj);
   }
-  /// A shared projection stands in the files under both names.
+  /// Files contain a shared projection under both names.
   std::string copy_of(const std::string& path) const {
     return !trg_word_prj && path == "trg_word_prj.weight" ? "decoder.trg_word_emb.weight" : "";
   }
@@ -297,7 +297,7 @@ struct Seq2SeqTransformer {
     if (!c.shared_projection) trg_word_prj = map(c.d_model, c.target_symbols);
   }
 
-  /// Throws config_error 101 where the encoder reads something else.
+  /// Throws config_error 101 if the encoder reads another kind of input.
   Sequences<B> encode(const IdSequences& source, const Context& context = {}) const {
     const auto& e = detail::present(encoder.src_word_emb, "its source are vectors");
     return encoder({e(source.ids), source.offsets}, context);
@@ -306,8 +306,7 @@ struct Seq2SeqTransformer {
     const auto& m = detail::present(encoder.emb, "its source are symbols");
     return encoder(vectors.with(m(vectors.rows)), context);
   }
-  /// Rows of shares of the symbols, one-hot ones for certainty: the way for gradients to reach who has written the
-  /// source.
+  /// Rows of shares of the symbols, one-hot for certain ones. Through them gradients reach the writer of the source.
   Sequences<B> encode_shares(const Sequences<B>& shares, const Context& context = {}) const {
     const auto& e = detail::present(encoder.src_word_emb, "its source are vectors");
     return encoder(shares.with(matmul(shares.rows, e.weight)), context);
@@ -320,14 +319,14 @@ struct Seq2SeqTransformer {
   Sequences<B> embed_target(const Sequences<B>& vectors) const {
     return vectors.with(detail::present(decoder.vectors, "its decoder reads symbols")(vectors.rows));
   }
-  /// For each row of the target the logits of the symbol after it, (rows, symbols). target: symbols or vectors, from
-  /// the mark of the beginning on; memory: as many sequences.
+  /// For each row of the target, the logits of the next symbol, (rows, symbols). target: symbols or vectors, beginning
+  /// with the start mark; memory: one sequence for each.
   template <class Target>
   Tensor<B, 2> logits(const Target& target, const Sequences<B>& memory, const Context& context = {}) const {
     return project(decoder(embed_target(target), memory, context).rows);
   }
-  /// The same for the last symbol of each sequence only. Seq2SeqWriter gives these numbers with less work where
-  /// sequences grow.
+  /// The same for only the last symbol of each sequence. Seq2SeqWriter computes these values with less work for growing
+  /// sequences.
   Tensor<B, 2> next_logits(const IdSequences& target, const Sequences<B>& memory) const {
     return project(last_row(decoder(embed_target(target), memory)));
   }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A transformer that is asked for one symbol after the other: what it has calculated for a beginning it calculates no
-/// more.
+/// A transformer that writes one symbol after the other. It reuses what it has computed for a beginning.
 ///
 ///     Seq2SeqWriter writer(m, memory);
 ///     const auto found = beam_search(writer, BeamOptions{.beams = 3});    // memory of one source
@@ -11,7 +10,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A function as nn/decoding.hpp asks for it. The model has to live as long.
+/// A function for nn/decoding.hpp. The model must outlive it.
 template <Backend B>
 class Seq2SeqWriter {
  public:
@@ -24,9 +23,9 @@ class Seq2SeqWriter {
     }
   }
 
-  /// Beginnings of one length, equally many for each source, one source after the other -> logits of the next symbol,
-  /// (beginnings, symbols). Each should be a beginning of the call before, wherever it stood there, and one more
-  /// symbol. Throws shape_error 205 for other lengths or numbers, 203 for a beginning longer than the positions.
+  /// Takes beginnings of one length, equally many for each source, one source after the other. Returns logits of the
+  /// next symbol, (beginnings, symbols). Each should be a beginning of the call before, in any place, plus one more
+  /// symbol. Throws shape_error 205 for other lengths or numbers, and 203 for a beginning longer than the positions.
   Tensor<B, 2> operator()(const IdSequences& written) {
     const Index n = written.count(), length = written.offsets.longest();
     if (n == 0 || n % sources_ != 0 || length == 0 || !(written.offsets == Offsets::equal(n, length)))
@@ -66,7 +65,7 @@ class Seq2SeqWriter {
     Sequences<B> keys, values;  // of the beginnings, which are all of one length
   };
 
-  /// For each beginning the one of the call before that it continues; nothing if there is none.
+  /// For each beginning, the one of the call before that it continues. Nothing if one has none.
   std::optional<std::vector<Index>> find_parents(const IdSequences& written, Index length) const {
     if (length < 2 || before_.count() == 0 || before_.offsets.length(0) != length - 1) return std::nullopt;
     const Index n = written.count(), now = n / sources_, then = before_.count() / sources_;
@@ -81,7 +80,7 @@ class Seq2SeqWriter {
     }
     return out;
   }
-  /// The rows of the parents, each with one more.
+  /// The rows of the parents, each extended by one.
   static Sequences<B> grown(const Sequences<B>& before, std::span<const Index> parents, Index length,
                             const Sequences<B>& added) {
     return length == 1 ? added : concat_tokens(detail::some_sequences(before, parents), added);

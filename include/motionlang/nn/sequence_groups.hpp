@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A few sequences of a batch at a time through a whole stack of layers, every thread with its own.
+/// Runs a few sequences of a batch at a time through a whole stack of layers, every thread with its own sequences.
 #pragma once
 
 #include <algorithm>  // min_element, max_element, copy
@@ -15,24 +15,24 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// How threads share sequences: the thread of each of the first ones.
+/// The assignment of the first sequences to threads: the thread of each.
 using SequenceShares = PoolVector<Index>;
-/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread
-/// has a twentieth more than the mean, and that is at least the 128 rows from which on it pays to read all weights in
-/// every thread. None if there is no such number.
+/// Each sequence goes to the thread with the fewest rows so far. Takes as many sequences as give equal shares: no
+/// thread has a twentieth more than the mean. The mean is at least 128 rows, from which on it pays to read all weights
+/// in every thread. None if there is no such number.
 SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads);
 
-/// All sequences, the longest first: shares become more equal.
+/// All sequences, the longest first, which makes shares more equal.
 PoolVector<Index> longest_first(const Offsets& offsets);
 
-/// The first sequences that have at most this many rows together; at least one. There must be one.
+/// The first sequences with at most this many rows together, but at least one. There must be one.
 std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows);
 
-/// Calls put(group) for the sequences that each thread has, in groups of at most this many rows. All threads at once.
+/// Calls put(group) for the sequences of each thread, in groups of at most this many rows. All threads run at once.
 template <class F>
 void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
                 Index rows, const F& put) {
-  const auto modules = ModulePath::steps();  // a copy: this thread goes into modules itself
+  const auto modules = ModulePath::steps();  // a copy: this thread enters modules itself
   parallel_for(threads, [&](Index thread) {
     const ModulePath::Continued path(modules);
     PoolVector<Index> mine;
@@ -47,11 +47,11 @@ void put_shares(const Offsets& offsets, std::span<const Index> order, const Sequ
 }
 
 /// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width`
-/// numbers. f treats each sequence on its own, so that it can be called for a few at a time, as many as have
-/// B::rows_in_cache() rows (a longer one alone): what one layer writes is still in the cache when the next reads it.
-/// Threads that can share the sequences evenly go through the layers without waiting for each other; what is left over
-/// they do together. The numbers are those of all at once. Where the backend says nothing, gradients are kept or
-/// dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
+/// values. f treats each sequence on its own, so it can be called for a few at a time, with at most B::rows_in_cache()
+/// rows (a longer one alone). Then the output of one layer is still in the cache when the next reads it. Threads that
+/// can share the sequences evenly run through the layers without waiting for each other. They do the rest together. The
+/// results are those of all sequences at once. If the backend has no such function, gradients are kept or dropout
+/// counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
   const auto whole = [&] {
@@ -89,7 +89,7 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
   }
   return whole();
 }
-/// The same with f(some), `some` being these sequences of x, and results as wide as x.
+/// The same with f(some), where `some` are these sequences of x, and results are as wide as x.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Context& context, F f) {
   const auto some = [&](std::span<const Index> which) { return f(some_sequences(x, which)); };

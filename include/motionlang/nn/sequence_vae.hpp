@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// Sequences to one Gaussian each, and back: what the variational autoencoders ACTOR, TEMOS and TMR share.
+/// From sequences to one Gaussian each, and back: the common part of the variational autoencoders ACTOR, TEMOS and TMR.
 ///
-///     encoder   learned tokens before the frames, positions, transformer; what becomes of the tokens is the
-///               distribution
-///     decoder   positions are the queries, the latent is the memory; all frames are written at once
+///    encoder   learned tokens before the frames, positions, transformer; the outputs of the tokens are the
+///              distribution
+///    decoder   positions are the queries, the latent is the memory; all frames are written at once
 /// Source  Petrovich, Black, Varol: ACTOR (thesis 3.2.1), TEMOS (thesis 4.2.2; paper 3.2), TMR (thesis 5.2.2; paper
 ///         3.2)
 #pragma once
@@ -17,8 +17,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// N(mu, exp(logvar)) for each sequence, coordinates independent. An autoencoder that is not variational has no logvar
-/// (its shape is (0)); then every sample is mu.
+/// N(mu, exp(logvar)) for each sequence, with independent coordinates. A deterministic autoencoder has no logvar (its
+/// shape is (0)); then every sample is mu.
 template <Backend B>
 struct LatentGaussian {
   Tensor<B, 2> mu, logvar;  // (sequences, width)
@@ -38,8 +38,8 @@ struct LatentGaussian {
   }
 };
 
-/// `count` rows on the straight line from a to b, both (1, width): the latents of motions that turn from one into the
-/// other. Throws shape_error 204 unless both are one row of one width, config_error 101 unless count is 2 or more.
+/// `count` rows on the straight line from a to b, both (1, width): the latents of motions between two motions. Throws
+/// shape_error 204 unless both are one row of one width, and config_error 101 unless count is 2 or more.
 template <Backend B>
 Tensor<B, 2> interpolate_rows(const Tensor<B, 2>& a, const Tensor<B, 2>& b, Index count) {
   if (a.shape() != b.shape() || a.size(0) != 1)
@@ -52,7 +52,7 @@ Tensor<B, 2> interpolate_rows(const Tensor<B, 2>& a, const Tensor<B, 2>& b, Inde
   return a * (1.0 - share) + b * share;
 }
 
-/// A stack whose layers all begin with the same numbers, as PyTorch's stacks do, which copy one layer.
+/// A stack whose layers all begin with the same values, like PyTorch's stacks, which copy one layer.
 template <class Stack>
 Stack copied_layers(const TransformerConfig& c, Rng auto& rng) {
   Stack stack;
@@ -76,8 +76,7 @@ Sequences<B> first_rows(const Sequences<B>& x, Index n) {
   return {gather(x.rows, pick), Offsets::equal(x.count(), n)};
 }
 
-/// The input of the first layer: the tokens of each sequence, its frames, and positions that count from the first
-/// token.
+/// The input of the first layer: the tokens of each sequence, its frames, and positions that start at the first token.
 template <Backend B>
 Sequences<B> token_sequence(const Sequences<B>& tokens, const Sequences<B>& frames, const Tensor<B, 2>& positions) {
   return add_positions(concat_tokens(tokens, frames), positions);
@@ -85,7 +84,7 @@ Sequences<B> token_sequence(const Sequences<B>& tokens, const Sequences<B>& fram
 
 namespace detail {
 
-/// A post-norm layer for rows that attend to `x` and are not attended to: tokens behind the last layer, padding.
+/// A post-norm layer for rows that attend to `x` but are not attended to: tokens after the last layer, padding.
 template <Backend B>
 Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Sequences<B>& readers,
                               const Sequences<B>& x, const Context& context) {
@@ -99,8 +98,8 @@ Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Seq
 
 }  // namespace detail
 
-/// The first n rows of each sequence behind all layers. The last layer is computed for these rows only.
-/// `dropout_p` acts on the sequence before the first layer.
+/// The first n rows of each sequence after all layers. The last layer is computed only for these rows. `dropout_p` acts
+/// on the sequence before the first layer.
 template <Backend B>
 Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences<B>& sequence, Index n,
                            double dropout_p, const Context& context = {}) {
@@ -122,7 +121,7 @@ Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences
   return {detail::in_groups(sequence, tokens, context, encode), tokens};
 }
 
-/// The distribution from the rows of its tokens: mean and log-variance, or one row each for a deterministic latent.
+/// The distribution from the rows of its tokens: mean and log-variance, or one row for a deterministic latent.
 template <Backend B>
 LatentGaussian<B> gaussian_of_tokens(const Sequences<B>& tokens) {
   auto row = [&](Index i) { return pick_rows(tokens, PoolVector<Index>(static_cast<std::size_t>(tokens.count()), i)); };
@@ -130,8 +129,8 @@ LatentGaussian<B> gaussian_of_tokens(const Sequences<B>& tokens) {
   return {row(0), row(1)};
 }
 
-/// The queries of a decoder: zeros plus positions, so rows 0, 1, ... of the table for each sequence. Throws shape_error
-/// 203 for a sequence longer than the table.
+/// The queries of a decoder: zeros plus positions, that is rows 0, 1, ... of the table for each sequence. Throws
+/// shape_error 203 for a sequence longer than the table.
 template <Backend B>
 Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offsets) {
   PoolVector<Index> rows;
@@ -142,10 +141,9 @@ Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offs
   return {gather(positions, rows), offsets};
 }
 
-/// The output of a decoder for queries that are the same for all sequences of one length, read out by `final_layer`.
-///     queries(lengths)   the queries of sequences of these lengths
-/// Without dropout the first layer's attention to itself is the same for them too, and is computed once for each
-/// length.
+/// The output of a decoder for queries that are the same for all sequences of one length, projected by `final_layer`.
+///    queries(lengths)   the queries of sequences of these lengths
+/// Without dropout, the first layer's self-attention is also the same for them, and is computed once for each length.
 template <Backend B, class Queries>
 Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B>& final_layer, Queries queries,
                             const Sequences<B>& memory, const Offsets& lengths, double dropout_p,
@@ -158,7 +156,7 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
   if (memory.count() != lengths.count())
     raise<shape_error>(207, "decoder: ", memory.count(), " memories for ", lengths.count(), " sequences");
   const auto& layers = decoder.layers;
-  PoolVector<Index> distinct, kind;  // the lengths that occur, and which of them each sequence has
+  PoolVector<Index> distinct, kind;  // the different lengths, and the one of each sequence
   for (Index s = 0; s < lengths.count(); ++s) {
     const Index k = std::find(distinct.begin(), distinct.end(), lengths.length(s)) - distinct.begin();
     if (k == std::ssize(distinct)) distinct.push_back(lengths.length(s));
@@ -183,7 +181,7 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
   return {detail::in_groups<B>(lengths, lengths, final_layer.weight.size(0), context, decode), lengths};
 }
 
-/// From latents to sequences of any length (TEMOS, TMR, TEACH, SINC): the keys are theirs.
+/// From latents to sequences of any length, with the keys of TEMOS, TMR, TEACH and SINC.
 template <Backend B>
 struct SequenceDecoder {
   TransformerDecoder<B> seqTransDecoder;
@@ -203,7 +201,7 @@ struct SequenceDecoder {
         positions(max_len, c.d_model),
         dropout_p(c.dropout) {}
 
-  /// One or several rows of memory for each sequence; `lengths` says how many frames each gets.
+  /// One or several rows of memory for each sequence; `lengths` gives the frames of each.
   Sequences<B> operator()(const Sequences<B>& memory, const Offsets& lengths, const Context& context = {}) const {
     const ModuleScope scope(*this);
     auto queries = [&](const Offsets& of) { return position_queries(positions.rows(), of); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The output of a text encoder and input of a denoiser: token vectors for every text.
+/// The output of a text encoder, and input of a denoiser: token vectors for every text.
 #pragma once
 
 #include <motionlang/tensor/sequences.hpp>
@@ -10,7 +10,7 @@ template <Backend B>
 struct TextFeatures {
   Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
   std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
-  Index padded_tokens = 0;            // of a batch that is padded beyond its longest text: MDM-SMPL counts padding
+  Index padded_tokens = 0;            // for a batch that is padded beyond its longest text: MDM-SMPL counts padding
 
   Index count() const { return tokens.count(); }
 
@@ -18,7 +18,7 @@ struct TextFeatures {
   static TextFeatures pooled(const Tensor<B, 2>& rows) { return {{rows, Offsets::equal(rows.size(0), 1)}}; }
 };
 
-/// Texts picked by number, with repetition.
+/// Selects texts by number, with repetition.
 template <Backend B>
 TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which) {
   TextFeatures<B> out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The token that tells a denoiser which diffusion step it is at.
+/// The token that gives the diffusion step to a denoiser.
 #pragma once
 
 #include <motionlang/nn/linear.hpp>

@@ -11,9 +11,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Cross-attention to one row of memory per sequence: softmax over one key is 1, so every query reads the value of that
-/// row. It is computed once for each sequence; weights of queries and keys have no effect and get gradient 0. Dropout
-/// keeps or drops one weight for each query and head. Queries of one sequence that keep the same heads read the same
+/// Cross-attention to one row of memory per sequence. The softmax over one key is 1, so every query reads the value of
+/// that row. The value is computed once for each sequence; weights of queries and keys have no effect and get gradient
+/// 0. Dropout keeps or drops one weight for each query and head. Queries of one sequence that keep the same heads read
+/// the same value, which is also computed once.
 /// value, which is computed once.
 template <Backend B>
 Tensor<B, 2> attend_one_row(const MultiheadAttention<B>& attention, const Tensor<B, 2>& memory, const Offsets& offsets,

@@ -20,7 +20,7 @@ struct TransformerConfig {
   double dropout = 0.1;
   bool causal = false;
 
-  /// Itself. A constant configuration is checked while compiling:
+  /// Returns itself. A constant configuration is checked at compile time:
   ///     constexpr auto config = TransformerConfig{.d_model = 256, .heads = 4}.checked();
   constexpr const TransformerConfig& checked() const {
     check_heads(d_model, heads);
@@ -31,8 +31,8 @@ struct TransformerConfig {
 ///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
 ///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
 /// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
-///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has
-///         it.
+///         with a context) follows both halves, inside the feed-forward part and on the attention weights, as in
+///         PyTorch.
 template <Backend B>
 struct TransformerEncoderLayer {
   MultiheadAttention<B> self_attn;
@@ -70,7 +70,7 @@ struct TransformerEncoderLayer {
     const ModuleScope scope(*this);
     return self_attn.project(norm_first ? norm1(x) : x);
   }
-  /// The layer behind `project`.
+  /// The layer after `project`.
   Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets,
                               const Context& context = {}) const {
     const ModuleScope scope(*this);
@@ -106,9 +106,9 @@ struct TransformerEncoder {
       return some.rows;
     }));
   }
-  /// Encodes sequences that share endings: sequence j has the rows of heads[j], then those of tails[i], where
-  /// uses.begin(i) <= j < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail
-  /// is computed once. No dropout. Throws shape_error 204 for other numbers of heads or tails.
+  /// Encodes sequences that share endings. Sequence j has the rows of heads[j], then those of tails[i], where
+  /// uses.begin(i) <= j < uses.end(i). The results equal those of whole sequences, but the first layer projects a tail
+  /// only once. There is no dropout. Throws shape_error 204 for other numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
     const ModuleScope scope(*this);
     const Offsets repeated = repeat_lengths(tails.offsets, uses);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Vectors to the nearest entry of a codebook, and back: motions become words of a finite vocabulary.
+/// Maps vectors to the nearest entry of a codebook, and back: motions become words of a finite vocabulary.
 #pragma once
 
 #include <motionlang/nn/embedding.hpp>
@@ -9,7 +9,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How many codes are in use, as it were:  exp(-sum_k p_k log(p_k + 1e-10)),   p_k: share of code k
+/// The effective number of codes in use:  exp(-sum_k p_k log(p_k + 1e-10)),   p_k: share of code k
 double code_perplexity(std::span<const Index> codes, Index codebook);
 
 /// The result of quantising vectors z.
@@ -17,7 +17,7 @@ template <Backend B>
 struct Quantized {
   std::vector<Index> codes;  // k_i = arg min_k |z_i - e_k|, of equals the first
   Tensor<B, 2> rows;         // e_k
-  /// The same numbers, but gradients go past the choice to z:  z + sg(e_k - z),  sg: as a constant
+  /// The same values, but gradients bypass the choice and go to z:  z + sg(e_k - z),  sg: as a constant
   Tensor<B, 2> straight_through;
   ///     mean (e - sg z)^2 + beta mean (sg e - z)^2
   Tensor<B, 0> loss;
@@ -42,7 +42,7 @@ struct VectorQuantizer {
 
   Index size() const { return embedding.weight.size(0); }
 
-  /// The nearest codes of (rows, width): TM2T eq. 1. |z|^2 is the same for all codes and left out. Throws
+  /// The nearest codes of (rows, width): TM2T eq. 1. |z|^2 is the same for all codes, so it is left out. Throws
   /// shape_error 201.
   std::vector<Index> codes(const Tensor<B, 2>& z) const {
     const auto e = stop_gradient(embedding.weight);

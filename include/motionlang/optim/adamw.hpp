@@ -21,12 +21,12 @@ struct AdamWConfig {
   double beta1 = 0.9, beta2 = 0.999;
   double eps = 1e-8;
   double weight_decay = 0.01;
-  bool allow_constants = false;  // parameters that are not variables stay as they are; else they are an error
+  bool allow_constants = false;  // parameters that are not variables do not change; otherwise they are an error
 };
 
 namespace detail {
 
-/// In double, as eight sums side by side: one after the other they would wait for each other.
+/// In double, as eight sums side by side; a single sum would wait for each addition.
 template <Scalar S>
 double sum_of_squares(std::span<const S> values) {
   std::array<double, 8> sums{};
@@ -53,13 +53,13 @@ double gradient_norm(const M& model, const Gradients<A>& gradients) {
   }
   return std::sqrt(total);
 }
-/// The factor that brings a norm down to `max_norm`: min(1, max_norm / (norm + 1e-6)), as PyTorch clips.
+/// The factor that reduces a norm to `max_norm`: min(1, max_norm / (norm + 1e-6)), as in PyTorch.
 inline double clip_scale(double norm, double max_norm) { return std::min(1.0, max_norm / (norm + 1e-6)); }
 
 /// Decoupled weight decay (Loshchilov and Hutter 2019, algorithm 2) with PyTorch's order of operations:
 ///     p = p (1 - lr wd);   m = b1 m + (1 - b1) g;   v = b2 v + (1 - b2) g^2
 ///     p = p - lr / (1 - b1^k) m / (sqrt(v / (1 - b2^k)) + eps)
-/// All parameters decay, biases and norms too. Parameters that the loss does not reach stay as they are. With
+/// All parameters decay, including biases and norms. Parameters that the loss does not reach do not change. With
 /// weight_decay = 0 this is Adam. Tensors of modules with `trainable = false` are not parameters.
 template <AutodiffBackend A>
 class AdamW {
@@ -73,9 +73,9 @@ class AdamW {
 
   AdamWConfig config;
 
-  /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables. Throws
+  /// One update. Gradients are first multiplied by `scale` (clip_scale). The model keeps its variables. Throws
   /// config_error 102 for a parameter that is not a variable (unless config.allow_constants) and for two parameters of
-  /// one path, before anything has changed, shape_error 204 if restored moments are those of another model.
+  /// one path, before anything has changed. Throws shape_error 204 if restored moments belong to another model.
   template <Module M>
   void step(M& model, const Gradients<A>& gradients, double scale = 1) {
     const auto tensors = tensors_of(model);
@@ -84,7 +84,7 @@ class AdamW {
     for (const auto& t : tensors) update(t, gradients, scale);
   }
 
-  /// Updates made so far, and the moments by path: what a checkpoint has to keep.
+  /// The number of updates, and the moments by path, for a checkpoint.
   Index steps() const { return steps_; }
   const std::map<std::string, Moments>& state() const { return state_; }
   void restore(Index steps, std::map<std::string, Moments> state) {
@@ -98,7 +98,7 @@ class AdamW {
     for (const auto& t : tensors) {
       if (!paths.insert(t.path).second) raise<config_error>(102, "AdamW: two parameters are '", t.path, "'");
       const auto& node = t.data->node;
-      if (config.allow_constants || !t.trainable || t.shape().rank() != t.rank) continue;  // the last: none is there
+      if (config.allow_constants || !t.trainable || t.shape().rank() != t.rank) continue;  // the last: there is none
       if (node == nullptr || !node->variable) {
         raise<config_error>(102, "AdamW: parameter '", t.path, "' is ",
                             node == nullptr ? "a constant" : "the result of an operation",

@@ -9,9 +9,9 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     e = rate e + (1 - rate) p
-/// `rate` grows from 0.1 as min(rate, (1 + k) / (10 + k)), so that the first updates are not held back by the initial
-/// values. Source  Polyak and Juditsky (1992); the warm-up is the one of common diffusion code.
-/// Throws shape_error 204 if the two are not of the same structure.
+/// `rate` grows from 0.1 as min(rate, (1 + k) / (10 + k)), so that the initial values do not slow down the first
+/// updates. Source  Polyak and Juditsky (1992); the warm-up is that of common diffusion code. Throws shape_error 204 if
+/// the two differ in structure.
 template <Module Average, Module Model>
 void update_ema(Average& average, const Model& model, double rate, Index step) {
   using B = module_backend<Average>;

@@ -26,7 +26,7 @@ struct WarmupCosine {
   }
 };
 
-/// The rate divided by `factor` once every `every` steps.
+/// The rate, divided by `factor` after every `every` steps.
 struct StepDecay {
   double rate = 1e-4;
   double factor = 10;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Hyperparameters that every training has: those of the optimiser, and when to validate.
+/// Hyperparameters of every training: those of the optimiser, and the times of validation.
 #pragma once
 
 #include <cmath>    // pow
@@ -16,7 +16,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// AdamW. The defaults are those of TEMOS and TMR.
 struct OptimiserConfig {
   double lr = 1e-4, beta1 = 0.9, beta2 = 0.999, eps = 1e-8, weight_decay = 0.01;
-  double clip_norm = 0;               // longest gradient; 0: any
+  double clip_norm = 0;               // largest gradient norm; 0: any
   double ema = 0;                     // rate of the running average that is used in the end; 0: the weights themselves
   std::string schedule = "constant";  // or "cosine", down to a fiftieth; "step", SINC's: a tenth after every 200 epochs
   Index warmup = 0;                   // steps
@@ -60,9 +60,9 @@ struct OptimiserConfig {
 
 struct ValidationConfig {
   Index every = 1;             // epochs; 0: never
-  Index patience = 0;          // validations without a better one before training stops; 0: it does not
-  bool keep_best = false;      // the weights of the best validation are used, not the last
-  std::string watch = "loss";  // what "better" means; TMR: or "retrieval", the sum of the recalls
+  Index patience = 0;          // validations without improvement before training stops; 0: never
+  bool keep_best = false;      // use the weights of the best validation, not the last
+  std::string watch = "loss";  // the value that must improve; TMR: or "retrieval", the sum of the recalls
 
   static constexpr auto fields() {
     using C = ValidationConfig;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// An index of a folder of motions, made and kept up to date: files that have not changed are not read again, files
-/// that have only moved keep their vectors.
+/// Makes an index of a folder of motions and updates it. Unchanged files are not read again, and files that have only
+/// moved keep their vectors.
 ///
 ///     MotionIndex index(index_model(tmr));
 ///     const IndexReport report = update_index(index, "clips", tmr);
@@ -28,56 +28,56 @@ struct MomentOptions {
   std::vector<double> windows{1, 2, 3};  // lengths, seconds; none: only whole clips
   double stride = 0.5;                   // from one moment to the next, seconds
 };
-/// The model entry of an index with these vectors: that of the encoder, with the windows in its frames.
+/// The model entry of an index with these vectors: the encoder's, with the windows in its frames.
 IndexModel index_model(const SearchEncoder& encoder, const MomentOptions& moments = {});
 
 struct IndexOptions {
-  std::vector<ClipLine> captions{};  // parts of clips and what they show (read_captions)
+  std::vector<ClipLine> captions{};  // parts of clips and their captions (read_captions)
   std::string license{};             // of all motions of the folder; "": the first line of the LICENSE file beside or
                                      // above them; without such a file, what the index had
   bool again = false;                // read all files, changed or not
-  MotionReadOptions read{};          // of all files, as options_for_file has it
+  MotionReadOptions read{};          // of all files, see options_for_file
 };
 
 /// The report of an update.
 struct IndexReport {
   Index added = 0, removed = 0;              // clips
   Index renamed = 0, unchanged = 0;          // files
-  Index relicensed = 0;                      // files that were not read again but have another license now
-  std::vector<std::string> skipped{};        // "a.bvh: why", clips that could not be read or encoded
-  std::vector<std::string> unknown_clips{};  // that the captions name and the folder lacks
-  std::string folder_notes{};                // a line about each folder and file that could not be looked at
+  Index relicensed = 0;                      // files that were not read again but have another licence now
+  std::vector<std::string> skipped{};        // "a.bvh: reason", clips that could not be read or encoded
+  std::vector<std::string> unknown_clips{};  // named by the captions, but not in the folder
+  std::string folder_notes{};                // a line about each folder and file that could not be read
   bool changed() const { return added + removed + renamed + relicensed > 0; }
 };
 
-/// The update of an index by a folder and all below it. It is made in two steps, so that a caller can say how much
-/// there is to do.
+/// An update of an index from a folder and its subfolders. It has two steps, so that the caller can announce the amount
+/// of work.
 class IndexUpdate {
  public:
-  /// Looks at the files: forgets clips of files that are gone, renames what has only moved. The texts of captions are
-  /// encoded. Index and encoder have to outlive the object.
+  /// Looks at the files: forgets clips of deleted files, and renames moved ones. Encodes the texts of captions. Index
+  /// and encoder must outlive the object.
   /// Throws  io_error 401 if the folder cannot be read, and what SearchEncoder::encode_texts throws
   IndexUpdate(MotionIndex& index, const FilePath& folder, const SearchEncoder& encoder, IndexOptions options = {});
 
-  /// Motion files below the folder, and those of them that are to be read.
+  /// Motion files below the folder, and those of them that will be read.
   Index files() const { return std::ssize(files_); }
   Index fresh_files() const { return std::ssize(fresh_); }
   const std::filesystem::path& folder() const { return folder_; }
 
-  /// Reads, encodes and adds what is new. A file that fails stops no other.
-  /// progress  is called after some files each, with the number of files that are done
-  /// Throws    cancelled if `progress` stops it: what was encoded until then is in the index
+  /// Reads, encodes and adds new clips. A file that fails does not stop the others.
+  /// progress  is called after every few files, with the number of finished files
+  /// Throws    cancelled if `progress` stops it; clips that are already encoded are then in the index
   void run(Progress progress = {});
 
   const IndexReport& report() const { return report_; }
 
  private:
-  /// A file as the file system has it.
+  /// The state of a file in the file system.
   struct FileState {
     std::filesystem::path path;
     std::int64_t modified = 0, bytes = 0;
   };
-  /// A clip on its way into the index, or why it does not get there.
+  /// A clip for the index, or the reason why it cannot be added.
   struct Prepared {
     IndexedClip clip;
     std::vector<float> rows;
@@ -111,11 +111,11 @@ class IndexUpdate {
 IndexReport update_index(MotionIndex& index, const FilePath& folder, const SearchEncoder& encoder,
                          IndexOptions options = {}, Progress progress = {});
 
-/// A path as an index keeps it: absolute, without links, and without a slash at its end.
+/// A path in the form of an index: absolute, without links, and without a slash at its end.
 std::filesystem::path indexed_path(const FilePath& path);
 /// True if an absolute path is the folder or in it.
 bool is_below(const std::filesystem::path& path, const std::filesystem::path& folder);
-/// Takes the clips of a file, or of all files below a folder, out of an index. Returns how many clips that were.
+/// Removes the clips of a file, or of all files below a folder, from an index. Returns the number of these clips.
 Index remove_below(MotionIndex& index, const FilePath& path);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// A collection of clips as vectors of a model that knows texts and motions: what is searched. One vector for each
-/// clip, for each of its moments (windows over its frames) and for each of its captions. Reading and writing:
-/// search/motion_index_file.hpp; searching: motion_search.hpp.
+/// A searchable collection of clips, as vectors of a model that knows texts and motions. There is one vector for each
+/// clip, for each of its moments (windows over its frames) and for each of its captions. search/motion_index_file.hpp
+/// reads and writes it, and motion_search.hpp searches it.
 #pragma once
 
 #include <cstdint>  // times of files
@@ -13,13 +13,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Where the vectors come from.
+/// The source of the vectors.
 struct IndexModel {
   std::string id;                // of the weights: vectors of different models cannot be compared
   std::string path;              // of the model, to find it again
-  std::string text_encoder{};    // that it needs beside it, "" if none
+  std::string text_encoder{};    // text encoder beside the model, "" if none
   Index width = 0;               // of a vector
-  double fps = 0;                // frames per second that the model sees
+  double fps = 0;                // frames per second of the model
   std::vector<Index> windows{};  // lengths of moments in such frames; none: only whole clips
   Index stride = 0;              // frames from one moment to the next
   bool operator==(const IndexModel&) const = default;
@@ -28,10 +28,10 @@ struct IndexModel {
 /// A clip: a file of motion, one of several motions in it, or a part of it.
 struct IndexedClip {
   std::string path;                      // of the file
-  std::string name{};                    // of the motion in the file, where there are several
+  std::string name{};                    // of the motion in the file, if there are several
   std::int64_t modified = 0, bytes = 0;  // of the file when it was read: nanoseconds, size
-  std::string content{};  // of the file then: a checksum, by which it is known under another name; "" in old indices
-  std::string lines{};    // of a table that say which parts of the file are clips: a checksum, "" if none did
+  std::string content{};      // checksum of the file then, which recognises it under another name; "" in old indices
+  std::string lines{};        // checksum of the table lines that cut the file into clips; "" if none did
   double start = 0, end = 0;  // seconds in the file
   double fps = 0;             // of the file
   Index frames = 0;           // from start to end, in the file
@@ -40,7 +40,7 @@ struct IndexedClip {
   bool operator==(const IndexedClip&) const = default;
 };
 
-/// A clip with its vectors, which may have any length but 0.
+/// A clip with its vectors, which may have any length except 0.
 struct EncodedClip {
   IndexedClip clip;
   std::vector<float> vector;             // (width)
@@ -79,9 +79,9 @@ class MotionIndex {
     bool operator==(const Moment&) const = default;
   };
 
-  /// Without clips. Throws config_error 101 for sizes and rates that are not positive.
+  /// An index without clips. Throws config_error 101 for sizes and rates that are not positive.
   explicit MotionIndex(IndexModel model);
-  /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error
+  /// From the tables of a file, with rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error
   /// 302.
   MotionIndex(std::string_view where, IndexModel model, std::vector<IndexedClip> clips, std::vector<Moment> moments,
               VectorTable clip_rows, VectorTable moment_rows, VectorTable caption_rows);
@@ -98,15 +98,15 @@ class MotionIndex {
   std::span<const float> moment_rows() const { return moment_rows_.rows(); }
   std::span<const float> caption_rows() const { return caption_rows_.rows(); }
 
-  /// Throws config_error 102 if vectors of that model would not be comparable.
+  /// Throws config_error 102 if vectors of that model cannot be compared with those of the index.
   void require_model(std::string_view id, std::string_view path) const;
-  /// Behind the others. Throws shape_error 205 if the vectors do not fit or a moment is none, numeric_error 301, 302
-  /// (unit_rows); then nothing has changed.
+  /// Adds a clip at the end. Throws shape_error 205 if the vectors do not fit or a moment is invalid, and numeric_error
+  /// 301, 302 (unit_rows); then nothing has changed.
   void add(EncodedClip c);
-  /// Takes the clips away for which f(clip) holds, with their moments and captions. Returns how many.
+  /// Removes the clips for which f(clip) is true, with their moments and captions. Returns their number.
   template <class F>
   Index remove_if(F f) {
-    std::vector<Index> number(clips_.size(), -1);  // of those that stay
+    std::vector<Index> number(clips_.size(), -1);  // of the remaining clips
     MotionIndex kept(model_);
     for (std::size_t i = 0; i < clips_.size(); ++i) {
       if (f(std::as_const(clips_[i]))) continue;
@@ -130,11 +130,11 @@ class MotionIndex {
     *this = std::move(kept);
     return removed;
   }
-  /// A file has another path now.
+  /// Changes the path of a file.
   void rename(const std::string& from, const std::string& to);
-  /// All clips of a file have this license.
+  /// Sets the licence of all clips of a file.
   void set_license(const std::string& path, const std::string& license);
-  /// The model is found elsewhere now.
+  /// Changes the place of the model.
   void move_model(std::string path, std::string text_encoder);
 
  private:

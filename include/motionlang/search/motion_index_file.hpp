@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-/// A MotionIndex as one file, whose vectors are used where they lie in it.
+/// A MotionIndex as one file. Its vectors are used in place.
 ///
 ///     MotionIndex index = read_motion_index("moves.index");
 ///     index.add(clip);
-///     write_motion_index("moves.index", index);                     // the old one stays whole until the new one is
+///    write_motion_index("moves.index", index);                     // the old file stays complete until then
 ///
-/// Layout   safetensors (any reader of it can have the vectors), with
-///              clips, moments, captions   F32 (n, width), rows of length 1
-///              moment_frames              I64 (moments, 3): clip, first frame, frames
-///              about                      U8: JSON, {"model": {...}, "clips": [{"path", "modified", ...}, ...]}
-///              graph_clips, graph_moments U8, where there is one: search/vector_graph.hpp
-///          and "format", "version" and "checksum" (of all tensors) in the metadata
-/// Checked  everything, before any vector is handed out: a file that was cut off or changed is refused
+/// Layout   safetensors, so any reader of it can load the vectors, with
+///             clips, moments, captions   F32 (n, width), rows of length 1
+///             moment_frames              I64 (moments, 3): clip, first frame, frames
+///             about                      U8: JSON, {"model": {...}, "clips": [{"path", "modified", ...}, ...]}
+///             graph_clips, graph_moments U8, if there is one: search/vector_graph.hpp
+///         and "format", "version" and "checksum" (of all tensors) in the metadata
+/// Checked  Everything is checked before any vector is handed out: a file that was cut off or changed is refused
 #pragma once
 
 #include <map>  // graphs
@@ -30,10 +30,10 @@ inline constexpr const char *index_format = "motionlang.index", *index_version =
 
 }  // namespace detail
 
-/// An index file that is open.
+/// An open index file.
 class MotionIndexFile {
  public:
-  /// Throws io_error 401, 402 (ends too early), 403 (no index, or damaged), 404 (another version), 405, 406, 407;
+  /// Throws io_error 401, 402 (ends too early), 403 (not an index, or damaged), 404 (another version), 405, 406, 407;
   /// config_error 107; numeric_error 302
   static MotionIndexFile open(const FilePath& path);
   static MotionIndexFile from_bytes(std::span<const std::byte> bytes, std::string name = "index",
@@ -41,7 +41,7 @@ class MotionIndexFile {
 
   const std::string& name() const { return file_.name(); }
   const MotionIndex& index() const { return index_; }
-  /// The bytes of another tensor; nothing if there is none.
+  /// The bytes of another tensor. Nothing if it does not exist.
   std::span<const std::byte> extra(std::string_view name) const;
 
  private:

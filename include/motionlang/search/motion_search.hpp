@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Clips, moments and captions of a MotionIndex that are nearest to a vector: of a text, of a motion.
+/// The clips, moments and captions of a MotionIndex that are nearest to a vector of a text or a motion.
 ///
 ///     const MotionSearch search(index);
 ///     for (const MotionHit& hit : search.moments(vector_of("a person waves"), 10)) use(hit);
@@ -17,25 +17,25 @@ struct MotionHit {
   bool operator==(const MotionHit&) const = default;
 };
 
-/// The windows that are indexed of a clip: those of moment_windows for each length, each window once, in ascending
+/// The windows of a clip that are indexed: those of moment_windows for each length, without duplicates, in ascending
 /// order. A window that is longer than the clip is the whole clip.
 std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& model);
 
-/// Keeps moments that stand apart, in the order of their scores: one that overlaps a better one of its clip by
-/// an intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
+/// Keeps moments that are apart, in the order of their scores. One that overlaps a better one of its clip by an
+/// intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
 std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
                                         std::span<const MotionIndex::Moment> moments, double most_iou, Index k);
 
 class MotionSearch {
  public:
-  /// The index has to outlive the object. `clips` and `moments` search its rows; unless given, all of them are
-  /// compared, by scans with `storage`, which has no influence on the answers.
+  /// The index must outlive the object. `clips` and `moments` search its rows. Without them, scans with `storage`
+  /// compare all rows; the storage does not affect the answers.
   explicit MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips = {},
                         std::shared_ptr<const VectorSearch> moments = {}, ScanStorage storage = ScanStorage::float32);
 
   /// The k nearest clips. Throws what VectorSearch throws.
   std::vector<MotionHit> clips(std::span<const float> query, Index k) const;
-  /// The k nearest moments that stand apart. Throws config_error 102 if the index has none.
+  /// The k nearest moments that are apart. Throws config_error 102 if the index has no moments.
   std::vector<MotionHit> moments(std::span<const float> query, Index k, double most_iou = 0.3) const;
   /// The k clips whose captions are nearest, each with the score of its nearest caption.
   std::vector<MotionHit> captions(std::span<const float> query, Index k) const;
@@ -45,8 +45,8 @@ class MotionSearch {
     return std::make_shared<VectorScan>(rows, index_.model().width, std::shared_ptr<const void>{}, storage);
   }
   static std::vector<Neighbour> nearest(const VectorSearch& search, std::span<const float> query, Index k);
-  /// `choose` takes the best ones and drops some; who is kept does not depend on those that come later. Asks for more
-  /// of them until k are left, or all have been seen.
+  /// `choose` takes the best results and drops some. Later results do not affect earlier choices. Asks for more results
+  /// until k are left, or all have been seen.
   template <class F>
   static std::vector<Neighbour> enough(const VectorSearch& search, std::span<const float> query, Index k, F choose) {
     if (k < 0) raise<config_error>(101, "MotionSearch: the ", k, " nearest");

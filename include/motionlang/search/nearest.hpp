@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Nearest vectors: what a search answers, the order of its answers, and the one interface of exact and approximate
+/// Nearest vectors: the answer of a search, the order of answers, and the common interface of exact and approximate
 /// searches.
 #pragma once
 
@@ -18,12 +18,12 @@ struct Neighbour {
   float score = 0;
   bool operator==(const Neighbour&) const = default;
 };
-/// True if a stands before b in an answer: the higher score, and of equal ones the lower index.
+/// True if a precedes b in an answer: the higher score, and of equal scores the lower index.
 inline bool is_nearer(const Neighbour& a, const Neighbour& b) {
   return a.score != b.score ? a.score > b.score : a.index < b.index;
 }
 
-/// The k nearest of those that were offered, in whatever order.
+/// The k nearest of all offered vectors, in any order.
 class NearestK {
  public:
   explicit NearestK(Index k) : k_(static_cast<std::size_t>(k)) {}
@@ -39,10 +39,10 @@ class NearestK {
     }
     std::push_heap(heap_.begin(), heap_.end(), is_nearer);
   }
-  /// Nobody below this score can still come in; -infinity while there are fewer than k.
+  /// No score below this can enter any more; -infinity while there are fewer than k.
   float least() const { return heap_.size() < k_ ? -std::numeric_limits<float>::infinity() : heap_.front().score; }
   std::span<const Neighbour> unordered() const { return heap_; }
-  /// Nearest first. Nothing is left behind.
+  /// Returns them, nearest first, and becomes empty.
   std::vector<Neighbour> take() {
     std::sort(heap_.begin(), heap_.end(), is_nearer);
     return std::move(heap_);
@@ -54,17 +54,18 @@ class NearestK {
 };
 
 /// A gallery of vectors of length 1 that finds the nearest ones to queries.
-/// Scores   are those of exact_cosine, whoever searches: equal vectors have equal scores
+/// Scores   are those of exact_cosine in every search: equal vectors have equal scores
 /// Order    is_nearer
 /// Models   VectorScan (all of the nearest), VectorGraph (most of them, sooner)
 class VectorSearch {
  public:
   virtual ~VectorSearch() = default;
-  /// Vectors, and numbers of each.
+  /// The number of vectors, and of values in each.
   virtual Index count() const = 0;
   virtual Index width() const = 0;
-  /// queries (n, width), of any length but 0 -> for each its min(k, count) nearest. Throws shape_error 205 unless they
-  /// are whole, config_error 101 for k < 0, numeric_error 301 for a query that is not finite, 302 for one of length 0.
+  /// queries (n, width), of any length except 0 -> for each its min(k, count) nearest. Throws shape_error 205 unless
+  /// they are whole, config_error 101 for k < 0, numeric_error 301 for a query that is not finite, and 302 for one of
+  /// length 0.
   virtual std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const = 0;
 
  protected:

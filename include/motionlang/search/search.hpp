@@ -5,7 +5,7 @@
 ///     for (const MotionHit& hit : search(index, tmr.encode_text("a person jumps"), {.top = 10}))
 ///       use(clip_of(index.index(), hit).path, hit.start, hit.end);
 ///
-/// For many queries, open_motion_search (search/vector_graph.hpp) is opened once.
+/// For many queries, open the search once with open_motion_search (search/vector_graph.hpp).
 #pragma once
 
 #include <motionlang/search/vector_graph.hpp>
@@ -20,18 +20,18 @@ enum class SearchFor {
 };
 
 struct SearchOptions {
-  Index top = 10;  // how many
+  Index top = 10;  // number of results
   SearchFor what = SearchFor::clips;
-  double most_overlap = 0.3;                   // of two moments of one clip, intersection over union: more is one hit
-  bool exact = false;                          // compare with all vectors, even where the index has a graph
-  ScanStorage storage = ScanStorage::float32;  // of vectors that are all compared; has no influence on the answers
+  double most_overlap = 0.3;  // intersection over union above which two moments of one clip are one hit
+  bool exact = false;         // compare with all vectors, even if the index has a graph
+  ScanStorage storage = ScanStorage::float32;  // for a comparison with all vectors; does not affect the answers
 };
 
 /// Best first. Throws config_error 101 for top < 0, 102 for moments of an index without any, numeric_error 301, 302 for
 /// a query that is not finite or of length 0, shape_error 205 for one of another width.
 std::vector<MotionHit> search(const MotionSearch& index, std::span<const float> query,
                               const SearchOptions& options = {});
-/// Opens the search of an index for one query. Throws io_error 401, 402, 403 besides.
+/// Opens the search of an index for one query. Also throws io_error 401, 402, 403.
 std::vector<MotionHit> search(const MotionIndexFile& index, std::span<const float> query,
                               const SearchOptions& options = {});
 
@@ -41,7 +41,7 @@ inline const IndexedClip& clip_of(const MotionIndex& index, const MotionHit& hit
 }
 /// The cosine of a hit as a score from 0 to 1.
 inline double score_of(const MotionHit& hit) { return (static_cast<double>(hit.score) + 1) / 2; }
-/// How many of its clips, moments or captions an index compares with a query.
+/// The number of clips, moments or captions that are compared with a query.
 Index gallery_size(const MotionIndex& index, SearchFor what);
 
 MOTIONLANG_NAMESPACE_END

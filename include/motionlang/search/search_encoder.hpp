@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A model that puts texts and motions into one space, as an index and its searches use it. TMR is one
-/// (search/tmr_search_encoder.hpp); an index of another model is built the same way.
+/// The interface of an index and its searches to a model that puts texts and motions into one space. TMR implements it
+/// (search/tmr_search_encoder.hpp). An index with another model works the same way.
 #pragma once
 
 #include <span>    // texts
@@ -13,13 +13,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Laws  equal inputs give equal vectors, whatever else is encoded with them; all functions may be called by several
-///       threads at once
+/// Laws  equal inputs give equal vectors, independent of other inputs; several threads may call all functions at the
+///       same time
 class SearchEncoder {
  public:
   virtual ~SearchEncoder() = default;
 
-  /// Where the vectors come from: id of the weights, path, text encoder, width and frames per second. No windows.
+  /// The source of the vectors: id of the weights, path, text encoder, width and frames per second. No windows.
   virtual const IndexModel& model() const = 0;
   /// (texts, width).
   virtual std::vector<float> encode_texts(std::span<const std::string> texts) const = 0;
@@ -36,8 +36,8 @@ class SearchEncoder {
   SearchEncoder& operator=(const SearchEncoder&) = default;
 };
 
-/// (width): a whole clip. One of more than ten seconds, which is longer than what such models are trained on, is cut
-/// into equal parts and has the mean of their directions.
+/// (width): a whole clip. A clip of more than ten seconds is longer than the training clips of such models. It is cut
+/// into equal parts and gets the mean of their directions.
 std::vector<float> encode_clip(const SearchEncoder& encoder, std::span<const float> rows);
 /// The vector of a motion as a query or as a clip of an index. Throws what SearchEncoder::rows_of throws.
 std::vector<float> encode_motion(const SearchEncoder& encoder, const Motion& motion);

@@ -30,7 +30,7 @@ class TmrSearchEncoder final : public SearchEncoder {
   const TmrCheckpoint<B>& checkpoint() const { return tmr_; }
   const IndexModel& model() const override { return model_; }
 
-  /// Throws config_error 102 if the model reads the states of a language model and none was named.
+  /// Throws config_error 102 if the model reads the states of a language model and none was given.
   std::vector<float> encode_texts(std::span<const std::string> texts) const override {
     constexpr std::size_t at_once = 128;
     std::vector<float> out;
@@ -46,7 +46,7 @@ class TmrSearchEncoder final : public SearchEncoder {
     const auto values = rows_of_motion(*tmr_.features, motion, tmr_.fps);
     return normalised(std::vector<float>(values.begin(), values.end()));
   }
-  /// The same of rows of features that were made already, (frames, features).
+  /// The same for existing rows of features, (frames, features).
   std::vector<float> normalised(std::span<const float> features) const {
     std::vector<typename B::scalar> values(features.begin(), features.end());
     std::vector<float> out;

@@ -10,8 +10,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// <a, b> in double, rounded once. Products of floats are exact there, so what is left of rounding is the order of four
-/// sums: every compiler and every processor gives the same bits.
+/// <a, b> in double, rounded once. Products of floats are exact there, and four sums have a fixed order. So every
+/// compiler and every processor gives the same bits.
 inline float exact_cosine(const float* a, const float* b, Index width) {
   double s[4] = {};
   Index i = 0;
@@ -33,7 +33,7 @@ Index whole_rows(std::string_view function, std::size_t values, Index width);
 /// length 0.
 std::vector<float> unit_rows(std::span<const float> rows, Index width);
 
-/// Throws shape_error 205, numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not
+/// Throws shape_error 205, and numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not
 /// finite.
 void require_unit_rows(std::string_view where, std::span<const float> rows, Index width);
 

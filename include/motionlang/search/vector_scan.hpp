@@ -4,10 +4,10 @@
 ///     const VectorScan gallery(rows, 256);                  // rows of length 1, not copied
 ///     for (const Neighbour& n : gallery.search(query, 10)[0]) use(n);
 ///
-/// Many queries are a matrix product whose scores are looked at while they lie in a cache; few are read past the
-/// gallery once. These fast scores (float sums in the kernel's order, rows or both sides rounded to bfloat16) only say
-/// who cannot be among the k nearest: what lies within their error bound of the k-th is compared by exact_cosine. So an
-/// answer does not depend on the processor, on the number of threads, on the other queries, or on the storage.
+/// Many queries are a matrix product whose scores are used while they are in a cache. For few queries the gallery is
+/// read once. These fast scores (float sums in the kernel's order, rows or both sides rounded to bfloat16) only exclude
+/// vectors that cannot be among the k nearest. Vectors within the error bound of the k-th are compared by exact_cosine.
+/// So an answer does not depend on the processor, the number of threads, the other queries or the storage.
 ///
 ///     |fast - exact| <= (width + 2) 2^-24 |q| |x|  + |q| max_x |x - bfloat16(x)| + |x| max_q |q - bfloat16(q)|
 ///
@@ -23,16 +23,15 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 enum class ScanStorage {
-  float32,  // the rows as they are
-  // a copy of half the size is scanned, many queries with products in bfloat16; the rows are read for the best ones
-  // only
+  float32,  // the rows themselves
+  // Scans a copy of half the size, with products in bfloat16 for many queries; reads the rows only for the best ones.
   bfloat16,
 };
 
 class VectorScan : public VectorSearch {
  public:
   /// rows   (count, width) of length 1
-  /// owner  keeps them alive; without one they have to outlive the object
+  /// owner  keeps them alive; without an owner they must outlive the object
   /// Throws shape_error 205, config_error 101, numeric_error 302 (require_unit_rows)
   VectorScan(std::span<const float> rows, Index width, std::shared_ptr<const void> owner = {},
              ScanStorage storage = ScanStorage::float32);

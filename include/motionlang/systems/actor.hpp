@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// ACTOR: motions of any duration for an action. Assembly; the parts are in vae/, nn/sequence_vae.hpp and
+/// ACTOR: motions of any duration for an action. This header assembles it from vae/, nn/sequence_vae.hpp and
 /// features/actor_points.hpp.
 ///
 ///     const std::vector<Index> actions{3, 7}, durations{60, 90};
@@ -22,14 +22,14 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The rows of thesis table 3.4, which mix.
+/// The rows of thesis table 3.4, which can be combined.
 enum class ActorEncoderKind { tokens, average, gru, fully_connected };
 enum class ActorDecoderKind { transformer, gru, fully_connected, autoregressive };
 
 /// Published sizes; 13 classes for NTU-13, 40 for UESTC.
 struct ActorConfig {
   static constexpr bool is_option = true;  // holds no tensors
-  Index njoints = 25, nfeats = 6;          // rows of a frame, and numbers of each: a translation is a row
+  Index njoints = 25, nfeats = 6;          // rows of a frame, and values of each: a translation is a row
   Index num_classes = 12;
   Index latent_dim = 256, ff_size = 1024, num_layers = 8, num_heads = 4;
   double dropout = 0.1;
@@ -37,13 +37,13 @@ struct ActorConfig {
   ActorEncoderKind encoder = ActorEncoderKind::tokens;
   ActorDecoderKind decoder = ActorDecoderKind::transformer;
   ActorConditioning conditioning = ActorConditioning::action_bias;  // of the transformer decoder
-  bool concatenate_time = true;                                     // gru and autoregressive: frames know the time
+  bool concatenate_time = true;                                     // gru and autoregressive: frames include their time
   Index num_frames = 60;                                            // of fully connected networks
   Index max_len = 5000;
   bool operator==(const ActorConfig&) const = default;
 };
 
-/// The names are those of the published checkpoints, which hold tables of positions besides.
+/// The names are those of the published checkpoints, which also contain tables of positions.
 template <Backend B>
 struct Actor {
   std::optional<ActorEncoder<B>> encoder;
@@ -104,7 +104,7 @@ struct Actor {
     if (autoregressive_decoder) return (*autoregressive_decoder)(z, actions, lengths);
     return (*decoder)(z, actions, lengths, context);
   }
-  /// decode for a training step, where an autoregressive decoder reads the true frames before each frame.
+  /// decode for a training step: an autoregressive decoder reads the true frames before each frame.
   Sequences<B> teach(const Tensor<B, 2>& z, std::span<const Index> actions, const Sequences<B>& x,
                      const Context& context = {}) const {
     return autoregressive_decoder ? autoregressive_decoder->teach(z, actions, x, context)
@@ -114,7 +114,7 @@ struct Actor {
 
 namespace detail {
 
-/// Rows of noise for generate, drawn at once.
+/// Rows of noise for generate, in a single draw.
 template <Backend B, class G>
 Tensor<B, 2> actor_noise(const Actor<B>& actor, Index rows, G& rng) {
   const Shape shape{rows, actor.config.latent_dim};
@@ -126,7 +126,7 @@ Tensor<B, 2> actor_noise(const Actor<B>& actor, Index rows, G& rng) {
 }  // namespace detail
 
 /// Motions in the order sample, action. durations: frames for each action, or for each motion.
-/// rng     its normal numbers are drawn once; with TorchRandom they are those of the published program
+/// rng     its normal values are taken in one draw; with TorchRandom they are those of the published program
 /// Throws  shape_error 203 for an action that is not a class, 204 for another number of durations, config_error 101
 template <Backend B, class G>
 Sequences<B> generate(const Actor<B>& actor, std::span<const Index> actions, std::span<const Index> durations, G& rng,
@@ -143,7 +143,7 @@ Sequences<B> generate(const Actor<B>& actor, std::span<const Index> actions, std
   return actor.decode(z, labels, Offsets(lengths));
 }
 
-/// Motions as the model understands them, without their noise: encoded and decoded. Source  thesis 3.3.4
+/// Encodes and decodes motions, which removes their noise. Source  thesis 3.3.4
 template <Backend B>
 Sequences<B> denoise(const Actor<B>& actor, const Sequences<B>& motions, std::span<const Index> actions) {
   return actor.decode(actor.encode(motions, actions).mu, actions, motions.offsets);
@@ -159,10 +159,10 @@ Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_
   return actor.decode(line, PoolVector<Index>(static_cast<std::size_t>(steps), action), Offsets::equal(steps, length));
 }
 
-/// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the
-/// other. All have `length` frames; the first and the last are those of generate.
-/// Throws  config_error 102 for a decoder that is not a transformer: its frames read the number of the action. What
-///         generate and interpolate_rows throw
+/// Motions between two actions, from one latent. Its memory in the decoder changes in `steps` steps from one action to
+/// the other. All have `length` frames. The first and the last are those of generate.
+/// Throws  config_error 102 for a decoder that is not a transformer, because its frames read the number of the action.
+///         What generate and interpolate_rows throw
 template <Backend B, class G>
 Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, Index steps, Index length, G& rng) {
   if (!actor.decoder)

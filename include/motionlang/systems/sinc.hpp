@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// SINC: several actions at the same time. Assembly; the parts are in vae/, nn/sequence_vae.hpp and
+/// SINC: several actions at the same time. This header assembles it from vae/, nn/sequence_vae.hpp and
 /// compose/sinc_composition.hpp.
 ///
 ///     const std::string text = join_labels(labels, Conjunction::same_time);            // text/joined_labels.hpp
@@ -19,7 +19,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
+/// Published sizes. (The published configuration has six heads under a name that is never read; there are four.)
 struct SincConfig {
   static constexpr bool is_option = true;  // holds no tensors
   Index nfeats = 135, text_dim = 768;
@@ -36,8 +36,8 @@ struct SincConfig {
 /// eps of SINC's Normalizer, both ways. (TEACH: 1e-12.)
 inline constexpr double sinc_eps = 1e-5;
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*), and in
-/// old ones eval_model.* and metrics.*.
+/// The names are those of the published checkpoints, which also contain DistilBERT (textencoder.text_model.*) and, in
+/// old ones, eval_model.* and metrics.*.
 template <Backend B>
 struct Sinc {
   SincTextEncoder<B> textencoder;
@@ -58,7 +58,7 @@ struct Sinc {
     if (c.motion_encoder) motionencoder.emplace(c.nfeats, true, transformer_of(c), c.max_len, rng);
   }
 
-  /// A distribution for each motion; for each text in mode separate_latents.
+  /// A distribution for each motion, or for each text in mode separate_latents.
   LatentGaussian<B> encode_text(const SincTexts<B>& texts, const Context& context = {}) const {
     return textencoder(texts, config.mode, config.legacy_ste_mask, context);
   }
@@ -79,7 +79,7 @@ struct Sinc {
   Sequences<B> decode(const Sequences<B>& z, const Offsets& lengths, const Context& context = {}) const {
     return motiondecoder(z, lengths, context);
   }
-  /// How many latents the texts of each motion become.
+  /// The number of latents for the texts of each motion.
   Offsets latents(const SincTexts<B>& texts) const {
     const Offsets of_motion = texts.per_motion();
     return config.mode == SincMode::separate_latents ? of_motion : Offsets::equal(of_motion.count(), 1);

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// The baseline that STMC is compared with: every text of a timeline is sampled alone, on its own noise, and the
-/// motions are stitched once at the end, body part by body part, with hard cuts.
+/// The baseline of STMC: every text of a timeline is sampled alone, from its own noise. The motions are stitched once
+/// at the end, body part by body part, with hard cuts.
 ///
 ///     const auto motions = sinc_baseline(stmc, std::span(&timeline, 1), Philox{.seed = 7});
 ///     const auto soft = sinc_baseline(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, SincCuts::interpolated);
 ///
-/// Source  SINC (Athanasiou et al. 2023) on a timeline, as STMC (Petrovich et al. 2024) has it in section 4.2
+/// Source  SINC (Athanasiou et al. 2023) on a timeline, as in section 4.2 of STMC (Petrovich et al. 2024)
 #pragma once
 
 #include <motionlang/systems/stmc.ipp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The transition where one text hands a body part over to another: nothing, or an interpolation around the cut.
+/// The transition at which a body part changes from one text to another: none, or an interpolation around the cut.
 enum class SincCuts { hard, interpolated };
 
 namespace detail {
@@ -22,7 +22,7 @@ std::vector<Index> crop_lengths(const BatchPlan& plan);
 
 }  // namespace detail
 
-/// How timelines are planned for the baseline: intervals do not reach into each other.
+/// The options for planning timelines for the baseline: intervals do not reach into each other.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 PlanOptions sinc_plan_options(const Stmc<B, D, E>& stmc, const StmcOptions& options) {
   PlanOptions out = stmc.plan_options(options);
@@ -30,8 +30,8 @@ PlanOptions sinc_plan_options(const Stmc<B, D, E>& stmc, const StmcOptions& opti
   return out;
 }
 
-/// From a plan made with `sinc_plan_options`, the caller's noise and clean estimates, as Stmc::generate_from takes
-/// them: every text is a sequence, and the collage is that of the texts alone. One motion for each timeline, (frames,
+/// Takes a plan made with `sinc_plan_options`, and the caller's noise and clean estimates like Stmc::generate_from.
+/// Every text is a sequence, and the collage is that of the texts alone. Returns one motion for each timeline, (frames,
 /// features), not normalised.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E, class Noise, class Estimate>
 std::vector<Tensor<B, 2>> sinc_baseline_from(const Stmc<B, D, E>& stmc, const BatchPlan& plan, Noise&& noise,

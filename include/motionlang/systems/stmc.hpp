@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// STMC: spatio-temporal motion collage. A timeline of texts on several tracks in, one motion out.
+/// STMC: spatio-temporal motion collage. It turns a timeline of texts on several tracks into one motion.
 ///
 /// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human
-///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training
-/// Bodies  motionlang::instantiated has those of Stmc<EigenBackend<float>>. A unit that is compiled with
-///         MOTIONLANG_INSTANTIATED and uses another Stmc also includes <motionlang/systems/stmc.ipp>; the compiler says
-///         so
+///         motion generation" (2024). It works at test time with any denoiser of explicit poses, without training
+/// Bodies  motionlang::instantiated has those of Stmc<EigenBackend<float>>. If a unit is compiled with
+///         MOTIONLANG_INSTANTIATED and uses another Stmc, it must also include <motionlang/systems/stmc.ipp>; otherwise
+///         the compiler asks for it
 #pragma once
 
 #include <optional>  // what the caller leaves to the model
@@ -25,13 +25,13 @@ struct BatchPlan;
 
 namespace detail {
 
-/// Complete where the bodies of Stmc are.
+/// This type is complete where the bodies of Stmc are.
 template <class T>
 struct StmcBodies;
 /// True if motionlang::instantiated has the bodies.
 template <class T>
 inline constexpr bool is_compiled_stmc = false;
-/// Says what a unit without the bodies lacks for a function that no library can have compiled. Argument: of it.
+/// Names the missing header for a function that no library can have compiled. Argument: of that function.
 template <class T, class Argument>
 struct HasStmcBodies {
   static constexpr bool value = true;
@@ -49,14 +49,14 @@ struct StmcOptions {
   std::optional<SamplingOptions> sampling{};  // the model's own unless given
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
-  Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
+  Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Affects only the memory
   Progress progress{};                      // called after every step; may cancel
 };
 
-/// Clean motions, normalised, one below the other.
+/// Clean motions, normalised, in consecutive rows.
 template <Backend B>
 struct CleanMotions {
-  Tensor<B, 2> rows{};  // (motions * stride, features); those behind the end of a motion mean nothing
+  Tensor<B, 2> rows{};  // (motions * stride, features); rows behind the end of a motion mean nothing
   Index stride = 0;     // rows of every motion
 };
 

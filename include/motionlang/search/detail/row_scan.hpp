@@ -9,7 +9,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// The scan itself. A template, so that motionlang::instantiated can compile it once.
+/// The scan itself. It is a template, so that motionlang::instantiated can compile it once.
 template <std::same_as<float> S>
 struct RowScan {
   std::span<const S> rows;                // (count, width)

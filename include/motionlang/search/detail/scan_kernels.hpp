@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The kernels of a scan over vectors, beside those of backend/detail/kernels.hpp and chosen like them.
+/// The kernels of a scan over vectors. They complement those of backend/detail/kernels.hpp and are chosen like them.
 #pragma once
 
 #include <motionlang/backend/detail/kernels.hpp>
@@ -45,7 +45,7 @@ MOTIONLANG_TARGET_POP
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// Those of the same instruction set as `kernels`, whose panels they read.
+/// The scan kernels for the instruction set of `kernels`, whose panels they read.
 template <class S>
 const ScanKernels<S>& scan_kernels(const Kernels<S>& kernels) {
 #ifdef MOTIONLANG_WIDE_KERNELS

@@ -12,7 +12,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The texts of a plan, each once; "" is the first one.
+/// The different texts of a plan; "" is the first one.
 struct DifferentTexts {
   std::vector<std::string> texts{""};
   std::vector<Index> which;  // of every interval
