@@ -76,12 +76,12 @@ struct Stmc {
   Normalizer<B> motion_normalizer, text_normalizer;
   GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
   FeatureLayout layout = smplrifke_layout();
-  double guidance = 2.5;       // what the model should be sampled with, where the caller does not say
+  double guidance = 2.5;       // for sampling, if the caller does not set it
   SamplingOptions sampling{};  // the same
   Index steps = 0;             // the same; 0: all of the process
   double fps = 20;             // of its motions
 
-  /// A text encoder without fields has its weights in files of its own.
+  /// The weights of a text encoder without fields are in files of its own.
   static constexpr auto fields() {
     if constexpr (Module<E>)
       return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
@@ -91,47 +91,47 @@ struct Stmc {
                                 "text_normalizer", &Stmc::text_normalizer);
   }
 
-  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends
+  /// One motion per timeline, (frames, features), not normalised. All are sampled together. The noise of each depends
   /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
   std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
                                      const StmcOptions& options = {}) const;
   Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
 
   /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
-  /// (sequences, frames, features) as `shape` says.
+  /// (sequences, frames, features) of the given shape.
   template <class Noise, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
-  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
-  /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes.
+  /// The same with clean estimates from a function: estimate(collage, whole, x, t) -> x0, all of shape (rows of the
+  /// collage, features). whole(collage, x, t) is the estimate of a plain run.
   template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options, Estimate&& estimate) const;
-  /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
+  /// The same from a plan made with `plan_options`, for example with other rules for texts that claim the same part.
   template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                           Estimate&& estimate) const;
 
-  /// The same motions as they are sampled: still normalised.
+  /// The same motions before denormalisation.
   template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   CleanMotions<B> sample(BatchPlan plan, Noise&& noise, const StmcOptions& options, Estimate&& estimate) const;
-  /// Each of them by itself, not normalised: (frames of its timeline in the plan, features).
+  /// Separates them, not normalised: (frames of its timeline in the plan, features) each.
   std::vector<Tensor<B, 2>> separate(const CleanMotions<B>& clean, const BatchPlan& plan) const;
 
-  /// How timelines are planned for this model.
+  /// The options for planning timelines for this model.
   PlanOptions plan_options(const StmcOptions& options) const;
 
-  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same
-  /// noise.
+  /// Standard normal values of every sequence from its own stream, so a timeline has the same noise alone and in a
+  /// batch.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with this many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
+  /// The process with this many evenly chosen steps, all if 0; the model's own number unless given. Throws config_error
   /// 105.
   GaussianDiffusion process(std::optional<Index> wanted) const;
 
  private:
-  /// Features of the text of every interval, and of "". Each text goes through the encoder once.
+  /// Features of the text of every interval, and of "". Each text is encoded once.
   struct PlanTexts {
     TextFeatures<B> text, null;
   };
@@ -139,7 +139,7 @@ struct Stmc {
 };
 
 /// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the
-/// skeleton's: the rotations are used, not the predicted positions. Published generation starts facing pi.
+/// skeleton's, because the rotations are used and not the predicted positions. Published generation starts facing pi.
 template <Backend B>
 Motion stmc_motion(const Tensor<B, 2>& features, double fps = 20);
 

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
-/// STMC after an edit of its timelines: what the edit cannot have changed is taken from the run before.
+/// STMC after an edit of its timelines: everything that the edit cannot change is reused from the run before.
 ///
 ///     StmcRecord<B> record;
 ///     auto motion = generate_recorded(stmc, timelines, Philox{.seed = 7}, {.steps = 10}, record);
 ///     timelines[0].intervals[2].text = "run";
 ///     StmcReuse reuse;
-///     // The bits of generate(timelines, ...); then another motion than that, but only near the edit.
+/// The bits of generate(timelines, ...). The second call makes another motion, which differs only near the edit.
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);
 ///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
 ///
-/// The limit of reuse (compose/edits.hpp): an edit spreads by one crop with every step. Texts that follow
-/// each other with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit
-/// nothing is reused any more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it.
-/// Free are timelines of the batch that were not edited, and with overlap 0 all texts behind a cut that nothing spans.
-/// For the rest there is an approximation, named `within`: frames further than that from the edit keep their clean
-/// estimates of every step, as if painted over, and the frames between are made to fit to them.
-/// Memory   a record has (steps, frames, 205) numbers: 20 MB for 12 s and 100 steps, 2 MB with 10
+/// The limit of reuse (compose/edits.hpp): an edit spreads by one crop with every step. Overlapping neighbours form a
+/// chain of crops, so nothing is reused after as many steps as the chain has crops beside the edit. With 100 steps, a
+/// few per cent of the work can be reused; with 10 steps and a long timeline much of it. Timelines of the batch that
+/// were not edited cost nothing, and with overlap 0 neither do texts behind a cut that nothing spans. The option
+/// `within` approximates: frames further than that from the edit keep their clean estimates of every step, as in
+/// inpainting. The frames between are fitted to them.
+/// Memory   a record has (steps, frames, 205) values: 20 MB for 12 s and 100 steps, 2 MB with 10
 #pragma once
 
 #include <motionlang/compose/edits.hpp>
@@ -24,7 +24,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A run as it is needed after an edit.
+/// The record of a run for use after an edit.
 template <Backend B>
 struct StmcRecord {
   std::vector<Timeline> timelines{};
@@ -32,17 +32,17 @@ struct StmcRecord {
   StmcOptions options{};           // without progress
   Index rows = 0;                  // of every timeline
   std::vector<Tensor<B, 2>> x0{};  // after each step: clean estimate (timelines * rows, features), normalised
-  bool exact = true;               // false: not what a run without a record gives, because of `within`
+  bool exact = true;               // false: not the result of a run without a record, because of `within`
 };
 
 struct RegenerateOptions {
-  std::optional<Index> within{};  // frames; approximation: what is further from the edit stays as it was
+  std::optional<Index> within{};  // frames; approximation: frames further from the edit do not change
   Progress progress{};
 };
 
 namespace detail {
 
-/// The clean estimates of a run: those that can differ from the recorded ones are calculated, the others taken.
+/// The clean estimates of a run. Those that can differ from the recorded ones are computed, the others copied.
 template <Backend B, class D>
 class Regeneration {
  public:
@@ -78,7 +78,7 @@ class Regeneration {
   }
 
  private:
-  /// For every row of x0 where it is: among the recorded ones, or behind them among those just made.
+  /// For every row of x0 its place: among the recorded ones, or after them among the new ones.
   void find_rows(const Collage<B, D>& collage) {
     const Index recorded = before_.x0.front().size(0);
     rows_.clear();
@@ -105,8 +105,8 @@ void require_own_results(const Collage<B, D>& collage) {
 
 }  // namespace detail
 
-/// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102
-/// where crops depend on each other (BatchMates).
+/// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, and config_error
+/// 102 if crops depend on each other (BatchMates).
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                             const Philox& rng, const StmcOptions& options, StmcRecord<B>& record) {
@@ -124,8 +124,8 @@ std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span
   return motions;
 }
 
-/// The motions of other timelines with seed and options of the record, made from the record as far as possible; the
-/// record then is that of this run. Throws as generate does, config_error 102 if the record has another number of
+/// The motions of other timelines with seed and options of the record, computed from the record as far as possible. The
+/// record is then that of this run. Throws as generate does, and config_error 102 if the record has another number of
 /// steps.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& record,

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// STMC around a motion that is there already: frames or body parts of it are kept, texts make the rest.
+/// STMC around an existing motion: frames or body parts of it are kept, and texts make the rest.
 ///
 ///     KeptMotion<B> clip{features};                            // (frames, 205), not normalised
-///     // Its first and last second: what is between is made. Or its way and steps: texts move the rest.
+/// Its first and last second; the model makes the frames between. Or its path and steps; texts move the rest.
 ///     clip.parts = {{{0, 20}}, {{100, 120}}};
 ///     clip.parts = {{{0, 120}, BodyParts{}.with(BodyPart::legs)}};
 ///     const std::span<const KeptMotion<B>> kept(&clip, 1);     // one for each timeline
 ///     auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, kept);
 ///
-/// Rule    after every step the clean estimate is overwritten where something is kept; x_t stays as it is
+/// Rule    after every step the clean estimate is overwritten where a part is kept; x_t is not changed
 /// Source  MDM (Tevet et al. 2023), section 3 "Editing", MDM sample/edit.py
-/// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did,
-///         from wherever the frames before them have led. Models that do not look at what is kept jump where it begins
-///         and ends: `without_jump` (kinematics/blend.hpp), as in the program
+/// Note    Features describe the path over the floor by its velocity. So kept frames at the end move as before, but
+///         start where the frames before them end. Models that ignore the kept part jump where it begins and ends: use
+///         `without_jump` (kinematics/blend.hpp), as the program does
 #pragma once
 
 #include <cmath>  // isfinite
@@ -21,7 +21,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames and body parts that are kept. The way over the ground belongs to the part with the path: the legs of a human.
+/// Kept frames and body parts. The path over the floor belongs to the part with the path: the legs of a human.
 struct KeptPart {
   IndexRange frames;
   BodyParts parts = BodyParts::every();
@@ -39,7 +39,7 @@ namespace detail {
 /// Positions of all these parts in a feature vector.
 std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts);
 
-/// Normalised features where they are kept, over whatever is elsewhere.
+/// Kept normalised features, which replace those of the model.
 template <Backend B>
 class KeptRows {
  public:
@@ -90,14 +90,14 @@ class KeptRows {
     }
   }
 
-  Tensor<B, 2> open_, values_;  // 1 where nothing is kept, and 0 there
+  Tensor<B, 2> open_, values_;  // 1 where nothing is kept, else 0
 };
 
 }  // namespace detail
 
-/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, except for the
-/// rounding of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline
-/// does not have, 102 for another number of motions, shape_error 205 for other features, numeric_error 301.
+/// As stmc.generate, with one motion to keep for each timeline. Kept values come back unchanged, up to the rounding of
+/// the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline lacks, 102 for
+/// another number of motions, shape_error 205 for other features, numeric_error 301.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                           const Philox& rng, const StmcOptions& options,

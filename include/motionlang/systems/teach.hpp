@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// TEACH: a sequence of actions, each generated with the end of the one before it. Assembly; the parts are in vae/,
+/// TEACH: a sequence of actions, each generated from the end of the one before it. This header assembles it from vae/,
 /// nn/sequence_vae.hpp and compose/teach_join.hpp.
 ///
 ///     const std::vector<std::string> actions{"walk", "turn left", "sit"};
@@ -21,31 +21,31 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
+/// Published sizes. (The published configuration has six heads under a name that is never read; there are four.)
 struct TeachConfig {
   static constexpr bool is_option = true;  // holds no tensors
   Index nfeats = 135, text_dim = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
   Activation activation = Activation::gelu;
-  Index hist_frames = 5;        // of the past that a text is encoded with
-  bool z_prev_text = false;     // the latent of the past, too
+  Index hist_frames = 5;        // of the past, with which a text is encoded
+  bool z_prev_text = false;     // also the latent of the past
   bool motion_encoder = true;   // for training
-  bool unused_encoder = false;  // textencoder.motionTransEncoder, which published checkpoints have
-  bool mask_padding = false;    // true: as the paper; published code lets frames of padding be attended to in training
+  bool unused_encoder = false;  // textencoder.motionTransEncoder of published checkpoints
+  bool mask_padding = false;    // true: as in the paper; in training, published code attends to frames of padding
   Index max_len = 5000;
   bool operator==(const TeachConfig&) const = default;
 };
 
-/// The frames of the gap that published evaluations fill between two actions.
+/// The number of frames that published evaluations interpolate between two actions.
 inline constexpr Index teach_window = 8;
 
 namespace detail {
 
-/// The frames that are generated of each part: all but those of the gap before it. Throws config_error 101 where that
-/// leaves fewer than two, and for a negative gap.
+/// The generated frames of each part: all except the gap before it. Throws config_error 101 if fewer than two remain,
+/// and for a negative gap.
 Offsets generated_frames(const Offsets& lengths, Index gap);
-/// Parts, generated frames one behind the other, with rows of 0 in the gaps.
+/// Parts, whose generated frames follow each other, with rows of 0 in the gaps.
 template <Backend B>
 Sequences<B> with_gaps(const Tensor<B, 2>& frames, const Offsets& lengths, Index gap) {
   PoolVector<Index> pick;
@@ -58,7 +58,7 @@ Sequences<B> with_gaps(const Tensor<B, 2>& frames, const Offsets& lengths, Index
 
 }  // namespace detail
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*) and
+/// The names are those of the published checkpoints, which also contain DistilBERT (textencoder.text_model.*) and
 /// tables of positions.
 template <Backend B>
 struct Teach {
@@ -102,8 +102,8 @@ struct Teach {
     return out;
   }
 
-  /// Both actions of a training step, for teach_losses. The second text sees the end of the first motion as it was
-  /// decoded from the first text, and gradients pass through it; `teacher_forcing`: as it is in the data.
+  /// Both actions of a training step, for teach_losses. The second text sees the end of the first motion as decoded
+  /// from the first text, and gradients flow through it. With `teacher_forcing` it sees that of the data.
   /// Source  thesis A.2.3; TEACH teach/model/teach.py allsplit_step
   TeachBranches<B> branches(const TeachPairs<B>& pairs, const TeachNoise<B>& noise, const Context& context = {},
                             bool teacher_forcing = false) const {
@@ -130,7 +130,7 @@ struct Teach {
   /// The parts of one motion in normalised features, one for each text, in their order.
   /// lengths  frames of the parts, each with the gap of `window` frames before it; the gaps are rows of 0
   /// eps      (texts, latent), standard normal
-  /// Throws   shape_error 204, 207; config_error 101 for a part of fewer than two frames behind its gap
+  /// Throws   shape_error 204, 207; config_error 101 for a part of fewer than two frames after its gap
   /// Source   thesis A.2.3, A.3.4; TEACH teach/model/teach.py forward_seq
   Sequences<B> generate(const Sequences<B>& texts, const Offsets& lengths, const Tensor<B, 2>& eps,
                         Index window = 0) const {
@@ -149,8 +149,8 @@ struct Teach {
   }
 };
 
-/// The baseline "independent": parts that know nothing of each other, of a model for single actions (Temos with 135
-/// features). The baseline "joint" is text_to_motion of all labels joined by commas. Arguments as of Teach::generate.
+/// The baseline "independent": independent parts from a model of single actions (Temos with 135 features). The baseline
+/// "joint" is text_to_motion of all labels joined by commas. Arguments as in Teach::generate.
 template <Backend B, class Model>
 Sequences<B> independent_actions(const Model& model, const Sequences<B>& texts, const Offsets& lengths,
                                  const Tensor<B, 2>& eps, Index window = 0) {
@@ -158,7 +158,7 @@ Sequences<B> independent_actions(const Model& model, const Sequences<B>& texts, 
   return detail::with_gaps(parts.rows, lengths, window);
 }
 
-/// The parts of one motion, with noise that depends on seed and place only.
+/// The parts of one motion, with noise that depends only on seed and place.
 template <Backend B>
 Sequences<B> actions_to_motion(const Teach<B>& model, const Sequences<B>& texts, const Offsets& lengths,
                                const Philox& rng, Index window = teach_window, const LatentSampling& sampling = {}) {

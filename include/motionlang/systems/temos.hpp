@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// TEMOS: diverse motions from a text. Assembly; the parts are in vae/ and nn/sequence_vae.hpp.
+/// TEMOS: diverse motions from a text. This header assembles it from vae/ and nn/sequence_vae.hpp.
 ///
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, texts)).tokens;              // text/bert.hpp
 ///     const auto motions = text_to_motion(temos, states, Offsets{60}, Philox{.seed = 7}, 10);  // ten for each text
@@ -34,8 +34,8 @@ struct TemosConfig {
   bool operator==(const TemosConfig&) const = default;
 };
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*, frozen,
-/// and read on its own), tables of positions and sums of losses.
+/// The names are those of the published checkpoints, which also contain DistilBERT (textencoder.text_model.*, frozen,
+/// read separately), tables of positions and sums of losses.
 template <Backend B>
 struct Temos {
   TemosTextEncoder<B> textencoder;
@@ -100,7 +100,7 @@ std::vector<Vec3<typename B::scalar>> temos_joints(const Normalizer<B>& normaliz
   const auto rows = normalizer.denormalize(features);
   return rifke_joints(temos_rifke(), rows.span());
 }
-/// The same of an SMPL model, (frames, 135): rotations of 22 joints and translation, metres, Z up.
+/// The same for an SMPL model, (frames, 135): rotations of 22 joints and translation, metres, Z up.
 template <Backend B>
 SmplVelpMotion<typename B::scalar> temos_smpl(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
   const auto rows = normalizer.denormalize(features);

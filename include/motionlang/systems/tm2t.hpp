@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// TM2T: motions to texts and texts to motions, both by way of motion tokens. Assembly; the parts are in
+/// TM2T: motions to texts and texts to motions, both through motion tokens. This header assembles it from
 /// vae/motion_tokenizer.hpp, nn/seq2seq_transformer.hpp, nn/seq2seq_gru.hpp and nn/decoding.hpp.
 ///
 ///     for (const auto& text : tm2t.describe(features, glove)) use(text);             // "a person walk forward"
@@ -26,7 +26,7 @@ struct Tm2tConfig {
   Seq2SeqGruConfig text_to_motion{};
 };
 
-/// How texts become motions, as published.
+/// The published way from texts to motions.
 struct Tm2tSampling {
   Index max_tokens = 49, top_k = 100;
 };
@@ -37,7 +37,7 @@ struct Description {
   double log_probability = 0;
 };
 
-/// The members of the published checkpoints, each of which has a file of its own.
+/// The members of the published checkpoints, each from a file of its own.
 template <Backend B>
 struct Tm2t {
   Normalizer<B> statistics;  // those of the tokenizer, see tm2t_deviation
@@ -59,12 +59,12 @@ struct Tm2t {
 
   MotionVocabulary vocabulary() const { return tokenizer.vocabulary(); }
 
-  /// Features to codes, without marks. Frames behind the last four are left out. Throws shape_error 205 for fewer than
-  /// four.
+  /// Features to codes, without marks. Frames after the last group of four are dropped. Throws shape_error 205 for
+  /// fewer than four.
   IdSequences tokens(const Sequences<B>& features) const {
     return tokenizer.tokens(features.with(statistics.normalize(features.rows)));
   }
-  /// Codes to features; a motion of no codes has no frames.
+  /// Codes to features. A motion without codes has no frames.
   Sequences<B> motions(const IdSequences& codes) const {
     std::vector<std::vector<Index>> lists;
     std::vector<Index> frames;
@@ -88,15 +88,15 @@ struct Tm2t {
     }
     return IdSequences::from(lists);
   }
-  /// A description of each motion, the best of some beams: lemmas with blanks between them.
-  /// Differs from the published program, which takes the last word off a description that has no end
+  /// A description of each motion, the best of several beams: lemmas with blanks between them.
+  /// Differs from the published program, which removes the last word of a description without an end
   std::vector<std::string> describe(const Sequences<B>& features, const GloVe& glove, BeamOptions options = {}) const {
     std::vector<std::string> out;
     for_each_search(features, glove, options,
                     [&](const BeamSearch& found, const Sequences<B>&) { out.push_back(sentence(found.ids, glove)); });
     return out;
   }
-  /// All beams, the best first, where they differ in words.
+  /// All beams with different words, the best first.
   std::vector<std::vector<Description>> descriptions(const Sequences<B>& features, const GloVe& glove,
                                                      BeamOptions options = {}) const {
     std::vector<std::vector<Description>> out;
@@ -107,7 +107,7 @@ struct Tm2t {
     });
     return out;
   }
-  /// Descriptions that are drawn word by word.
+  /// Descriptions sampled word by word.
   std::vector<std::string> describe_at_random(const Sequences<B>& features, const GloVe& glove, const Philox& rng,
                                               DecodingOptions options = {}) const {
     set_marks(options, glove);
@@ -118,7 +118,7 @@ struct Tm2t {
     for (Index i = 0; i < words.count(); ++i) out.push_back(sentence(words[i], glove));
     return out;
   }
-  /// `draws` of them for each motion, where they differ in words.
+  /// `draws` of them for each motion, without duplicates.
   std::vector<std::vector<Description>> descriptions_at_random(const Sequences<B>& features, const GloVe& glove,
                                                                const Philox& rng, Index draws,
                                                                DecodingOptions options = {}) const {
@@ -139,7 +139,7 @@ struct Tm2t {
     return out;
   }
 
-  /// The codes of a motion for each text. text: as GloVe::encode makes it; parts of speech are not read.
+  /// The codes of a motion for each text. text: from GloVe::encode; parts of speech are not read.
   IdSequences write_tokens(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
     auto state = t2m_model.start(word_vectors(text));
     return decode_batch(t2m_model.next(state), text.count(),
@@ -151,7 +151,7 @@ struct Tm2t {
                         uniform_of(rng))
         .written();
   }
-  /// Their features. A text that the model has nothing to say about gets no frames.
+  /// Their features. A text for which the model writes nothing gets no frames.
   Sequences<B> generate(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
     return motions(write_tokens(text, rng, options));
   }
@@ -164,7 +164,7 @@ struct Tm2t {
   static void set_marks(auto& options, const GloVe& glove) {
     options.begin = glove.id("sos"), options.end = glove.id("eos"), options.pad = glove.size();
   }
-  /// f(what the search for words of a motion has found, the motion as the transformer remembers it)
+  /// f(the result of the search for a motion's words, the motion in the transformer's memory)
   template <class F>
   void for_each_search(const Sequences<B>& features, const GloVe& glove, BeamOptions options, F f) const {
     set_marks(options, glove);
@@ -174,7 +174,7 @@ struct Tm2t {
       f(beam_search(Seq2SeqWriter<B>(m2t_transformer, own), options), own);
     }
   }
-  /// Adds the description that symbols with their marks give of a memory's motion, unless it is there already.
+  /// Adds the description in these symbols of a memory's motion, unless it is a duplicate.
   void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory,
            const GloVe& glove) const {
     std::string text = sentence(ids, glove);
@@ -194,13 +194,14 @@ struct Tm2t {
   }
 };
 
-/// "Inverse alignment": what the recurrent model writes about a text has to be described by that text again. The loss
-/// of the description, whose gradient reaches the recurrent model by a Gumbel sample; the model from motion to text is
-/// not to be changed by it.
-///     text: word vectors; described: ids of the words with their marks
+/// "Inverse alignment": the motion that the recurrent model writes for a text must be described by that text again.
+/// Returns the loss of the description. Its gradient reaches the recurrent model through a Gumbel sample; the model
+/// from motion to text must not change.
+///    text: word vectors; described: ids of the words with their marks
 /// Source   TM2T, section 3.3: the second sum of TM2T eq. 7; TM2T networks/trainers.py Seq2SeqT2MJointTrainer
 ///          forward_cycle
-/// Differs  from TM2T eq. 7, which adds both sums: as published, this is a step of its own after that of the tokens
+/// Differs  from TM2T eq. 7, which adds both sums. As published, this is a separate step after that of the tokens (the
+///          first sum, `next_symbol_loss`), each with gradients clipped at norm 0.5
 ///          (the first sum, `next_symbol_loss`), each with gradients clipped at norm 0.5
 template <AutodiffBackend A>
 Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t,
@@ -210,7 +211,7 @@ Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTrans
   const auto sample =
       gumbel_sample(t2m, text, options, [&](Index) { return gumbel_noise<A>(text.count(), symbols, rng); });
   const auto memory = m2t.encode_shares(sample.rows(), context);
-  // the second sum of TM2T eq. 7
+  // The second sum of TM2T eq. 7.
   return next_symbol_loss(m2t.logits(described.without_ends(0, 1), memory, context), described);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// TMR: texts and motions in one space, to find one by the other. Assembly; the parts are in vae/ and
+/// TMR: texts and motions in one space, so that one finds the other. This header assembles it from vae/ and
 /// nn/sequence_vae.hpp.
 ///
 ///     const auto text = tmr.encode_text(states).mu, motion = tmr.encode_motion(features).mu;
@@ -7,7 +7,7 @@
 ///     const auto score = tmr_score(similarity);                       // in [0, 1], for people
 ///
 /// Source  Petrovich, Black, Varol: "TMR: Text-to-motion retrieval using contrastive 3D human motion synthesis" (ICCV
-///         2023); thesis, chapter 5. It holds TEMOS as well, in the form of TMR's repository: losses without
+///         2023); thesis, chapter 5. It also covers TEMOS in the form of TMR's repository: losses without the
 ///         contrastive term
 #pragma once
 
@@ -57,7 +57,8 @@ struct Tmr {
   LatentGaussian<B> encode_motion(const Sequences<B>& motion, const Context& context = {}) const {
     return motion_encoder(motion, context);
   }
-  /// Either: the width says which. Throws config_error 101 if both modalities have it, shape_error 204 if none has.
+  /// Encodes either; the width decides which. Throws config_error 101 if both modalities have it, shape_error 204 if
+  /// none has.
   LatentGaussian<B> encode(const Sequences<B>& x, const Context& context = {}) const {
     const Index motion = config.motion_nfeats, text = config.text_nfeats;
     if (motion == text) raise<config_error>(101, "Tmr: motions and texts are both ", text, " wide: say which is meant");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// Operations that a backend may have as one kernel: each is defined here in primitives, which is what it means.
+/// Operations for which a backend may have a kernel. Each is defined here in primitives, which are its meaning.
 ///
 /// `if constexpr (requires { B::linear(...); })` takes the kernel of a backend that has one. `Autodiff<B>` has the
-/// operation, with a hand-written derivative, exactly when B has its kernels; otherwise the definition below is
+/// operation, with a hand-written derivative, exactly if B has its kernels. Otherwise the definition below is
 /// differentiated.
 #pragma once
 
@@ -50,7 +50,7 @@ Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
       case Activation::none:
         return x;
       case Activation::relu:
-        return maximum(x, Tensor<B, R>(0.0));  // slope 1 at 0; of the kernels, as in PyTorch, 0
+        return maximum(x, Tensor<B, R>(0.0));  // slope 1 at 0; 0 in the kernels, as in PyTorch
       case Activation::gelu:
         return x * 0.5 * (erf(x * std::sqrt(0.5)) + 1.0);
       case Activation::silu:
@@ -91,7 +91,7 @@ void check_linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tenso
 }  // namespace detail
 
 /// y = dropout(act(x W^T + bias)) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) ->
-/// (rows, out) Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
+/// (rows, out). Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
 template <Backend B>
 Tensor<B, 2> linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tensor<B, 1>* bias,
                     Activation act = Activation::none, const Tensor<B, 2>* residual = nullptr,
@@ -250,9 +250,9 @@ Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B
 
 /// Multi-head attention over packed sequences (Vaswani et al. 2017, eq. 1); heads are contiguous slices of the width.
 ///     O_h = softmax(Q_h K_h^T / sqrt(width / heads) + R_h) V_h     within each sequence
-/// q (query rows, width), k and v (key rows, width) -> (query rows, width). Padding does not exist here: a key that is
-/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the
-/// distance j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
+/// q (query rows, width), k and v (key rows, width) -> (query rows, width). There is no padding: a masked key is not in
+/// the sequence (see from_padded). R may be null. Element (i, j) of R_h is the value for the distance j - i: column j -
+/// i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
 template <Backend B>
 Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
                        const Offsets& k_offsets, const AttentionOptions& options,
@@ -285,7 +285,7 @@ Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tenso
   }
 }
 
-/// The same with q, k and v side by side, as one projection makes them: qkv (rows, 3 width) -> (rows, width).
+/// The same with q, k and v side by side, the result of one projection: qkv (rows, 3 width) -> (rows, width).
 template <Backend B>
 Tensor<B, 2> self_attention(const Tensor<B, 2>& qkv, const Offsets& offsets, const AttentionOptions& options) {
   if (qkv.size(1) % 3 != 0) raise<shape_error>(204, "self_attention: ", qkv.shape(), " is not three parts wide");

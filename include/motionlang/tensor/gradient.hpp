@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Differentiation as user code sees it: variables, `backward`, and gradients as a value.
+/// Differentiation for user code: variables, `backward`, and gradients as a value.
 #pragma once
 
 #include <motionlang/tensor/tensor.hpp>
@@ -42,25 +42,25 @@ auto backward(const Tensor<A, 0>& loss) {
   return Gradients<A>(A::gradients(loss.data()));
 }
 
-/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...),
-/// which has to give y once more. Training needs the memory of one such piece instead of all, for a second forward
-/// pass.
+/// Returns y, but the graph keeps only `inputs` and not the path from them to y. The backward pass calls
+/// again(inputs...), which must compute y again. Training then needs the memory of one such piece instead of all, and a
+/// second forward pass.
 /// Source   Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost" (2016), section 4.1
-/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been
-///          calculated has to be an input (config_error 102). Gradients are the same bits as without
+/// Caution  `again` is copied and called by `backward`. It may hold parameters and constants, but every computed tensor
+///          must be an input (config_error 102). Gradients have the same bits as without it
 template <AutodiffBackend A, int R, class F, int... Q>
 Tensor<A, R> keep_inputs(const Tensor<A, R>& y, F again, const Tensor<A, Q>&... inputs) {
   return Tensor<A, R>(A::checkpoint(
       y.data(), [again = std::move(again)](const auto&... values) { return again(Tensor<A, Q>(values)...).data(); },
       inputs.data()...));
 }
-/// f(inputs...), of which the graph keeps the inputs only.
+/// f(inputs...), but the graph keeps only the inputs.
 template <class F, AutodiffBackend A, int... Q>
 auto checkpoint(const F& f, const Tensor<A, Q>&... inputs) {
   return keep_inputs(f(inputs...), f, inputs...);
 }
 
-/// A leaf that gradients are wanted for.
+/// A leaf for which gradients are computed.
 template <AutodiffBackend A, int R>
 Tensor<A, R> variable(const Tensor<typename A::inner, R>& value) {
   return Tensor<A, R>(A::variable(value.data()));
@@ -70,7 +70,7 @@ template <AutodiffBackend A, int R>
 Tensor<typename A::inner, R> value_of(const Tensor<A, R>& t) {
   return Tensor<typename A::inner, R>(A::value(t.data()));
 }
-/// The same value as a constant: gradients stop here. Where there are none it is the tensor itself.
+/// The same value as a constant: gradients stop here. On a backend without gradients it is the tensor itself.
 template <Backend B, int R>
 Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
   if constexpr (AutodiffBackend<B>)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Sequences of symbols, packed like Sequences<B>: what models that read and write words or motion tokens take.
+/// Sequences of symbols, packed like Sequences<B>, for models that read and write words or motion tokens.
 #pragma once
 
 #include <span>    // lists
@@ -20,7 +20,7 @@ struct IdSequences {
   static IdSequences one(std::span<const Index> list) {
     return {{list.begin(), list.end()}, Offsets{std::ssize(list)}};
   }
-  /// Rows of `width` ids; those that are `pad` are left out. Throws shape_error 205 unless they are whole rows.
+  /// Rows of `width` ids, without those that equal `pad`. Throws shape_error 205 unless they are whole rows.
   static IdSequences from_padded(std::span<const Index> padded, Index width, Index pad);
 
   Index count() const { return offsets.count(); }
@@ -28,8 +28,8 @@ struct IdSequences {
     return std::span(ids).subspan(static_cast<std::size_t>(offsets.begin(i)),
                                   static_cast<std::size_t>(offsets.length(i)));
   }
-  /// Each without its first or last ids: what is to be written, and what it is written after. Throws shape_error 207
-  /// for a sequence that is shorter.
+  /// Each without its first or last ids, for example the symbols to predict and those before them. Throws shape_error
+  /// 207 for a sequence that is shorter.
   IdSequences without_ends(Index first, Index last) const;
 };
 

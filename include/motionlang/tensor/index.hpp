@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Moving numbers: reshape, permute, slice, concat, gather, scatter.
+/// Moves values: reshape, permute, slice, concat, gather, scatter.
 #pragma once
 
 #include <array>  // axes
@@ -9,7 +9,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The same numbers in another shape; one size may be -1 and is then computed. Throws shape_error 205.
+/// The same values in another shape. One size may be -1 and is then computed. Throws shape_error 205.
 template <int New, Backend B, int R>
 Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& sizes) {
   detail::require_tensor("reshape", a);
@@ -56,7 +56,8 @@ requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shap
   return Tensor<B, New>(B::broadcast(a.data(), s));
 }
 
-/// Indices first ... last-1 along an axis; all of them are the tensor itself, without a copy. Throws shape_error 203.
+/// Indices first ... last-1 along an axis. If these are all, it is the tensor itself, without a copy. Throws
+/// shape_error 203.
 template <Backend B, int R>
 Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
   detail::require_tensor("slice", a);
@@ -104,7 +105,7 @@ namespace detail {
 void check_rows(const char* op, std::span<const Index> rows, Index n);
 }  // namespace detail
 
-/// out[i] = a[rows[i]]: picks along the first axis; rows may repeat. Throws shape_error 203.
+/// out[i] = a[rows[i]]: selects along the first axis; rows may repeat. Throws shape_error 203.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R> gather(const Tensor<B, R>& a, std::span<const Index> rows) {
   detail::require_tensor("gather", a);

@@ -19,9 +19,10 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
-/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
-/// itself (`static constexpr bool is_option = true`, or a specialisation of this variable): sizes, computed tables.
-/// Other types need fields() of their own. Without them their tensors would be skipped, hence a compile error.
+/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and types that say
+/// so (`static constexpr bool is_option = true`, or a specialisation of this variable), such as sizes and computed
+/// tables. Other types need fields() of their own. Without them their tensors would be skipped, so this is a compile
+/// error.
 template <class T>
 inline constexpr bool is_option = [] {
   if constexpr (requires { T::is_option; })
@@ -30,7 +31,7 @@ inline constexpr bool is_option = [] {
     return std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
 }();
 
-/// A tensor of a module, whatever its rank: its path, and its data to read or replace. (In a const module it is const.)
+/// A tensor of a module, of any rank: its path, and its data to read or replace. (In a const module it is const.)
 template <Backend B, class Data = typename B::tensor>
 struct ModuleTensor {
   std::string path;
@@ -40,14 +41,14 @@ struct ModuleTensor {
   bool trainable = true;  // is_trainable of the module that lists it
 
   Shape shape() const { return B::shape(*data); }
-  /// The numbers, row-major.
+  /// The values, row-major.
   std::span<const typename B::scalar> span() const { return B::to_span(*data); }
 };
 
 namespace detail {
 
-/// The common properties of the tensors below a type: their backend (void: there are none), and which ranks they have,
-/// a bit for each.
+/// The common properties of the tensors below a type: their backend (void: there are none), and their ranks, one bit
+/// for each.
 template <class T>
 struct TensorsBelow {
   static_assert(is_option<T>,
@@ -81,8 +82,8 @@ struct TensorsBelow<FieldList<Field<M, T>, Rest>> {
 template <Module M>
 struct TensorsBelow<M> : TensorsBelow<decltype(M::fields())> {};
 
-/// Lists tensors. One function for every type of module, whatever is done with the tensors then: models are large, and
-/// each of their modules would be walked over again for every purpose.
+/// Lists tensors. It is one function for every type of module and every use of the tensors. Models are large, and
+/// otherwise each of their modules would be compiled again for every use.
 template <Backend B>
 class TensorLister {
  public:
@@ -133,7 +134,7 @@ class TensorLister {
   bool trainable_ = true;
 };
 
-/// f(path, tensor) with the tensor's rank as a type again.
+/// Calls f(path, tensor) with the tensor's rank as a type.
 template <class M, unsigned ranks, Backend B, class F, int R = 0>
 void with_rank(const ModuleTensor<B>& t, F& f) {
   if constexpr ((ranks >> R & 1) != 0) {
@@ -175,8 +176,8 @@ void visit_tensors(M& module, F f) {
   }
 }
 
-/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, perhaps over
-/// different backends. Throws shape_error 204 if they are not.
+/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, possibly over
+/// different backends. Throws shape_error 204 if the structures differ.
 template <class M, class N, class F>
 void zip_tensors(M& a, N& b, F f) {
   const auto first = tensors_of(a);
@@ -190,7 +191,7 @@ void zip_tensors(M& a, N& b, F f) {
   }
 }
 
-/// Numbers in all tensors of a module.
+/// The number of values in all tensors of a module.
 template <Module M>
 Index parameter_count(const M& module) {
   Index n = 0;
@@ -221,7 +222,7 @@ void convert_member(To& to, const From& from) {
   } else if constexpr (std::is_same_v<To, From>) {
     to = from;
   } else {
-    to = To(from);  // tables that are computed, not stored
+    to = To(from);  // computed tables, not stored
   }
 }
 
@@ -233,7 +234,7 @@ void convert_module(To& to, const From& from) {
 
 }  // namespace detail
 
-/// The same model over another backend, with copies of all numbers. On an Autodiff backend every trainable tensor
+/// The same model over another backend, with copies of all values. On an Autodiff backend every trainable tensor
 /// becomes a variable.
 template <Backend To, template <class> class M, class From>
 M<To> convert(const M<From>& model) {
@@ -241,7 +242,7 @@ M<To> convert(const M<From>& model) {
   detail::convert_module(out, model);
   return out;
 }
-/// From training to use: the model without a tape.
+/// The model without a tape, after training.
 template <template <class> class M, AutodiffBackend A>
 M<typename A::inner> to_inner(const M<A>& model) {
   return convert<typename A::inner>(model);
@@ -249,13 +250,13 @@ M<typename A::inner> to_inner(const M<A>& model) {
 
 namespace detail {
 
-/// Matrices, and what has the axes of a convolution's weight: (out, in, taps), (out, in, taps, 1).
+/// True for the ranks of matrices and of a convolution's weight: (out, in, taps), (out, in, taps, 1).
 template <class B>
 bool has_panels(int rank) {
   return PackingBackend<B> && rank >= 2 && rank <= 4;
 }
 
-/// Packs a weight; returns whether all its values are finite.
+/// Packs a weight; returns true if all its values are finite.
 template <PackingBackend B>
 bool pack_weight(const typename B::tensor& weight, Precision precision = product_precision()) {
   const Shape shape = B::shape(weight);

@@ -161,7 +161,7 @@ template <Backend B, int R>
 requires(R > 0) Tensor<B, R - 1> mean(const Tensor<B, R>& a, int axis) {
   return sum(a, axis) / static_cast<double>(a.size(axis));
 }
-/// Sum and mean of everything.
+/// Sum and mean of all elements.
 template <Backend B, int R>
 Tensor<B, 0> sum(const Tensor<B, R>& a) {
   detail::require_tensor("sum", a);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Tensors as text, for people: shape and numbers.
+/// Tensors as readable text: shape and values.
 ///
 ///     const auto x = Tensor<B, 2>::from({1, 2.5, -3, 4}, {2, 2});
 ///     std::cout << x << "\n";
@@ -15,14 +15,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The text of numbers in row-major order; number(numbers, i) is that of number i.
+/// The text of values in row-major order; number(numbers, i) is that of value i.
 std::string array_text(const Shape& shape, const void* numbers, std::string (*number)(const void*, Index));
 
 }  // namespace detail
 
-/// Shape and numbers in brackets, the innermost axis in a line: "(2, 2) [[1, 2.5],\n        [-3, 4]]". Numbers have as
-/// many digits as read back the same. Of more than 1000 numbers, axes of more than six have their first and last three.
-/// A tensor that is not made yet, or was moved from, is "no tensor".
+/// Shape and values in brackets, with the innermost axis in a line: "(2, 2) [[1, 2.5],\n        [-3, 4]]". Values have
+/// as many digits as needed to read them back. If there are more than 1000 values, axes of more than six show their
+/// first and last three. An unset or moved-from tensor is "no tensor".
 template <Backend B, int R>
 std::string to_string(const Tensor<B, R>& t) {
   if (!t.defined()) return "no tensor";
@@ -32,7 +32,7 @@ std::string to_string(const Tensor<B, R>& t) {
   });
 }
 
-/// For who includes <ostream>.
+/// For code that includes <ostream>.
 template <Backend B, int R>
 std::ostream& operator<<(std::ostream& out, const Tensor<B, R>& t) {
   return out << to_string(t);

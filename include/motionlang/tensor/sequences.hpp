@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// A batch of sequences without padding: the rows of all sequences one after the other, and where each begins.
+/// A batch of sequences without padding: the rows of all sequences in order, and the begin of each.
 ///
-/// Layers that treat rows alike (linear, norms, nonlinearities, losses) see only rows; attention, positions and pooling
-/// take the offsets. Padded tensors and masks exist only at the edge, for loaders and for comparison with other
+/// Layers that treat rows alike (linear, norms, nonlinearities, losses) see only rows. Attention, positions and pooling
+/// take the offsets. Padded tensors and masks exist only at the borders: for loaders and for comparison with other
 /// programs.
 #pragma once
 
@@ -33,8 +33,8 @@ struct Sequences {
 
 /// For every row the number of its sequence.
 PoolVector<Index> sequence_of_row(const Offsets& offsets);
-/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204
-/// for another count.
+/// Repeats one row per sequence for all rows of the sequence: (sequences, width) -> (rows, width). Throws shape_error
+/// 204 for another count.
 template <Backend B>
 Tensor<B, 2> repeat_for_rows(const Tensor<B, 2>& per_sequence, const Offsets& offsets) {
   if (per_sequence.size(0) != offsets.count())
@@ -53,9 +53,9 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
 
 namespace detail {
 
-/// The lengths of the sequences `which`: numbers that there are, in any order, with repetition.
+/// The lengths of the sequences `which`: existing numbers in any order, with repetition.
 Offsets some_sequences(const Offsets& offsets, std::span<const Index> which);
-/// The sequences `which`; without copying if these are all of them in order.
+/// The sequences `which`, without copying if these are all of them in order.
 template <Backend B>
 Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which) {
   const Index first = which.empty() ? 0 : which.front(), count = std::ssize(which);
@@ -70,15 +70,15 @@ Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which)
   }
   return {gather(x.rows, rows), offsets};
 }
-/// Number i times.length(i) times. Throws shape_error 204 for another number of times.
+/// Number i, times.length(i) times. Throws shape_error 204 for another number of times.
 PoolVector<Index> repeated_numbers(Index sequences, const Offsets& times);
 
-/// Rows to pick, and how long the sequences of them are.
+/// Rows to select, and the lengths of their sequences.
 struct PickedRows {
   PoolVector<Index> rows;
   Offsets offsets;
 };
-/// For concat_tokens, of the parts one behind the other. Throws shape_error 204 if the counts differ.
+/// For concat_tokens: the parts in order. Throws shape_error 204 if the counts differ.
 PickedRows joined_sequences(std::span<const Offsets* const> parts);
 /// For last_rows. Throws shape_error 204, 207.
 PoolVector<Index> last_rows_of(const Offsets& offsets, const Offsets& tail);
@@ -89,7 +89,7 @@ std::vector<unsigned char> mask_of_lengths(const Shape& shape, std::span<const I
 
 }  // namespace detail
 
-/// Sequence i times.length(i) times, one after the other. Throws shape_error 204 for another number of times.
+/// Sequence i, times.length(i) times, in order. Throws shape_error 204 for another number of times.
 Offsets repeat_lengths(const Offsets& offsets, const Offsets& times);
 template <Backend B>
 Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
@@ -143,7 +143,7 @@ Tensor<B, 3> to_padded(const Sequences<B>& x, double value = 0, Index time = 0) 
   if (time == 0) time = x.offsets.longest();
   if (time < x.offsets.longest())
     raise<shape_error>(205, "to_padded: ", time, " frames for a sequence of ", x.offsets.longest());
-  // a last row of padding, which all padded positions pick
+  // A last row of padding, which all padded positions select.
   const auto rows = concat(0, x.rows, Tensor<B, 2>::full({1, x.width()}, value));
   std::vector<Index> pick;
   for (Index i = 0; i < x.count(); ++i) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// Tensor<B, Rank>: what user code sees. The backend and the rank are types, the sizes are values.
+/// Tensor<B, Rank> for user code. The backend and the rank are types, the sizes are values.
 ///
-/// A handle with value semantics: copying shares memory, writing never shows through another handle. A wrong rank is a
-/// compile error; wrong sizes are a `shape_error` from the operation, thrown before any backend runs.
+/// A handle with value semantics: copying shares memory, but a write is never visible through another handle. A wrong
+/// rank is a compile error. Wrong sizes are a `shape_error` from the operation, thrown before any backend runs.
 #pragma once
 
 #include <array>        // places
@@ -17,8 +17,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A backend's tensor, row-major numbers that fill(scalar*) writes: into the tensor itself where it can be written, so
-/// that a large table is not there twice.
+/// A backend's tensor with row-major values that fill(scalar*) writes. It writes directly into the tensor if possible,
+/// so that a large table does not exist twice.
 template <Backend B, class F>
 typename B::tensor written_tensor(const Shape& shape, const F& fill) {
   using S = typename B::scalar;
@@ -45,14 +45,14 @@ class Tensor {
   using scalar = typename B::scalar;
   static constexpr int rank = Rank;
 
-  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it. A tensor that was
-  /// moved from is the same.
+  /// No tensor yet: its shape is (0) for any rank, it has no values, and operations refuse it. A moved-from tensor is
+  /// the same.
   Tensor() = default;
-  /// Wraps a backend's tensor. Throws shape_error 206 if its rank is another.
+  /// Wraps a backend's tensor. Throws shape_error 206 if its rank differs.
   explicit Tensor(typename B::tensor data) : data_(std::move(data)) {
     if (shape().rank() != Rank) raise<shape_error>(206, "Tensor: rank ", Rank, " expected, shape is ", shape());
   }
-  /// One number with all sizes 1: broadcasts against anything.
+  /// One value with all sizes 1, which broadcasts against anything.
   template <class N>
   requires std::is_arithmetic_v<N>
   explicit Tensor(N value) : data_(B::full(ones(), static_cast<scalar>(value))) {}
@@ -61,7 +61,7 @@ class Tensor {
     return Tensor(B::full(checked(shape), static_cast<scalar>(value)));
   }
   static Tensor zeros(const Shape& shape) { return full(shape, 0); }
-  /// Row-major values. Throws shape_error 205 if their number is not the shape's.
+  /// Row-major values. Throws shape_error 205 if their number does not fit the shape.
   static Tensor from(std::span<const scalar> values, const Shape& shape) {
     if (static_cast<Index>(values.size()) != shape.count()) {
       raise<shape_error>(205, "Tensor: ", Index(values.size()), " values for shape ", shape);
@@ -71,12 +71,12 @@ class Tensor {
   static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
     return from(std::span<const scalar>(values), shape);
   }
-  /// Row-major numbers that fill(scalar*) writes (written_tensor).
+  /// Row-major values that fill(scalar*) writes (written_tensor).
   template <class F>
   static Tensor written(const Shape& shape, const F& fill) {
     return Tensor(written_tensor<B>(checked(shape), fill));
   }
-  /// Standard normal numbers.
+  /// Standard normal values.
   static Tensor randn(const Shape& shape, Rng auto& rng) {
     return written(shape,
                    [&](scalar* to) { rng.normal(std::span<scalar>(to, static_cast<std::size_t>(shape.count()))); });
@@ -84,32 +84,32 @@ class Tensor {
 
   const typename B::tensor& data() const& MOTIONLANG_LIFETIMEBOUND { return data_; }
   typename B::tensor data() && { return std::move(data_); }
-  /// For code that replaces the value in place (optimisers, loaders).
+  /// For code that replaces the values in place (optimisers, loaders).
   typename B::tensor& mutable_data() MOTIONLANG_LIFETIMEBOUND { return data_; }
 
   Shape shape() const { return B::shape(data_); }
   Index size(int axis) const { return shape()[normalize_axis(axis, Rank, "Tensor::size")]; }
   Index count() const { return shape().count(); }
-  /// True if there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  /// True if there is a tensor, perhaps an empty one. False before it is made, and after a move.
   bool defined() const {
     if constexpr (Rank == 1 && requires(const typename B::tensor& t) { t.defined(); }) return data_.defined();
     return shape().rank() == Rank;
   }
 
-  /// The numbers, row-major; valid as long as this tensor lives and is not assigned to.
+  /// The values, row-major; valid while this tensor lives and is not assigned to.
   std::span<const scalar> span() const& MOTIONLANG_LIFETIMEBOUND { return B::to_span(data_); }
-  std::span<const scalar> span() const&& = delete;  // values of a temporary end with it: name it, or to_vector()
+  std::span<const scalar> span() const&& = delete;  // values of a temporary end with it: name it, or use to_vector()
   std::vector<scalar> to_vector() const {
     const auto s = span();
     return {s.begin(), s.end()};
   }
-  /// The only number of a tensor with one element. Throws shape_error 205.
+  /// The only value of a tensor with one element. Throws shape_error 205.
   scalar item() const {
     if (count() != 1) raise<shape_error>(205, "Tensor::item: shape ", shape(), " has ", count(), " elements");
     return span()[0];
   }
-  /// The value at an index for each axis: t.at(0, 2). For many values take span(). Throws shape_error 203 for an index
-  /// outside its axis, 206 if there is no tensor.
+  /// The value at an index for each axis: t.at(0, 2). For many values use span(). Throws shape_error 203 for an index
+  /// outside its axis, and 206 if there is no tensor.
   template <std::integral... I>
   requires(sizeof...(I) == Rank) scalar at(I... index)
   const {
@@ -141,7 +141,7 @@ class Tensor {
 
 namespace detail {
 
-/// Throws shape_error 206 for a tensor that is not made yet, or was moved from.
+/// Throws shape_error 206 for an unset or moved-from tensor.
 template <Backend B, int R>
 void require_tensor(std::string_view op, const Tensor<B, R>& t) {
   if (!t.defined()) raise<shape_error>(206, op, ": no tensor yet, or moved from; rank ", R, " expected");

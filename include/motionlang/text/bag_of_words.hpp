@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// One unit vector for each text from the words in it: which texts say nearly the same, where there is no network that
-/// knows.
+/// One unit vector for each text, computed from its words. It finds texts that mean nearly the same if there is no
+/// network that does so.
 ///
 ///     v_w = count of w in the text * (ln((1 + texts) / (1 + texts with w)) + 1/100),   then length 1
-/// so that words which stand in every text ("a", "person") weigh next to nothing. Order and synonyms are not seen.
+/// Words in every text ("a", "person") have almost no weight. Order and synonyms are ignored.
 /// Source  Salton, Buckley: "Term-weighting approaches in automatic text retrieval" (1988)
 #pragma once
 
@@ -18,15 +18,15 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class BagOfWords {
  public:
-  /// Counts each different text once. Words as WordPiece sees them.
+  /// Counts each different text once. Words are those of WordPiece.
   explicit BagOfWords(std::span<const std::string> texts);
 
-  /// Words, and one for all that are not known.
+  /// The number of words, plus one for all unknown words.
   Index width() const { return static_cast<Index>(words_.size()) + 1; }
 
   std::vector<double> vector(std::string_view text) const;
 
-  /// A text without words is all zero.
+  /// The vector of a text without words is zero.
   template <Backend B>
   TextFeatures<B> encode(std::span<const std::string> texts) const {
     std::vector<typename B::scalar> rows;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors,
-/// in whether there are token types, and in how positions count.
+/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. They are one network. They differ in the names of their
+/// tensors, in token types, and in the counting of positions.
 ///
 ///     // weights/text_network_file.hpp
 ///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);
@@ -24,7 +24,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct BertConfig {
   Index vocabulary = 30522, width = 768, heads = 12, d_ff = 3072, layers = 6, positions = 512;
-  Index token_types = 2, buckets = 32;  // only where the member has them
+  Index token_types = 2, buckets = 32;  // only if the member has them
   Index padding = 0;                    // the id of padding; positions of MPNet depend on it
   Activation activation = Activation::gelu;
   double eps = 1e-12;
@@ -35,7 +35,7 @@ inline constexpr BertConfig distilbert_base{};
 inline constexpr BertConfig minilm_l6{.width = 384, .d_ff = 1536};
 inline constexpr BertConfig mpnet_base{.vocabulary = 30527, .layers = 12, .positions = 514, .padding = 1, .eps = 1e-5};
 
-/// Names of the published state dicts (Hugging Face), and what a member has.
+/// Names in the published state dicts (Hugging Face), and the parts of a member.
 struct DistilBertKeys {
   static constexpr const char *model_type = "distilbert", *layers = "transformer.layer", *query = "attention.q_lin",
                               *key = "attention.k_lin", *value = "attention.v_lin", *attended = "attention.out_lin",
@@ -61,10 +61,9 @@ struct MpnetKeys {
                         attended_dropout = true;
 };
 
-/// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later
-/// ones; up to a
-/// distance of 8 every distance has its own. Source  MPNet (Song et al. 2020), after T5 (Raffel et al. 2020), section
-/// 2.1; the borders 8 * 16^(i / 8) as whole numbers (huggingface/transformers, modeling_mpnet.py).
+/// The bucket, among 32, of a relative position r = key - query. 0 ... 15 are for keys up to the query, 16 ... 31 for
+/// later ones. Up to 8 every distance has its own bucket. Source  MPNet (Song et al. 2020), after T5 (Raffel et al.
+/// 2020), section 2.1; the borders 8 * 16^(i / 8) as whole numbers (huggingface/transformers, modeling_mpnet.py).
 constexpr Index mpnet_bucket(Index r) {
   constexpr Index borders[] = {12, 16, 23, 32, 46, 64, 91};
   const Index distance = r < 0 ? -r : r, later = r > 0 ? 16 : 0;
@@ -75,7 +74,7 @@ constexpr Index mpnet_bucket(Index r) {
 }
 
 /// Post-norm:   x = LN(SA(x) + x);   x = LN(W2 act(W1 x) + x)
-/// Dropout (only with a context) on the attention weights and W2's result, of BERT and MPNet on SA's too.
+/// Dropout (only with a context) acts on the attention weights and W2's result; in BERT and MPNet also on SA's.
 template <Backend B, class Keys>
 struct BertLayer {
   Linear<B> query, key, value, attended;
@@ -162,7 +161,7 @@ struct BertNetwork {
     for (Index i = 0; i < c.layers; ++i) layers.emplace_back(c, rng);
   }
 
-  /// Ids of the longest text that there are positions for.
+  /// The number of ids for which there are positions.
   Index longest() const { return positions.weight.size(0) - first_position(); }
 
   /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long,
@@ -181,9 +180,9 @@ struct BertNetwork {
     }))};
   }
 
-  /// The row of a padded batch at `place` behind the end of each text, (texts, width): a piece of padding, which
-  /// attends to the text and is not attended to. Published SINC models with separate texts see it. Throws config_error
-  /// 101 if there is no such position.
+  /// The row of a padded batch at `place` after the end of each text, (texts, width): a token of padding, which attends
+  /// to the text and is not attended to. Published SINC models with separate texts read it. Throws config_error 101 if
+  /// there is no such position.
   Tensor<B, 2> padding_states(const TokenBatch& batch, Index place) const requires(!Keys::relative_scores) {
     const Offsets offsets = token_offsets(batch), one = Offsets::equal(offsets.count(), 1);
     check_length(std::max(offsets.longest(), place + 1));
@@ -229,7 +228,7 @@ struct BertNetwork {
   }
 };
 
-/// Packs the weights of the layers. Embeddings are looked up, not multiplied with.
+/// Packs the weights of the layers. Embeddings are looked up, not multiplied.
 template <Backend B, class Keys>
 void prepare(BertNetwork<B, Keys>& network) {
   for (auto& layer : network.layers) prepare(layer);

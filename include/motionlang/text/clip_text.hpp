@@ -23,7 +23,7 @@ struct ClipTextConfig {
 inline constexpr ClipTextConfig clip_vit_b32{};
 inline constexpr ClipTextConfig clip_vit_l14{.width = 768, .heads = 12, .d_ff = 3072, .out = 768};
 
-/// Pre-norm, every token sees those before it:   x = x + SA(LN1 x);   x = x + W2 act(W1 LN2 x)
+/// Pre-norm; every token sees those before it:   x = x + SA(LN1 x);   x = x + W2 act(W1 LN2 x)
 template <Backend B>
 struct ClipBlock {
   MultiheadAttention<B> attn;
@@ -82,9 +82,9 @@ struct ClipText {
 
   Index longest() const { return positional_embedding.size(0); }
 
-  /// The normalised states of the last layer, one row for every id, and where the end tokens are: the first of the
-  /// largest id. A row depends on the ids before it only. Throws config_error 101 for a text longer than the context,
-  /// shape_error 203 for an unknown id.
+  /// The normalised states of the last layer, one row for every id, and the places of the end tokens (the first of the
+  /// largest id). A row depends only on the ids up to it. Throws config_error 101 for a text longer than the context,
+  /// and shape_error 203 for an unknown id.
   TextFeatures<B> operator()(const TokenBatch& batch) const {
     const ModuleScope scope(*this);
     const Offsets offsets = token_offsets(batch);
@@ -104,10 +104,11 @@ struct ClipText {
             end_positions(batch)};
   }
 
-  /// Vectors of end tokens into the space of texts and images, (texts, width) -> (texts, out). Their length is not 1.
+  /// Projects vectors of end tokens to the space of texts and images, (texts, width) -> (texts, out). Their length is
+  /// not 1.
   Tensor<B, 2> project(const Tensor<B, 2>& end_rows) const { return matmul(end_rows, text_projection); }
 
-  /// The texts up to their end tokens: what stands behind has no influence on the vector of a text.
+  /// The texts up to their end tokens. Later ids do not affect the vector of a text.
   TokenBatch until_end(const TokenBatch& batch) const {
     TokenBatch out;
     token_offsets(batch);  // checks them
@@ -134,7 +135,7 @@ struct ClipText {
   }
 };
 
-/// Packs the weights of the blocks. Embeddings are looked up, not multiplied with.
+/// Packs the weights of the blocks. Embeddings are looked up, not multiplied.
 template <Backend B>
 void prepare(ClipText<B>& network) {
   for (auto& block : network.blocks) prepare(block);

@@ -4,8 +4,8 @@
 ///     const GloVe words = read_glove("glove/our_vab");                                       // weights/glove_file.hpp
 ///     const TextFeatures<B> text = words.encode<B>(texts);                  // texts: "a/DET man/NOUN walk/VERB"
 ///
-/// A row is the vector of a word and, behind it, a one among the 15 tags. Texts are lists of word/tag, the second field
-/// of the caption files of HumanML3D. A caption without tags is read by approximation, see `caption_tokens`.
+/// A row is the vector of a word, followed by a one among the 15 tags. Texts are lists of word/tag, the second field of
+/// the caption files of HumanML3D. A caption without tags is tagged approximately, see `caption_tokens`.
 /// Source  Guo et al. (CVPR 2022), TM2T utils/word_vectorizer.py WordVectorizerV2
 #pragma once
 
@@ -23,44 +23,44 @@ MOTIONLANG_NAMESPACE_BEGIN
 enum class SpeechTag { verb, noun, det, adp, num, aux, pron, adj, adv, loc, body, obj, act, desc, other };
 inline constexpr Index speech_tags = 15;
 
-/// By the name in the caption files; SpeechTag::other if there is none.
+/// The tag with this name in the caption files; SpeechTag::other if there is none.
 SpeechTag speech_tag(std::string_view name);
 
-/// The words that matter to motions have tags of their own: the first list that has the word. Nothing for other words.
+/// Words that matter to motions have tags of their own: that of the first list with the word. Nothing for other words.
 std::optional<SpeechTag> motion_tag(std::string_view word);
 
 /// Vectors of words, with "sos", "eos" and "unk" among them.
 class GloVe {
  public:
-  /// vectors has a row of `width` numbers for each word. Throws shape_error 205 for another size, config_error 103 if
+  /// `vectors` has a row of `width` values for each word. Throws shape_error 205 for another size, config_error 103 if
   /// sos, eos or unk is missing or a word is duplicated.
   GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width);
 
   Index size() const { return static_cast<Index>(row_.size()); }
   Index width() const { return width_; }
   bool contains(const std::string& word) const { return row_.contains(word); }
-  /// Its row; of an unknown word that of "unk". This is the number of the word in TM2T.
+  /// The row of a word; for an unknown word that of "unk". This is the number of the word in TM2T.
   Index id(const std::string& word) const;
-  /// The word of a row; behind the last row "pad". Throws shape_error 203 for other numbers.
+  /// The word of a row; "pad" after the last row. Throws shape_error 203 for other numbers.
   std::string word(Index id) const;
-  /// All of them in the order of their rows.
+  /// All words in the order of their rows.
   std::vector<std::string> words() const;
   std::span<const float> vector(const std::string& word) const;
-  /// The tag that counts: of an unknown word `other`, else the one of the word's list, else the given one.
+  /// The tag to use: `other` for an unknown word, otherwise that of the word's list, otherwise the given one.
   SpeechTag tag(const TaggedWord& w) const;
 
   /// sos, at most `longest` words, eos. Throws config_error 101 if `longest` is negative.
   static std::vector<TaggedWord> framed(std::span<const TaggedWord> words, Index longest);
 
-  /// "word/tag word/tag" where every word has a slash; other texts are captions, in which a slash is a mark like any
-  /// other ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside one with a tag of
-  /// the table.
+  /// "word/tag word/tag" if every word has a slash. Other texts are captions, in which a slash is an ordinary mark
+  /// ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside a word with a tag of the
+  /// table.
   std::vector<TaggedWord> tokens(std::string_view text) const;
   /// An approximation to what was done with spaCy: hyphens are deleted, words are lower-cased, those with digits are
   /// skipped; unknown words become a known form (text/word_forms.hpp). Tags come from the lists of `motion_tag` only.
   std::vector<TaggedWord> caption_tokens(std::string_view text) const;
 
-  /// Rows of width + 15 numbers: sos, the words, eos.
+  /// Rows of width + 15 values: sos, the words, eos.
   template <Backend B>
   TextFeatures<B> encode(std::span<const std::string> texts, Index longest = 20) const {
     std::vector<typename B::scalar> values;

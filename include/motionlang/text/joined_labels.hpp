@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// One sentence out of the labels of actions that happen at once, in the five ways of SINC.
+/// Joins labels of simultaneous actions to one sentence, in the five ways of SINC.
 ///
 ///     join_labels(labels, Conjunction::same_time)   // "walk and wave at the same time"
 ///
-/// `while_` and `during` put the second verb into its -ing form, for which a tagger of parts of speech is needed: a
-/// callable sentence -> words with their tags. Without one the words stay as they are.
+/// `while_` and `during` put the second verb into its -ing form. This needs a tagger of parts of speech: a callable
+/// sentence -> words with their tags. Without one the words do not change.
 ///
 /// Source   thesis B.2.2; SINC sinc/model/sinc.py rule_based_concat, gerund_augment
 /// Differs  the paper's evaluation says "while", its code "and ... at the same time"
@@ -19,14 +19,14 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// In the order in which training draws them.
+/// In the order in which training numbers them.
 enum class Conjunction { while_, simultaneously, comma, same_time, during };
 
-/// A tagger that knows no words: the sentence stays as it is.
+/// A tagger that knows no words: the sentence does not change.
 struct NoTagger {};
 
-/// The words joined by single blanks, "ing" after the second verb unless it ends so. Naive as published: "run" becomes
-/// "runing". Of a word its form in the sentence is wanted, not its lemma; verbs have the tag "VERB".
+/// Joins the words by single blanks, with "ing" after the second verb unless it ends so. As published, it is naive:
+/// "run" becomes "runing". Words need their form in the sentence, not their lemma; verbs have the tag "VERB".
 std::string second_verb_to_gerund(std::span<const TaggedWord> words);
 
 namespace detail {
@@ -36,7 +36,7 @@ std::string sentence_of_labels(std::span<const std::string> labels, Conjunction 
 
 }  // namespace detail
 
-/// No label: an empty sentence.
+/// Without labels, an empty sentence.
 template <class Tagger = NoTagger>
 std::string join_labels(std::span<const std::string> labels, Conjunction conjunction, Tagger&& tagger = {}) {
   std::string out = detail::sentence_of_labels(labels, conjunction);

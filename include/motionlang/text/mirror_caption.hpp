@@ -4,11 +4,11 @@
 ///     left <-> right, with the endings -s, -ward(s), -most, -hand(ed)
 ///     clockwise <-> counterclockwise, anticlockwise -> clockwise; also in parts: "counter-clockwise", "clock-wise"
 ///
-/// Whole words, capitals kept, all at once. "left" as a verb is exchanged, too: words do not tell.
+/// Only whole words are exchanged, all at once, with their capitals. The verb "left" is exchanged, too, because words
+/// alone do not show the difference.
 ///
-/// Source   Guo et al. (CVPR 2022): HumanML3D ships finished texts of mirrored clips, no program that makes them
-/// Differs  from the texts of the published KIT annotations, which exchange inside of words: "upright" is "upleft"
-///          there
+/// Source   Guo et al. (CVPR 2022): HumanML3D contains finished texts of mirrored clips, but no program that makes them
+/// Differs  from the texts of the published KIT annotations, which exchange inside words: "upright" is "upleft" there
 #pragma once
 
 #include <string>       // caption

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A word of a caption with its part of speech, as the caption files of HumanML3D list them.
+/// A word of a caption with its part of speech, as in the caption files of HumanML3D.
 #pragma once
 
 #include <string>  // words
@@ -8,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A word as its lemma, with its part of speech: "walk" and "VERB". No tag: none was written.
+/// A word as its lemma, with its part of speech: "walk" and "VERB". The tag is empty if none was written.
 struct TaggedWord {
   std::string word, tag;
   bool operator==(const TaggedWord&) const = default;

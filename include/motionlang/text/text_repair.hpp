@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// Cleaning of texts for the CLIP tokenizer: the deterministic steps of ftfy's repair, and HTML
-/// entities.
+/// Cleans texts for the CLIP tokenizer: the deterministic steps of ftfy's repair, and HTML entities.
 ///
 /// Source   openai/CLIP clip/simple_tokenizer.py basic_clean; ftfy 6.3.1 (Speer 2019); Python's html.unescape, HTML5's
 ///          rules
-/// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") stays as it is; the steps are repeated
+/// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") does not change; the steps are repeated
 ///          at most 100 times
 #pragma once
 
@@ -14,8 +13,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Replaces HTML entities as browsers do: named ones also without their semicolon where HTML allows that, the longest
-/// name first.
+/// Replaces HTML entities as browsers do. Named ones may lack their semicolon if HTML allows that; the longest name
+/// wins.
 std::string html_unescape(std::string_view text);
 
 /// Repairs a text: entities, C1 controls, ligatures, wide forms, curly quotes, line ends, terminal escapes, control

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Where the texts of a batch of ids begin.
+/// The begins of the texts in a batch of ids.
 #pragma once
 
 #include <motionlang/core/offsets.hpp>
@@ -7,7 +7,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Throws shape_error 207 if the lengths are not those of the ids.
+/// Throws shape_error 207 if the lengths do not fit the ids.
 inline Offsets token_offsets(const TokenBatch& batch) {
   Offsets offsets(batch.lengths);
   if (offsets.rows() != static_cast<Index>(batch.ids.size()))

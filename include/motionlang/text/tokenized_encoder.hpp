@@ -17,13 +17,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct TextOptions {
   Pooling pooling = Pooling::none;
-  bool normalize = false;  // pooled vectors get the length 1
+  bool normalize = false;  // scale pooled vectors to length 1
   Index width = 0;         // pads all texts to this many ids, as for MotionDiffuse (77); 0: no padding, as for the mean
-  Index padding = 0;       // the id to fill up with
+  Index padding = 0;       // the id of padding
 };
 
-/// The network takes a TokenBatch and gives TextFeatures<B>. Two things are optional: `until_end(batch)`, what suffices
-/// for the vector of the end token, and `project(rows)`, through which that vector goes.
+/// The network takes a TokenBatch and returns TextFeatures<B>. Two functions are optional: `until_end(batch)`, the part
+/// that the end token depends on, and `project(rows)`, which is applied to its vector.
 template <Tokenizer T, class Network>
 struct TokenizedEncoder {
   T tokenizer;

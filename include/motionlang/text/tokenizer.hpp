@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The concept of a tokenizer, batches of ids, and the strings that stand for an id wherever they occur in a text.
+/// The concept of a tokenizer, batches of ids, and strings with an id of their own anywhere in a text.
 #pragma once
 
 #include <algorithm>    // max, fill
@@ -14,8 +14,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Turns a text into the ids that a network takes, framed by the marks for begin and end.
-/// Laws     every id is at least 0 and below size(); any bytes are a text, what is not UTF-8 counts as U+FFFD
+/// Turns a text into the ids for a network, framed by the marks for begin and end.
+/// Laws     every id is at least 0 and below size(); any bytes are a text: bytes that are not UTF-8 count as U+FFFD
 /// Models   WordPiece, BertTokenizer, ClipTokenizer, and yours
 template <class T>
 concept Tokenizer = requires(const T& t, std::string_view text) {
@@ -23,14 +23,14 @@ concept Tokenizer = requires(const T& t, std::string_view text) {
   { t.size() } -> std::same_as<Index>;
 };
 
-/// The ids of several texts, one text after the other: what an embedding and `Offsets(lengths)` take.
+/// The ids of several texts in order, for an embedding and `Offsets(lengths)`.
 struct TokenBatch {
   std::vector<Index> ids, lengths;
 
   Index count() const { return static_cast<Index>(lengths.size()); }
   Index longest() const { return lengths.empty() ? 0 : *std::max_element(lengths.begin(), lengths.end()); }
 
-  /// (texts, width), filled up with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a
+  /// (texts, width), padded with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a
   /// text is longer.
   std::vector<Index> padded(Index pad, Index width = 0) const;
 };
@@ -46,18 +46,18 @@ TokenBatch tokenize(const T& tokenizer, std::span<const std::string> texts) {
   return out;
 }
 
-/// A string that becomes its id before words are looked for. White space beside it does not matter, since all our
+/// A string that becomes its id before words are found. White space beside it does not matter, because all our
 /// tokenizers drop white space.
 struct AddedToken {
   std::string content;
   Index id = 0;
-  bool normalized = false;  // looked for in the normalised text, not in the raw one
+  bool normalized = false;  // find it in the normalised text, not in the raw one
   bool operator==(const AddedToken&) const = default;
 };
 
 namespace detail {
 
-/// Finds added tokens in a text: the leftmost, and the longest of those that begin at one place.
+/// Finds added tokens in a text: the leftmost, and of those at one place the longest.
 class AddedTokenSearch {
  public:
   AddedTokenSearch() = default;
@@ -67,7 +67,7 @@ class AddedTokenSearch {
     return std::any_of(tokens_.begin(), tokens_.end(), [&](const AddedToken& t) { return t.id == id; });
   }
 
-  /// Calls on_text(part) for what lies between the tokens and on_token(id) for them, in the order of the text.
+  /// Calls on_text(part) for the text between tokens and on_token(id) for tokens, in the order of the text.
   template <class OnText, class OnToken>
   void split(std::string_view text, OnText on_text, OnToken on_token) const {
     std::size_t from = 0;
@@ -112,14 +112,13 @@ namespace detail {
 
 TokenPair framed(std::span<const FramePart> frame, std::span<const Index> a, std::span<const Index> b = {});
 
-/// Ids that a frame adds to its texts.
+/// The number of ids that a frame adds to its texts.
 std::size_t frame_size(std::span<const FramePart> frame);
 
-/// The ids of a text in its frame, no more than `longest`: what is beyond is cut off, or throws config_error 101 unless
-/// `truncate`.
+/// The framed ids of a text, at most `longest`. A longer text is cut if `truncate`, otherwise throws config_error 101.
 std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame, std::vector<Index> ids,
                                Index longest, bool truncate);
-/// Two texts in one frame; never cut. Throws config_error 101 beyond `longest` ids.
+/// Two texts in one frame, which is never cut. Throws config_error 101 beyond `longest` ids.
 TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePart> frame, std::span<const Index> a,
                       std::span<const Index> b, Index longest);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// A small word-piece tokenizer whose vocabulary is learnt from the captions of a training set.
+/// A small word-piece tokenizer that learns its vocabulary from the captions of a training set.
 ///
-/// For plain captions: ASCII letters are lowered, everything that is neither letter nor digit separates words. The
-/// tokenizers of BERT and CLIP, with their Unicode rules, are other headers.
+/// It is for plain captions: ASCII letters are lower-cased, and characters that are neither letters nor digits separate
+/// words. The tokenizers of BERT and CLIP, with their Unicode rules, are other headers.
 #pragma once
 
 #include <memory>       // piece -> id
@@ -27,12 +27,12 @@ class WordPiece {
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;
-  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source`
-  /// stands in messages.
+  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no duplicate piece. Messages
+  /// name `source`.
   explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece");
 
   /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at
-  /// least `least` times, until `size` pieces; ties go to the alphabetically first.
+  /// least `least` times, up to `size` pieces. Of equals the alphabetically first wins.
   /// Source  the WordPiece criterion as described for BERT (Schuster and Nakajima 2012)
   static WordPiece learn(std::span<const std::string> texts, Index size, Index least = 2);
 
@@ -43,7 +43,7 @@ class WordPiece {
   const std::vector<std::string>& vocabulary() const { return pieces_; }
   Index size() const { return static_cast<Index>(pieces_.size()); }
 
-  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that
+  /// [CLS] pieces [SEP], at most `longest` ids. Every word is split greedily into the longest known pieces; a word that
   /// cannot be split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
   std::vector<Index> encode(std::string_view text, Index longest = 64) const;
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Word pieces as token vectors: a small vocabulary and a table that is trained together with what reads it. Stands
-/// where TEMOS and TMR have the last states of DistilBERT, when there is none: their own transformer makes texts of the
-/// pieces.
+/// Word pieces as token vectors: a small vocabulary and a table that is trained together with the model. In TEMOS and
+/// TMR it replaces the last states of DistilBERT; their own transformer then reads the pieces.
 ///
 ///     WordPieceTokens<B> tokens(WordPiece::learn(captions, 800), 128, rng);
 ///     const auto latent = tmr.encode_text(tokens(captions).tokens);
@@ -29,7 +28,7 @@ struct WordPieceTokens {
 
   Index width() const { return embedding.weight.size(1); }
 
-  /// A row for every piece, with those of begin and end.
+  /// A row for every piece, including begin and end.
   TextFeatures<B> operator()(std::span<const std::string> texts) const {
     const ModuleScope scope(*this);
     const TokenBatch batch = tokenize(tokenizer, texts);

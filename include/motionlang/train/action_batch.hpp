@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Windows of motions with the classes of their actions, as ACTOR and its classifiers learn from them, and the sets of
-/// motions by which ACTOR is measured.
+/// Windows of motions with the classes of their actions, from which ACTOR and its classifiers learn. Also the sets of
+/// motions for evaluating ACTOR.
 #pragma once
 
 #include <span>    // numbers of motions
@@ -17,7 +17,7 @@ struct ActionBatch {
   Sequences<B> x;
   std::vector<Index> classes;
 };
-/// Every window is drawn with a generator of its own, so that it does not depend on the others.
+/// Every window has a generator of its own, so it does not depend on the others.
 template <Backend B>
 ActionBatch<B> action_batch(const std::vector<DescribedMotion>& motions, std::span<const Index> classes,
                             std::span<const Index> which, const ActorClipsConfig& clips, Philox rng) {
@@ -36,11 +36,11 @@ ActionBatch<B> action_batch(const std::vector<DescribedMotion>& motions, std::sp
   return out;
 }
 
-/// For each of these motions a random other one of its class, or itself where there is no other.
+/// For each of these motions a random other one of its class, or itself if there is no other.
 std::vector<Index> others_of_class(std::span<const Index> which, std::span<const Index> classes, Philox& rng);
 
-/// Recorded motions and what an ACTOR makes of them, as a classifier reads them: the sets of thesis table 3.8. Every
-/// call gives one motion for each that is asked for, of its action, as long as its window.
+/// Recorded motions, and motions that an ACTOR makes from them, for a classifier: the sets of thesis table 3.8. Every
+/// call returns one motion for each number, with its action and the length of its window.
 template <Backend B>
 struct RecognitionSets {
   using Numbers = std::span<const Index>;
@@ -48,7 +48,7 @@ struct RecognitionSets {
   const ActorModel<B>& model;
   const std::vector<DescribedMotion>& motions;
   Numbers classes;                // of the motions
-  const ActorClipsConfig& clips;  // of the motions: the model's; any for `sampled`, which takes lengths alone
+  const ActorClipsConfig& clips;  // of the motions: the model's; any for `sampled`, which uses only lengths
   const ActorClipsConfig& seen;   // by the classifier
 
   ActionBatch<B> recorded(Numbers which, const Philox& windows) const {
@@ -57,7 +57,7 @@ struct RecognitionSets {
   ActionBatch<B> denoised(Numbers which, const Philox& windows) const {
     return shown(which, windows, [&](const ActionBatch<B>& b) { return denoise(model.actor, b.x, b.classes); });
   }
-  /// Between each motion and another of its action.
+  /// Motions between each motion and another of its action.
   ActionBatch<B> interpolated(Numbers which, const Philox& windows, const Philox& windows_of_others, Philox rng) const {
     return shown(which, windows, [&](const ActionBatch<B>& b) {
       const auto others = others_of_class(which, classes, rng);

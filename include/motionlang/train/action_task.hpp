@@ -28,7 +28,7 @@ class ActionTask : public EpochTask<Configuration, Taped, Plain> {
     return out;
   }
   ActionModelFile<Configuration> file() const { return {config_, labels_}; }
-  /// Writes the folder of the model. `about`: license, provenance, which are required, data, command, ...
+  /// Writes the folder of the model. `about`: license and provenance, which are required, data, command, ...
   void save(const std::filesystem::path& folder, const std::map<std::string, std::string>& about) {
     save_action_model(folder, this->result(), this->system_.c_str(), file(), about);
   }
@@ -43,7 +43,7 @@ class ActionTask : public EpochTask<Configuration, Taped, Plain> {
     return action_batch<A>(data_->training, classes_, batches_(step, this->seed()), config_.clips,
                            rng.split("windows"));
   }
-  /// The same windows every time.
+  /// The same windows in every call.
   ActionBatch<B> validation_batch(std::span<const Index> which, const Philox& rng) const {
     return action_batch<B>(data_->validation, validation_classes_, which, config_.clips, rng.split("windows"));
   }

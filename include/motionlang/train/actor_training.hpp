@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The training of ACTOR: motions for actions. It is what `motionlang train-actor` does.
+/// The training of ACTOR, which makes motions for actions. `motionlang train-actor` calls it.
 ///
 ///     const auto config = actor_preset("small");
 ///     const auto data = read_described_motions({.data = "clips", .labels = "labels.tsv", .actions = true},
@@ -38,10 +38,10 @@ class ActorTraining : public ActionTask<ActorTrainingConfig, Actor<A>, Actor<typ
   using Base = ActionTask<ActorTrainingConfig, Actor<A>, Actor<typename A::inner>>;
   using typename Base::B;
 
-  /// data    has to outlive the training
-  /// from    a model to go on from, whose labels are taken
+  /// data    must outlive the training
+  /// from    a model to start from, whose labels are used
   /// files   of a body, unless losses.points is "joints"
-  /// Throws  config_error 101 to 103 for a configuration that cannot be, and what the readers of a body throw
+  /// Throws  config_error 101 to 103 for an invalid configuration, and what the readers of a body throw
   ActorTraining(const ActorTrainingConfig& config, const DescribedMotions& data, std::optional<ActorModel<B>> from = {},
                 const ActorBodyFiles& files = {});
 

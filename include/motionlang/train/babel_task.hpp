@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The common part of the trainings of SINC and TEACH: a model that reads word pieces or the states of a language
-/// model, which is asked again and again.
+/// model, and is called many times.
 #pragma once
 
 #include <filesystem>  // folders
@@ -25,7 +25,7 @@ class BabelTask : public TextTask<A, System> {
   using Model = TextMotionModel<T, System>;
 
   /// states       none: word pieces, learnt from `words`
-  /// statistics   a folder with those of the features; empty: of the motions to train on
+  /// statistics   a folder with those of the features; empty: those of the training motions
   BabelTask(Config config, const DescribedMotions& data, TextStates states, const std::vector<std::string>& words,
             const std::filesystem::path& statistics)
       : Base(std::move(config), data), states_(std::move(states)) {

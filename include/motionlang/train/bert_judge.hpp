@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// BERTScore (metrics/bert_score.hpp) of descriptions, by a language model from a folder.
+/// BERTScore (metrics/bert_score.hpp) of descriptions, with a language model from a folder.
 ///
 ///     BertJudge<B> judge("distilbert-base-uncased", 0);
 ///     const double f = judge(pairs);
@@ -24,7 +24,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 class BertJudge {
  public:
-  /// layers  that the model keeps; 0: all
+  /// layers  to keep; 0: all
   /// Throws  config_error 102 for CLIP, 101 for more layers than the model has, and what load_text_encoder throws
   BertJudge(const std::filesystem::path& folder, Index layers) : encoder_(load_text_encoder<B>(folder)) {
     std::visit(
@@ -42,7 +42,7 @@ class BertJudge {
         encoder_.network.network);
   }
 
-  /// The layers that are used, and those that the model has.
+  /// The number of layers in use, and that of the model.
   Index layers() const { return layers_; }
   Index all_layers() const { return all_layers_; }
 
@@ -68,7 +68,7 @@ class BertJudge {
     Tensor<B, 2> states;
     BertSentence<typename B::scalar> sentence() const { return {ids, {states.span(), states.size(1)}}; }
   };
-  /// Stripped and behind a blank, as the published program has sentences.
+  /// Stripped and after a blank, as in the published program.
   const Encoded& encoded(const std::string& text) {
     auto found = known_.find(text);
     if (found == known_.end()) {

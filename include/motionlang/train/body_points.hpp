@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Points of a body that the user has, as ACTOR's loss compares them.
+/// Points of the user's own body, which ACTOR's loss compares.
 #pragma once
 
 #include <filesystem>  // files
@@ -20,11 +20,11 @@ struct BodyPoints {
   BodyModel<B> body;
   std::optional<Tensor<B, 2>> J_regressor_extra{};
 
-  /// name       "vertices", "smpl", "a2m", "a2mpl", "vibe"; the last three have vertices of SMPL among them, and what a
-  ///            regressor takes from all of them (ACTOR src/models/smpl.py)
+  /// name       "vertices", "smpl", "a2m", "a2mpl", "vibe"; the last three are vertices of SMPL and points that a
+  ///            regressor computes from all of them (ACTOR src/models/smpl.py)
   /// regressor  J_regressor_extra.npy (9, vertices), which SPIN and VIBE publish
-  /// Throws  config_error 103 for another name, 102 for a regressor that is missing or not read, and for a body without
-  ///         the vertices; io_error 407 for a regressor of another shape; what read_body throws
+  /// Throws  config_error 103 for another name, 102 for a regressor that is missing or not needed, and for a body
+  ///         without the vertices; io_error 407 for a regressor of another shape; what read_body throws
   BodyPoints(const std::string& name, const std::filesystem::path& path, const std::filesystem::path& regressor)
       : points(parse_actor_points(name)), body(read_body<B>(path).model) {
     const bool regressed = points != ActorPoints::vertices && points != ActorPoints::smpl;
@@ -54,7 +54,7 @@ struct BodyPoints {
       J_regressor_extra = Tensor<B, 2>::from(from.J_regressor_extra->to_vector(), from.J_regressor_extra->shape());
   }
 
-  /// (frames, 3 points); `translate`: moved by the way of the root.
+  /// (frames, 3 points); `translate`: moved by the path of the root.
   Sequences<B> operator()(const Sequences<B>& x, const ActorClipsConfig& clips, bool translate) const {
     const ActorPointOptions options{.features = {.rotations = parse_pose_representation(clips.pose),
                                                  .translation = clips.translation,

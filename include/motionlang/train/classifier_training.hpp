@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The training of a classifier of actions, which judges generated motions. It is what `motionlang train-classifier`
-/// does; see train/actor_training.hpp for its use.
+/// The training of a classifier of actions, which judges generated motions. `motionlang train-classifier` calls it; see
+/// train/actor_training.hpp for its use.
 ///
 /// Source   ACTOR (Petrovich, Black, Varol, ICCV 2021), its evaluation; thesis 3.3.1
 #pragma once
@@ -20,10 +20,10 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Throws config_error 101 to 103 if the settings of generated motions cannot be. `generated`: whether there is a model
-/// that makes them.
+/// Throws config_error 101 to 103 for invalid settings of generated motions. `generated`: true if there is a model that
+/// makes them.
 void require_generated_settings(const ClassifierConfig& config, bool generated);
-/// The clips as a generator is given recorded motions.
+/// The form of the clips for a generator that reads recorded motions.
 ActorClipsConfig clips_for_generator(const ClassifierConfig& config, const ActorClipsConfig& generator);
 
 template <AutodiffBackend A>
@@ -33,9 +33,9 @@ class ClassifierTraining : public ActionTask<ClassifierConfig, Classifier<A>, Cl
   using typename Base::B;
   using Read = std::function<DescribedMotions(const RowMaker&)>;
 
-  /// data       has to outlive the training
-  /// generator  an ACTOR that makes config.generated_share of the motions that are learned from; its labels are taken
-  /// read       the same data in other rows, for an ACTOR of another pose representation that is given recorded ones
+  /// data       must outlive the training
+  /// generator  an ACTOR that makes config.generated_share of the training motions; its labels are used
+  /// read       the same data in other rows, for an ACTOR of another pose representation that reads recorded motions
   ClassifierTraining(const ClassifierConfig& config, const DescribedMotions& data,
                      std::optional<ActorModel<B>> generator = {}, const Read& read = {});
 
@@ -48,15 +48,15 @@ class ClassifierTraining : public ActionTask<ClassifierConfig, Classifier<A>, Cl
   std::vector<Measure> validate();
 
  private:
-  /// The batch of a step. Generated motions replace some of its motions, which are drawn at random.
+  /// The batch of a step. Generated motions replace some of its motions at random.
   ActionBatch<A> partly_generated(const Philox& rng, Index step) const;
   /// Motions of the generator in the places of recorded ones.
   ActionBatch<B> generated(std::span<const Index> which, const Philox& rng) const;
 
   using Base::batches_, Base::classes_, Base::config_, Base::data_, Base::labels_, Base::learner_;
   std::optional<ActorModel<B>> generator_;
-  ActorClipsConfig known_clips_;           // windows as the generator is given them
-  std::optional<DescribedMotions> known_;  // the data in its rows, where these are others
+  ActorClipsConfig known_clips_;           // windows in the generator's form
+  std::optional<DescribedMotions> known_;  // the data in its rows, if these differ
 };
 
 template <AutodiffBackend A>

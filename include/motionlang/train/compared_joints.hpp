@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// The joints by which motions of TEACH and SINC are compared: those of the user's SMPL-H body, as published, or those
-/// of our own skeleton.
+/// The joints for comparing motions of TEACH and SINC: those of the user's SMPL-H body, as published, or those of our
+/// own skeleton.
 ///
 ///     const ComparedJoints<B> joints_of("smplnh", "SMPLH_MALE.npz");
 ///     const JointFrames joints = joints_of(sinc_motion(normalizer, rows));      // metres, frame by frame
 ///
-/// Differs  without a body the heels of the published joints are the ankles of our own skeleton
+/// Differs  without a body, the ankles of our own skeleton replace the heels of the published joints
 #pragma once
 
 #include <filesystem>  // a body
@@ -66,7 +66,7 @@ class ComparedJoints {
   template <Scalar S>
   JointFrames on_own_skeleton(const SmplVelpMotion<S>& clip) const {
     const auto own = detail::turned_up(detail::first_joints(motion_of_smplvelp(clip, 1), 22), true);
-    JointFrames points, trans;  // of SMPL-H, of which a set has the first ones and the heels
+    JointFrames points, trans;  // of SMPL-H; a set has the first ones and the heels
     constexpr std::size_t of_body = 73, left_heel = 59, left_ankle = 7, right_ankle = 8;
     for (std::size_t t = 0; t < clip.trans.size(); ++t) {
       trans.push_back(vec_cast<double>(clip.trans[t]));

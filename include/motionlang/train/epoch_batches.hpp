@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Shuffled batches of one epoch after the other.
+/// Shuffled batches, epoch after epoch.
 ///
 ///     const EpochBatches batches(100, 32);
 ///     batches.per_epoch();   // 4
@@ -15,8 +15,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Every item is once in an epoch, in a new order; the last batch of an epoch may be smaller. Throws config_error 101
-/// without items, and for a batch below 1.
+/// Every item occurs once in an epoch, in a new order. The last batch of an epoch may be smaller. Throws config_error
+/// 101 without items, and for a batch below 1.
 class EpochBatches {
  public:
   EpochBatches(Index items, Index batch) : items_(items), batch_(batch) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The common part of trainings on described motions: epochs of shuffled batches, a learner, validation, the settings
-/// that decide a run.
+/// The common part of trainings on described motions: epochs of shuffled batches, a learner, validation, and the
+/// settings that determine a run.
 #pragma once
 
 #include <map>      // settings
@@ -18,8 +18,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Everything of a configuration that decides what a step computes. The name of what may be changed on the way begins
-/// with "training.".
+/// All settings that determine a step. The names of those that may change during a training begin with "training.".
 std::map<std::string, std::string> task_settings(const std::string& system, std::size_t motions,
                                                  const std::map<std::string, std::string>& config);
 
@@ -51,22 +50,22 @@ class EpochTask {
   std::map<std::string, std::string> settings() const {
     return detail::task_settings(system_, data_->training.size(), config_texts(config_));
   }
-  /// The weights that are worth keeping: those of the best validation where that is wanted, otherwise the last.
+  /// The weights to keep: those of the best validation if that is wanted, otherwise the last.
   const Plain& result() {
     learner_.follow();
     return learner_.best ? *learner_.best : learner_.average;
   }
 
  protected:
-  /// data  has to outlive the task
+  /// data  must outlive the task
   EpochTask(std::string system, Config config, const DescribedMotions& data)
       : EpochTask(std::move(system), std::move(config), data, std::ssize(data.training)) {}
-  /// items: of an epoch, where they are not the motions. Throws config_error 103 for an unknown schedule.
+  /// items: of an epoch, if they are not the motions. Throws config_error 103 for an unknown schedule.
   EpochTask(std::string system, Config config, const DescribedMotions& data, Index items)
       : system_(std::move(system)), config_(std::move(config)), data_(&data), batches_(items, config_.optimiser.batch) {
     config_.optimiser.rate(0, steps());
   }
-  /// The weights that training begins with.
+  /// Sets the initial weights.
   void begin(Plain model) {
     learner_.average = std::move(model);
     detail::convert_module(learner_.model, learner_.average);
@@ -75,8 +74,8 @@ class EpochTask {
     learner_.clip_norm = config_.optimiser.clip_norm;
   }
 
-  /// Calls f(numbers of motions, generator) for the batches of the validation part, the same every time. Returns the
-  /// mean of what it gives, weighted by motions.
+  /// Calls f(numbers of motions, generator) for the batches of the validation part, the same in every call. Returns the
+  /// mean of its results, weighted by motions.
   template <class F>
   double over_validation(F f) {
     learner_.follow();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Mean and deviation of features, by which they are normalised: of the motions to train on, or of a folder.
+/// Mean and deviation for normalising features: of the training motions, or from a folder.
 #pragma once
 
 #include <filesystem>  // folders
@@ -12,7 +12,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Mean and unbiased deviation of every feature over the frames of all motions; 1 where a feature never changes.
+/// Mean and unbiased deviation of every feature over the frames of all motions. A constant feature gets the deviation
+/// 1.
 template <Backend B>
 Normalizer<B> statistics_of(const std::vector<DescribedMotion>& motions, Index width) {
   using S = typename B::scalar;
@@ -32,7 +33,7 @@ Normalizer<B> statistics_of(const std::filesystem::path& folder, Index width) {
                                       "the motions: neither Mean.npy and Std.npy nor mean.pt and std.pt");
 }
 
-/// Those of a folder where one is named, otherwise of the motions to train on.
+/// Those of a folder if one is given, otherwise those of the training motions.
 template <Backend B>
 Normalizer<B> statistics_of(const std::filesystem::path& folder, const DescribedMotions& data) {
   return folder.empty() ? statistics_of<B>(data.training, data.width) : statistics_of<B>(folder, data.width);

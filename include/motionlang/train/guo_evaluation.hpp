@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Measures motions of texts by the networks of Guo et al.: R-precision, distance from the texts, FID, diversity
-/// and multimodality over several replications.
+/// Evaluates motions of texts with the networks of Guo et al.: R-precision, distance from the texts, FID, diversity and
+/// multimodality over several replications.
 ///
 ///     const GuoJudge<B> judge({.evaluator = "text_mot_match"}, run.model.statistics);
 ///     const GuoItems<B> items(data.test, "test", data.width);
@@ -38,13 +38,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// "": word vectors in a folder above the networks; statistics of the motions of the model.
+/// "": word vectors in a folder above the networks, and statistics of the model's own motions.
 struct GuoJudgeFiles {
   std::filesystem::path evaluator{};  // finest.tar, or its folder
   std::filesystem::path words{}, statistics{};
 };
 
-/// Vectors of texts or of motions, one behind the other.
+/// Vectors of texts or of motions in order.
 template <Backend B>
 struct Embedded {
   std::vector<typename B::scalar> values;
@@ -57,21 +57,21 @@ struct Embedded {
   Rows<typename B::scalar> rows() const { return {values, width}; }
 };
 
-/// The networks of Guo et al. with what they need: `finest.tar` of text_mot_match, word vectors in a folder above it or
-/// where GuoJudgeFiles says, statistics of the features.
+/// The networks of Guo et al. with their data: `finest.tar` of text_mot_match, word vectors in a folder above it or in
+/// GuoJudgeFiles, and statistics of the features.
 template <Backend B>
 struct GuoJudge {
   GuoEvaluator<B> networks;
   GloVe words;
   Normalizer<B> statistics;
 
-  /// usual   statistics that the motions of the model have, which the published program takes for its own, too
+  /// usual   statistics of the model's motions, which the published program uses for its own, too
   /// Throws  io_error 401 for what is missing, 406, 407 for other networks; config_error 102 for other features, words
   GuoJudge(const GuoJudgeFiles& files, Normalizer<B> usual)
       : GuoJudge(files, file_of(files.evaluator), std::move(usual)) {}
 
   Tensor<B, 2> texts(std::span<const std::string> of) const { return networks.embed_texts(words.encode<B>(of).tokens); }
-  /// Motions without a movement count as one of the mean pose.
+  /// Motions without a movement count as one movement of the mean pose.
   Tensor<B, 2> motions(const Sequences<B>& features) const {
     const Index width = statistics.mean.size(0);
     std::vector<typename B::scalar> values;
@@ -131,11 +131,11 @@ struct DrawnItems {
 };
 
 /// The items that the loader of Guo et al. gives: a random text of every entry and a part of its motion, in random
-/// batches. The last batch is left out unless it is whole.
+/// batches. An incomplete last batch is left out.
 template <Backend B>
 class GuoItems {
  public:
-  /// Throws config_error 101 unless there are two or more entries of the lengths that the loader takes.
+  /// Throws config_error 101 unless there are two or more entries with lengths that the loader accepts.
   GuoItems(const std::vector<DescribedMotion>& part, const std::string& name, Index width)
       : entries_(text_entries(part, name)), width_(width) {
     std::vector<Index> lengths;
@@ -149,10 +149,10 @@ class GuoItems {
     count = std::ssize(kept_) / batch * batch;
   }
 
-  static constexpr Index repeats = 30;  // motions of a text whose variety is measured
+  static constexpr Index repeats = 30;  // motions of a text for measuring multimodality
 
   Index batch = 0, count = 0;
-  /// Texts whose variety is measured, and pairs of motions whose diversity is.
+  /// The number of texts for multimodality, and of pairs of motions for diversity.
   Index varied() const { return std::min<Index>(100, count); }
   Index pairs() const { return std::min<Index>(300, count - 1); }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A module under training: its weights, the moments of AdamW, a running average, and how all of that is kept in a
-/// checkpoint.
+/// A module in training: its weights, the moments of AdamW, a running average, and their form in a checkpoint.
 #pragma once
 
 #include <algorithm>  // any_of
@@ -15,7 +14,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Puts the moments of an optimiser into a checkpoint, behind `prefix`.
+/// Adds the moments of an optimiser to a checkpoint, with `prefix` before their names.
 template <AutodiffBackend A>
 void add_moments(TensorStore& store, const std::string& prefix, const AdamW<A>& adam) {
   using B = typename A::inner;
@@ -24,8 +23,8 @@ void add_moments(TensorStore& store, const std::string& prefix, const AdamW<A>& 
     store.add(prefix + "v." + path, B::shape(s.v), B::to_span(s.v), DType::F32);
   }
 }
-/// Takes them back. `steps`: the updates made so far. Throws io_error 407 for moments of another shape than their
-/// parameter.
+/// Restores them. `steps`: the number of updates so far. Throws io_error 407 for moments whose shape differs from that
+/// of their parameter.
 template <AutodiffBackend A, Module M>
 void restore_moments(AdamW<A>& adam, const M& model, const TensorSet& file, const std::string& prefix, Index steps) {
   using B = typename A::inner;
@@ -45,8 +44,8 @@ void restore_moments(AdamW<A>& adam, const M& model, const TensorSet& file, cons
   adam.restore(steps, std::move(moments));
 }
 
-/// `M` is on the tape, `Average` is the same without it: the model that is validated, sampled from and exported. It
-/// follows M at the rate `ema`; with ema = 0 it is M itself, brought up to date by `follow`.
+/// `M` is on the tape. `Average` is the same without it: the model that is validated, sampled from and exported. It
+/// follows M at the rate `ema`. With ema = 0 it is M itself, updated by `follow`.
 template <Module M, Module Average>
 struct Learner {
   using A = module_backend<M>;
@@ -55,8 +54,8 @@ struct Learner {
   Average average;
   AdamW<A> adam{};
   double ema = 0;
-  double clip_norm = 0;           // longest gradient; 0: any
-  std::optional<Average> best{};  // the average of the best validation, where it is wanted
+  double clip_norm = 0;           // largest gradient norm; 0: any
+  std::optional<Average> best{};  // the average of the best validation, if it is wanted
 
   /// One step of the optimiser. `step` counts from 0.
   void update(const Gradients<A>& gradients, double lr, Index step);

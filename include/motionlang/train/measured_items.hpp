@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Items of BABEL of which some are measured; the motions to train on are what blind guesses are made of.
+/// Items of BABEL, some of which are measured. The training motions are used for blind guesses.
 ///
 ///     MeasuredItems items({.data = "amass", .babel = "val.json"}, "smplvelp", "all", split_config(c), sinc_reader(c));
 ///     items.choose([](const DescribedMotion& m) { return m.texts.size() == 2; });
@@ -21,22 +21,22 @@ MOTIONLANG_NAMESPACE_BEGIN
 class MeasuredItems {
  public:
   /// features  that the model reads
-  /// part      training, validation or test; "all": nothing is split, and all items are for training as well
-  /// reader    is asked for items as evaluations take them, of all parts
+  /// part      training, validation or test; "all": no split, and all items count for training as well
+  /// reader    is called for the items of evaluations, in all parts
   /// Throws    what read_babel_motions throws; config_error 103 for an unknown part
   MeasuredItems(const BabelSources& sources, std::string_view features, const std::string& part, DataConfig split,
                 const BabelReader& reader, Progress progress = {});
 
-  /// Chooses what is measured: of the wanted items, those that the list names; without a list all of them.
-  /// Throws config_error 101 if there are none, io_error 401, 403 of the list.
+  /// Chooses the items to measure: the wanted ones in the list, or all wanted ones without a list. Throws config_error
+  /// 101 if there are none, and io_error 401, 403 for the list.
   void choose(const std::function<bool(const DescribedMotion&)>& wanted, const std::filesystem::path& keys = {});
 
   const DescribedMotions& data() const { return data_; }
-  /// The chosen items, by their numbers and themselves.
+  /// The chosen items: their numbers, and the items themselves.
   const std::vector<Index>& measured() const { return measured_; }
   std::vector<const DescribedMotion*> chosen() const;
   const DescribedMotion& operator[](Index i) const { return data_.part(part_)[static_cast<std::size_t>(i)]; }
-  /// The number of an item among those to train on; -1: it is not one of them.
+  /// The number of an item among the training items; -1 if it is not one.
   Index number_in_training(Index i) const { return part_ == "training" ? i : -1; }
   /// "2 motions of val.json, of 3 keys"
   const std::string& description() const { return description_; }
@@ -47,8 +47,8 @@ class MeasuredItems {
   std::vector<Index> measured_;
 };
 
-/// Finds the items that the published evaluation of SINC keeps: pairs of labels that training lacks, in whatever order,
-/// and without "stand".
+/// Finds the items that the published evaluation of SINC keeps: pairs of labels that training lacks in any order,
+/// without "stand".
 /// Source  thesis B.3.1
 class UnseenPairs {
  public:

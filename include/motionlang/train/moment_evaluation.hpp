@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// Measures how TMR finds moments: long motions are made of clips of different texts, and TMR says where in them each
-/// text happens.
+/// Measures how well TMR finds moments. Long motions are made of clips of different texts, and TMR finds the place of
+/// each text in them.
 ///
 ///     const MomentFigures f = moment_figures(tmr, data.width, data.test, {.motions = 100});
 ///     for (const MomentAnswers& a : f.answers) use(a.windows, localisation_accuracy(a.found, f.wanted, 0.4));
 ///
-/// The clips follow each other as features do, which say how the body moves from frame to frame, not where it is: paths
-/// join, the pose jumps. A window is a stretch of these frames around a middle (metrics/retrieval.hpp); the one whose
-/// latent is most like that of the text is the answer.
+/// The clips follow each other as features, which describe the movement from frame to frame and no absolute place. So
+/// paths join, but the pose jumps. A window is a range of these frames around a middle (metrics/retrieval.hpp). The
+/// answer is the window whose latent is most similar to that of the text.
 ///
 /// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.4; the lengths and the stride are choices made here
 #pragma once
@@ -31,7 +31,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Several clips as one motion.
 struct JoinedClips {
   std::vector<float> rows;            // of features
-  std::vector<FrameSlice> stretches;  // that belong to the texts
+  std::vector<FrameSlice> stretches;  // frames of each text
   std::vector<std::string> texts;
 };
 /// Joins random clips, no two of one text. It joins fewer if a thousand draws find no other text.
@@ -39,10 +39,10 @@ struct JoinedClips {
 JoinedClips join_random_clips(const std::vector<DescribedMotion>& motions, Index width, Index clips, Philox rng);
 
 struct MomentEvaluationOptions {
-  Index motions = 100;                         // that are made
+  Index motions = 100;                         // to make
   Index joined = 5;                            // clips in each
-  std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
-  double stride = 0.2;                         // seconds from one to the next
+  std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the windows
+  double stride = 0.2;                         // seconds from one window to the next
   std::uint64_t seed = 0;
 };
 /// Answers to all queries.
@@ -55,7 +55,7 @@ struct MomentFigures {
   std::vector<MomentAnswers> answers;
 };
 
-/// part    motions of which the first text counts; as the model reads them, not normalised
+/// part    motions, of which only the first text counts; in the model's features, not normalised
 /// width   values of a frame
 /// Throws  config_error 101 for fewer than two different texts; cancelled
 template <Backend B>

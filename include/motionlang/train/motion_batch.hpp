@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Motions as a model takes them: batches that are normalised.
+/// Batches of normalised motions for a model.
 #pragma once
 
 #include <span>    // rows
@@ -11,7 +11,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Rows of features, not normalised, one motion behind the other.
+/// Rows of features, not normalised, motion after motion.
 template <Backend B>
 class MotionBatch {
  public:
@@ -22,7 +22,7 @@ class MotionBatch {
     values_.insert(values_.end(), rows.begin(), rows.end());
     lengths_.push_back(std::ssize(rows) / width_);
   }
-  /// Some frames of a motion.
+  /// Adds some frames of a motion.
   void add(std::span<const float> rows, const FrameSlice& frames) {
     add(rows.subspan(static_cast<std::size_t>(frames.first * width_),
                      static_cast<std::size_t>(frames.length * width_)));

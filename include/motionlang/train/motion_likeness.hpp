@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How alike generated motions are to recorded ones for a motion encoder: collects motions for the TEMOS score.
+/// The similarity of generated and recorded motions to a motion encoder: collects motions for the TEMOS score.
 ///
 ///     MotionLikeness<B> likeness("sinc-of-single-actions", {}, motion_features("smplvelp"));
 ///     for (const auto& [generated, recorded_rows] : items) likeness.add(generated, recorded_rows);
@@ -24,7 +24,7 @@ class MotionLikeness {
   using S = typename B::scalar;
 
  public:
-  /// folder   a model of `features` (with_babel_checkpoint), best one of single actions
+  /// folder   a model of `features` (with_babel_checkpoint), preferably one of single actions
   /// Throws   what with_babel_checkpoint throws
   MotionLikeness(const std::filesystem::path& folder, const CheckpointOptions& options, const MotionFeatures& features)
       : exact_yaw_(features.name == "smplvelp") {
@@ -37,7 +37,7 @@ class MotionLikeness {
     });
   }
 
-  /// made      is turned ahead once more, as published
+  /// made      is turned to face ahead again, as published
   /// recorded  rows of features, not normalised
   void add(const SmplVelpMotion<S>& made, const std::vector<float>& recorded) {
     const auto rows = smplvelp_features(std::span<const Matrix3<S>>(made.rotations),
@@ -46,9 +46,9 @@ class MotionLikeness {
     recorded_.push_back(mean_of_(std::vector<S>(recorded.begin(), recorded.end())));
   }
 
-  /// The TEMOS score of what was made. Throws numeric_error 302 before anything was added.
+  /// The TEMOS score of the generated motions. Throws numeric_error 302 before anything was added.
   double score() const { return score_of(made_); }
-  /// That of each recorded motion against the next one.
+  /// The score of each recorded motion against the next one.
   double score_of_others() const {
     auto others = recorded_;
     if (!others.empty()) std::rotate(others.begin(), others.begin() + 1, others.end());

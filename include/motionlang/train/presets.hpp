@@ -5,7 +5,7 @@
 ///     set_config(config, "optimiser.epochs=20");
 ///
 /// Source   the configurations of the published repositories, which EQUATIONS.md lists
-/// Throws   config_error 103 for an unknown name, with those that there are
+/// Throws   config_error 103 for an unknown name, with the known ones
 #pragma once
 
 #include <string>  // names
@@ -22,7 +22,7 @@ TextMotionConfig tmr_preset(const std::string& name);
 /// "temos-published", "small".
 TextMotionConfig temos_preset(const std::string& name);
 
-/// "sinc-published"; "small" combines no actions, for which a table of body parts is needed.
+/// "sinc-published"; "small" combines no actions, because that needs a table of body parts.
 SincTrainingConfig sinc_preset(const std::string& name);
 /// "teach-published", "small".
 TeachTrainingConfig teach_preset(const std::string& name);

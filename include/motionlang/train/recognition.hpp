@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Measures ACTOR: a classifier of actions judges generated motions next to recorded ones, over several seeds.
+/// Evaluates ACTOR: a classifier of actions judges generated motions beside recorded ones, with several seeds.
 ///
 ///     const ActorModel<B> model("run/model");
 ///     ActionJudge<B> judge("classifier/model");
@@ -44,7 +44,7 @@ template <Backend B>
 struct ActionJudge {
   ActionModelFile<ClassifierConfig> file;
   Classifier<B> classifier;
-  std::vector<Index> numbers{};  // that it gives to the classes of the motions
+  std::vector<Index> numbers{};  // of the classes of the motions in the classifier
 
   /// A classifier of train-classifier.
   explicit ActionJudge(const std::filesystem::path& folder)
@@ -54,15 +54,16 @@ struct ActionJudge {
     classifier = Classifier<B>(file.config, std::ssize(file.labels), Philox{});
     load_action_weights(classifier, weights);
   }
-  /// The file of a published one: ST-GCN, or a GRU that reads the 24 joints of SMPL with the way of the root, or the 18
-  /// points of NTU-13 without it. It sees motions of the rate of the model and as they face, in the world of a camera.
-  /// body, regressor  of the user (body_points.hpp); without them a GRU is given the joints of our own skeleton
+  /// The file of a published one: ST-GCN, or a GRU that reads the 24 joints of SMPL with the path of the root, or the
+  /// 18 points of NTU-13 without it. It sees motions at the rate and with the heading of the model, in the world of a
+  /// camera.
+  /// body, regressor  of the user (body_points.hpp); without them a GRU gets the joints of our own skeleton
   /// Throws  io_error 404 for another file, 407 for other joints, config_error 102 for a body that is missing or not
-  ///         read
+  ///         needed
   ActionJudge(const std::filesystem::path& path, const ActorClipsConfig& clips, const std::filesystem::path& body,
               const std::filesystem::path& regressor) {
     const WeightFile weights = open_weights(path);
-    Index classes = 0, read = 0, wanted = 0;  // numbers a frame
+    Index classes = 0, read = 0, wanted = 0;  // values per frame
     if (const TensorView* const gates = weights.find("recurrent.weight_ih_l0")) {
       classifier.gru = load_gru_classifier<B>(weights);
       classifier.drawn_state = true;
@@ -94,7 +95,7 @@ struct ActionJudge {
   }
 
  private:
-  /// One motion after the other, since a surface is large.
+  /// One motion after the other, because a surface is large.
   void read_body_points(const char* name, const std::filesystem::path& body, const std::filesystem::path& regressor) {
     const auto points = std::make_shared<const BodyPoints<B>>(name, body, regressor);
     const bool translate = points->points == ActorPoints::smpl;
@@ -110,7 +111,7 @@ struct ActionJudge {
   }
 };
 
-/// Classifies motions in batches: batch(numbers) gives them with their classes.
+/// Classifies motions in batches: batch(numbers) returns them with their classes.
 template <Backend B, class Batch>
 JudgedMotions judge_motions(const ActionJudge<B>& who, Index motions, const Philox& rng, Batch batch) {
   JudgedMotions out;
@@ -132,16 +133,16 @@ JudgedMotions judge_motions(const ActionJudge<B>& who, Index motions, const Phil
   return out;
 }
 
-/// Classes numbered without those of which there is no motion and so no pair, and how many are left.
+/// Numbers the classes without those that have no motion, and so no pair. Returns also how many are left.
 std::pair<std::vector<Index>, Index> present_classes(std::span<const Index> classes, Index kinds);
 
 struct RecognitionOptions {
   Index seeds = 20;
-  std::uint64_t seed = 0;  // the first one
+  std::uint64_t seed = 0;  // the first seed
 };
 /// accuracy_X, diversity_X, multimodality_X and fid_X of every seed. X: gt, recorded motions; gt2, other windows of
 /// these (their FID is against gt); gen, generated; denoised; between, between two motions of an action.
-/// part     motions with a label each. Throws config_error 103 for a label that is not a class of the model.
+/// part     motions with one label each. Throws config_error 103 for a label that is not a class of the model.
 template <Backend B>
 std::map<std::string, std::vector<double>> recognition_results(const ActorModel<B>& model, const ActionJudge<B>& who,
                                                                const std::vector<DescribedMotion>& part,
@@ -166,7 +167,7 @@ std::map<std::string, std::vector<double>> recognition_results(const ActorModel<
         judged("gt2", [&](auto which) { return motions.recorded(which, second); }),
         judged("gen",
                [&](auto which) {
-                 return motions.sampled(which, first, of_batch("noise", which));  // as long as "gt"
+                 return motions.sampled(which, first, of_batch("noise", which));  // with the lengths of "gt"
                }),
         judged("denoised", [&](auto which) { return motions.denoised(which, first); }),
         judged("between", [&](auto which) {

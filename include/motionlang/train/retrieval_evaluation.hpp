@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Measures TMR: retrieval by the protocols of its paper, beside what chance reaches.
+/// Evaluates TMR: retrieval by the protocols of its paper, beside the results of chance.
 ///
 ///     const LatentTable table = latents_of(model, data.test, nullptr);
 ///     const auto e = sentences.encode<B>(table.texts).tokens.rows;
@@ -20,14 +20,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct RetrievalResult {
   RetrievalProtocol protocol{};
   RetrievalTable recorded;
-  std::optional<RetrievalTable> made{};  // of motions that were made for the texts
-  RetrievalTable chance;                 // the mean of ten tables of latents that know nothing
+  std::optional<RetrievalTable> made{};  // of motions generated for the texts
+  RetrievalTable chance;                 // the mean of ten tables of random latents
 };
 
 /// The protocols normal, threshold, nsim and guo; nsim only with ids, guo only with enough motions for a batch.
 /// made       latents of motions for the same texts; null: none
 /// sentences  (texts, d) unit rows
-/// options    with the ids of the motions. Without ids of dissimilar texts, up to a hundred are chosen.
+/// options    with the ids of the motions. Without ids of dissimilar texts, it chooses up to a hundred.
 std::vector<RetrievalResult> retrieval_results(const LatentTable& table, const LatentTable* made,
                                                const Rows<float>& sentences, RetrievalOptions options);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Measures SINC on labels of BABEL: errors of several motions of each sentence, of the mean of the latent and of the
-/// labels alone, composed by their body parts; beside motions that know no label.
+/// Evaluates SINC on labels of BABEL: errors of several motions of each sentence, of the mean of the latent, and of
+/// single labels composed by their body parts. Motions that ignore the label are printed beside them.
 ///
 ///     const auto sinc = load_sinc<B>("sinc-run");
 ///     const SincMeasures<B> how{.joints = joints, .sentences = sentences, .samples = 10};
@@ -24,14 +24,14 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How motions are measured. What is pointed to must outlive the measurement.
+/// The way in which motions are measured. Objects behind pointers must outlive the measurement.
 template <Backend B>
 struct SincMeasures {
   const ComparedJoints<B>& joints;
   const LabelSentences& sentences;
-  const BodyPartTable* parts = nullptr;   // of single labels, whose motions are composed; null: they are not
-  MotionLikeness<B>* likeness = nullptr;  // is given the first motion of each item; null: none
-  /// Is given the mean motion of each item and its sentence.
+  const BodyPartTable* parts = nullptr;   // of single labels, whose motions are composed; null: not composed
+  MotionLikeness<B>* likeness = nullptr;  // receives the first motion of each item; null: none
+  /// Receives the mean motion of each item and its sentence.
   std::function<void(const std::string& sentence, const SmplVelpMotion<typename B::scalar>& mean,
                      const DescribedMotion& recorded)>
       made{};
@@ -41,7 +41,7 @@ struct SincMeasures {
 
 /// Rows: those of named_errors(SampledErrors), "mean of the latent", with `parts` "labels alone, composed", and those
 /// of named_errors(BlindErrors).
-/// items   with one label or two each; chosen
+/// items   with one or two labels each; chosen
 /// Throws  cancelled; config_error 103 for a label without parts or a sentence without words
 template <Backend B>
 std::vector<NamedErrors> sinc_errors(const SincCheckpoint<B>& model, const MeasuredItems& items,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The training of SINC: actions alone, actions at the same time, and actions that are combined from two motions. It is
-/// what `motionlang train-sinc` does.
+/// The training of SINC: single actions, simultaneous actions, and actions that are combined from two motions.
+/// `motionlang train-sinc` calls it.
 ///
 ///     const auto data = read_babel_motions({.data = "AMASS", .babel = "train.json"}, config.features,
 ///                                          split_config(config.data), sinc_reader(config.data), {});
@@ -26,11 +26,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Every label of the motions to train on with itself in every sentence: the words that there are.
+/// Every label of the training motions with itself in every sentence, so that all words occur.
 std::vector<std::string> sinc_sentences(const DescribedMotions& data);
 /// Throws config_error 103 for a label that the table lacks.
 SincItems sinc_training_items(const DescribedMotions& data, const BodyPartTable& table);
-/// Rows of two motions in one, turned ahead once more.
+/// Combines rows of two motions, turned to face ahead again.
 std::vector<float> composed_rows(std::span<const float> a, const SincParts& parts_a, std::span<const float> b,
                                  const SincParts& parts_b, bool exact_yaw);
 
@@ -43,7 +43,7 @@ class SincTraining : public BabelTask<A, Sinc> {
   using typename Base::B;
 
   /// states       of a language model; none: word pieces of the data
-  /// statistics   a folder with those of the features; empty: of the motions to train on
+  /// statistics   a folder with those of the features; empty: those of the training motions
   /// table        body parts of all labels; null if no actions are combined. Outlives the training, as `data` does.
   /// Throws       config_error 103 for a label that the table lacks, 102 if table and data.proportion contradict each
   ///              other

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How vocabularies of byte-level pair encoding write bytes. Only bodies (*.ipp) include it.
+/// The symbols for bytes in vocabularies of byte-level pair encoding. Only bodies (*.ipp) include it.
 #pragma once
 
 #include <array>          // symbols
@@ -12,11 +12,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The symbol of a byte in vocabularies: printable bytes stand for themselves, the others for U+0100 ... in their
+/// The symbol of a byte in vocabularies. Printable bytes are their own symbols; the others are U+0100 ... in their
 /// order.
 struct ByteSymbols {
   std::array<std::string, 256> symbol;      // of a byte, UTF-8
-  std::array<unsigned char, 256> in_order;  // the bytes as the first ids have them: printable ones first
+  std::array<unsigned char, 256> in_order;  // the bytes in the order of the first ids: printable ones first
   std::unordered_map<char32_t, unsigned char> byte;
 
   ByteSymbols() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Words in their longest known pieces, as word-piece tokenizers split them.
+/// Splits words into their longest known pieces, for word-piece tokenizers.
 #pragma once
 
 #include <algorithm>    // min
@@ -12,7 +12,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Splits a word from the left into the longest known pieces and appends their ids; `unknown` alone if that fails.
+/// Splits a word from the left into the longest known pieces and appends their ids; only `unknown` if that fails.
 /// find(text, first) is the id of a piece that begins the word (first) or continues it, -1 if there is none.
 template <class Find>
 void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown,
