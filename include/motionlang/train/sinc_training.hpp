@@ -51,7 +51,7 @@ class SincTraining : public BabelTask<A, Sinc> {
                const std::filesystem::path& statistics = {}, const BodyPartTable* table = nullptr);
 
   LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
-  /// The loss without dropout, of whole motions and the published evaluation's sentences, with the same noise always.
+  /// The loss without dropout, of whole motions and the published evaluation's sentences, always with the same noise.
   std::vector<Measure> validate();
 
  private:

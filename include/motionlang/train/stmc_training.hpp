@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The training of the bundled model: denoiser and caption encoder together. It is what `motionlang train` does.
+/// The training of the bundled model: denoiser and caption encoder together. `motionlang train` calls it.
 ///
 ///     const TrainingSet data("captions.tsv", "clips", {});
 ///     Trainer trainer(StmcTraining<A>({}, data));
@@ -33,8 +33,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct StmcTrainingConfig {
   StmcModelConfig model{
       .denoiser = {.latent_dim = 256, .ff_size = 768, .num_layers = 6, .num_heads = 4, .dropout = 0.05},
-      .sampling_steps = 20,  // the judge finds most done so, and it takes a fifth of the time of all steps
-      .guidance = 2};        // and more with 2 than with 3
+      .sampling_steps = 20,  // the judge finds most motions right with 20 steps, a fifth of the time of all steps
+      .guidance = 2};        // and more of them with 2 than with 3
   Index vocabulary = 800;
   Index steps = 16000;
   Index batch = 32;
@@ -44,10 +44,10 @@ struct StmcTrainingConfig {
   double clip_norm = 1;
   double ema = 0.999;
   double velocity_weight = 1;  // of the loss on differences between neighbouring frames
-  double noise_focus = 0.5;    // share of the samples that come from the noisiest fifth of the diffusion
-  double root_weight = 8;      // of the four numbers that move the figure, against 1 for each of the others
+  double noise_focus = 0.5;    // the share of the samples from the noisiest fifth of the diffusion
+  double root_weight = 8;      // of the four features that move the figure, against 1 for each of the others
   double foot_weight = 0.2;    // of the loss on the velocity of the feet, (m/s)^2
-  double text_weight = 0.2;    // of the loss that asks a caption's vector for a summary of the motion
+  double text_weight = 0.2;    // of the loss that predicts a summary of the motion from a caption's vector
   Index text_steps = 3000;     // of the text encoder alone, before the denoiser is trained
   std::uint64_t seed = 1;
   SampleOptions samples{};
@@ -59,8 +59,8 @@ namespace detail {
 std::vector<TrainingSample> draw_batch(const TrainingSet& data, const StmcTrainingConfig& config, Philox rng,
                                        Index count);
 
-/// Mean and deviation of every feature over samples as training sees them. A feature that never changes gets deviation
-/// 1.
+/// Mean and deviation of every feature over samples as training sees them. A feature that never changes gets
+/// deviation 1.
 template <Backend B>
 Normalizer<B> measure(const TrainingSet& data, const StmcTrainingConfig& config) {
   FeatureStatistics statistics;
@@ -76,11 +76,11 @@ Normalizer<B> measure(const TrainingSet& data, const StmcTrainingConfig& config)
 
 inline constexpr Index summary_parts = 4, summary_size = (summary_parts + 1) * smplrifke_size;
 /// Appends what a caption should tell about rows (frames, 205) of normalised features: the mean of every feature over
-/// each quarter of the time ("sit down" is not "sit"), and its deviation over all of it.
+/// each quarter of the time ("sit down" is not "sit"), and its deviation over all frames.
 void append_summary(std::vector<float>& out, std::span<const float> rows);
 
-/// Four numbers say where the figure goes, 201 how it holds itself: the four count more. (205), mean of the squares
-/// about 1.
+/// The weights of the features, (205). Four features move the figure and 201 pose it: the four weigh more. The mean of
+/// the squared weights is about 1.
 template <Backend B>
 Tensor<B, 1> feature_weights(double root_weight) {
   std::vector<typename B::scalar> weights(smplrifke_size, 1);
@@ -88,13 +88,15 @@ Tensor<B, 1> feature_weights(double root_weight) {
   return Tensor<B, 1>::from(weights, {smplrifke_size});
 }
 
-/// The diffusion step of a sample. Over all frames together, what a motion will be (where it goes, when it sits down)
-/// shows through much more noise than any single frame: with 60 frames and features that move together, the signal of
-/// such a whole is as strong as the noise when alpha_bar is still about 1e-3. It is decided in the first few of a
-/// hundred steps, so `focus` of the samples come from the noisiest fifth, the noisier the more.
+/// The diffusion step of a sample. What all frames have in common (where the figure goes, when it sits down) is visible
+/// through much more noise than any single frame: with 60 frames and features that move together, its signal is still
+/// as
+/// strong as the noise when alpha_bar is about 1e-3. The first few of a hundred steps decide it. So the share `focus`
+/// of
+/// the samples comes from the noisiest fifth, with more samples the noisier the step.
 Index draw_t(Philox& rng, Index steps, double focus);
 
-/// The sizes of the model with what follows from others.
+/// Fills in the sizes that follow from other sizes.
 StmcModelConfig completed(const StmcTrainingConfig& c);
 
 /// The settings of a run, except those of the model.
@@ -102,7 +104,7 @@ std::map<std::string, std::string> stmc_settings(const StmcTrainingConfig& confi
 
 }  // namespace detail
 
-/// All state of the training but the losses.
+/// The complete state of the training except the losses.
 template <AutodiffBackend Tape>
 class StmcTraining {
  public:
@@ -115,18 +117,18 @@ class StmcTraining {
   StmcTraining(const StmcTrainingConfig& config, const TrainingSet& data, const WordVectors& vectors = {});
 
   /// Teaches the text encoder alone what captions mean: the mean of every feature of their motions over each quarter of
-  /// the time, and its deviation. Without it the denoiser learns to move long before it learns to listen. For a run
-  /// that begins anew, before the first step. Returns the last loss.
+  /// the time, and its deviation. Otherwise the denoiser learns to move long before it learns to follow the text. For a
+  /// new run, before the first step. Returns the last loss.
   double learn_texts(Progress progress = {});
-  /// Takes denoiser and normaliser of a trained model, so that only texts are learnt anew. For a run that begins anew.
+  /// Takes denoiser and normaliser from a trained model, so that only texts are learned again. For a new run.
   void take_denoiser(const std::filesystem::path& model);
   /// Writes the averaged weights in half precision.
   void export_model(const std::filesystem::path& path, const std::map<std::string, std::string>& about) const;
 
   std::uint64_t seed() const { return config_.seed; }
   Index steps() const { return config_.steps; }
-  /// Everything that decides what a step computes, except the number of steps: a run may be made longer, and its
-  /// learning rate then follows the new number.
+  /// Everything that decides what a step computes, except the number of steps: a run may be extended, and its learning
+  /// rate then follows the new number.
   std::map<std::string, std::string> settings() const;
   LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
   void update(const Gradients<A>& gradients, Index step);
@@ -210,7 +212,7 @@ template <AutodiffBackend A>
 LossTerms<A> StmcTraining<A>::loss(Philox rng, Index, const Context& context) const {
   const auto batch = detail::draw_batch(*data_, config_, rng.split("samples"), config_.batch);
 
-  // x0, packed; one t per sequence; noise
+  // The clean frames x0, packed; one t for each sequence; the noise.
   std::vector<float> values;
   std::vector<Index> lengths, t, t_of_row;
   std::vector<std::string> captions;
@@ -234,7 +236,7 @@ LossTerms<A> StmcTraining<A>::loss(Philox rng, Index, const Context& context) co
   const auto error = (out - x0) * detail::feature_weights<A>(config_.root_weight);
   LossTerms<A> loss;
   loss.add("features", 1, mean(square(error)));
-  if (config_.velocity_weight > 0) {  // differences between frames that follow each other in a sequence
+  if (config_.velocity_weight > 0) {  // differences between neighbouring frames of a sequence
     std::vector<Index> now, next;
     for (Index s = 0; s < offsets.count(); ++s) {
       for (Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);

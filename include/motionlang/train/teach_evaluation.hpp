@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Measures TEACH on pairs of labels of BABEL: errors of two actions one after the other, and how far joints jump from
-/// the first to the second; beside models that know no action before, and motions that know no label.
+/// Measures TEACH on pairs of labels of BABEL: the errors of two actions in sequence, and how far joints jump between
+/// them. It compares TEACH with models that do not know the action before, and with motions that do not depend on the
+/// labels.
 ///
 ///     const auto teach = load_teach<B>("teach-run");
 ///     const TeachMeasures<B> how{.joints = joints,
@@ -26,25 +27,25 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// True if both actions have two frames at least: an item that teach_figures takes.
+/// True if both actions have at least two frames, which teach_figures requires.
 inline bool has_two_actions(const DescribedMotion& m) {
   return m.texts.size() == 2 && m.texts[0].frames.length > 1 && m.texts[1].frames.length > 1;
 }
 
-/// A model that knows no action before.
+/// A model that does not know the action before.
 template <Backend B>
 struct TeachBaseline {
   std::string name;
-  bool has_parts;  // which are joined; else it makes one motion for both labels
+  bool has_parts;  // two motions, which are joined; else one motion for both labels
   Normalizer<B> normalizer;
-  /// The parts of one motion, normalised, as of Teach::generate.
+  /// The parts of one motion, normalised, as Teach::generate returns them.
   std::function<Sequences<B>(const std::vector<std::string>& labels, const Offsets& lengths, const Philox& noise,
                              Index window)>
       parts;
 };
 
-/// "independent": both actions alone, joined as TEACH's are.
-/// folder, features  as with_babel_checkpoint, which says what is thrown
+/// "independent": each action alone, joined as TEACH's actions are.
+/// folder, features  as for with_babel_checkpoint, which also documents the errors
 /// Source            thesis A.3.3
 template <Backend B>
 TeachBaseline<B> independent_baseline(const std::filesystem::path& folder, const CheckpointOptions& options,
@@ -77,34 +78,34 @@ TeachBaseline<B> joint_baseline(const std::filesystem::path& folder, const Check
   return out;
 }
 
-/// How motions are measured. What is referred to must outlive the measurement.
+/// How motions are measured. Everything that it points to must outlive the measurement.
 template <Backend B>
 struct TeachMeasures {
   const ComparedJoints<B>& joints;
   std::vector<TeachBaseline<B>> baselines{};
-  /// Is given the mean motion of each item and its labels, "a, b".
+  /// Receives the mean motion of each item and its labels, "a, b".
   std::function<void(const std::string& labels, const SmplVelpMotion<typename B::scalar>& mean,
                      const DescribedMotion& recorded)>
       made{};
-  Index samples = 10;                     // motions of each item
+  Index samples = 10;                     // motions for each item
   Index window = 8;                       // frames between both actions that are interpolated
   Alignment alignment = Alignment::full;  // of the second action
   std::uint64_t seed = 0;
 };
 
 struct TeachFigures {
-  /// Those of named_errors(SampledErrors), "mean of the latent", one of each baseline, and those of
+  /// The rows of named_errors(SampledErrors), "mean of the latent", one for each baseline, and those of
   /// named_errors(BlindErrors).
   std::vector<NamedErrors> errors;
-  /// How far joints jump from the first action to the second where nothing is interpolated, the mean over the items.
+  /// How far joints jump from the first action to the second without interpolation: the mean over the items.
   struct Transition {
-    std::string name;  // "turned and moved", "moved", these of baselines, "recorded"
+    std::string name;  // "turned and moved", "moved", the same for baselines, "recorded"
     double metres;
   };
   std::vector<Transition> transitions;
 };
 
-/// items  of which has_two_actions is true; chosen. Throws cancelled, and what Teach::generate throws.
+/// items  the chosen ones, for which has_two_actions is true. Throws cancelled, and what Teach::generate throws.
 template <Backend B>
 TeachFigures teach_figures(const TeachCheckpoint<B>& model, const MeasuredItems& items, const TeachMeasures<B>& how,
                            Progress progress = {}) {

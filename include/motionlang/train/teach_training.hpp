@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The training of TEACH: two actions, one after the other. It is what `motionlang train-teach` does; see
-/// train/sinc_training.hpp for its use.
+/// The training of TEACH: two actions in sequence. `motionlang train-teach` calls it; train/sinc_training.hpp shows how
+/// to use it.
 ///
 /// Source   TEACH (Athanasiou et al., 3DV 2022); thesis A.2.3
 #pragma once
@@ -24,14 +24,14 @@ class TeachTraining : public BabelTask<A, Teach> {
   using Base = BabelTask<A, Teach>;
   using typename Base::B;
 
-  /// states       of a language model, which are asked for once; none: word pieces of the data
-  /// statistics   a folder with those of the features; empty: of the motions to train on
+  /// states       the states of a language model, called once for all texts; none: word pieces of the data
+  /// statistics   a folder with those of the features; empty: those of the training motions
   TeachTraining(TeachTrainingConfig config, const DescribedMotions& data, const TextStates& states = {},
                 const std::filesystem::path& statistics = {})
       : Base(std::move(config), data, kept(states, data), labels(data), statistics) {}
 
   LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
-  /// The loss without dropout, with the same noise every time.
+  /// The loss without dropout, always with the same noise.
   std::vector<Measure> validate();
 
  private:

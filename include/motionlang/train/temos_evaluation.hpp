@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Measures TEMOS: errors of several motions of each text and of the mean of the latent, beside motions that know no
-/// text.
+/// Measures TEMOS: errors of several motions of each text and of the mean of the latent, compared with motions that do
+/// not depend on the text.
 ///
 ///     const auto errors = temos_errors<B>(temos.model, temos.normalizer, *temos.features, data, data.test,
 ///                                         {.tokens = temos.tokens, .samples = 10});
@@ -23,8 +23,9 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How joints are measured: MMM's 21 as TEMOS has it, Y up, 640 units per metre taken for millimetres, seen from the
-/// heading of knees and elbows; SMPL's 22 in metres, Z up.
+/// How joints are measured. MMM's 21 joints as in TEMOS: Y up, 640 units per metre taken for millimetres, in the
+/// heading
+/// of knees and elbows. SMPL's 22 joints: in metres, Z up.
 struct TemosJoints {
   const MotionFeatures& features;
   bool mmm;
@@ -40,10 +41,10 @@ struct TemosJoints {
 /// How motions are measured.
 template <Backend B>
 struct TemosMeasures {
-  std::function<Sequences<B>(std::span<const std::string>)> tokens;  // of texts, as the text encoder reads them
-  /// Is given the mean motion of each text, and the recorded one: rows of features.
+  std::function<Sequences<B>(std::span<const std::string>)> tokens;  // the input of the text encoder for texts
+  /// Receives each text with its mean motion and the recorded one, as rows of features.
   std::function<void(const std::string& text, std::span<const float> mean, std::span<const float> recorded)> made{};
-  Index samples = 10;  // motions of each text
+  Index samples = 10;  // motions for each text
   std::uint64_t seed = 0;
 };
 
@@ -51,8 +52,8 @@ struct TemosMeasures {
 std::span<const float> first_text_rows(const DescribedMotion& motion, Index width);
 
 /// Rows: those of named_errors(SampledErrors), "mean of the latent", and those of named_errors(BlindErrors).
-/// data    features that the model reads; of its motions to train on blind guesses are made
-/// part    what is measured, by first texts
+/// data    with the features that the model reads; its training motions give the blind guesses
+/// part    the motions to measure, each with its first text
 /// Throws  cancelled
 template <Backend B>
 std::vector<NamedErrors> temos_errors(const Temos<B>& model, const Normalizer<B>& normalizer,

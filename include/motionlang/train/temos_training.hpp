@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The training of TEMOS: motions from texts. It is what `motionlang train-temos` does; see train/tmr_training.hpp for
-/// its use.
+/// The training of TEMOS: motions from texts. `motionlang train-temos` calls it; train/tmr_training.hpp shows how to
+/// use
+/// it.
 ///
 /// Source   TEMOS (Petrovich, Black, Varol, ECCV 2022), section 3.3; thesis 4.2.3
 #pragma once
@@ -24,9 +25,9 @@ class TemosTraining : public TextMotionTask<A, Temos> {
   using Base = TextMotionTask<A, Temos>;
   using typename Base::B;
 
-  /// `texts` has all texts of `data`, which has to outlive the training.
-  /// statistics   a folder with those of the features; empty: of the motions to train on
-  /// Throws       config_error 101, 102, 103 for a configuration that cannot be
+  /// `texts` holds all texts of `data`, which must outlive the training.
+  /// statistics   a folder with those of the features; empty: those of the training motions
+  /// Throws       config_error 101, 102, 103 for an invalid configuration
   TemosTraining(TextMotionConfig config, const DescribedMotions& data, TextMotionTexts<B> texts,
                 const std::filesystem::path& statistics = {});
   /// With the word pieces of the data (text.encoder = word_pieces).
@@ -34,7 +35,7 @@ class TemosTraining : public TextMotionTask<A, Temos> {
       : TemosTraining(config, data, text_motion_texts<B>(config.text, {}, data)) {}
 
   LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
-  /// The loss without dropout, of first captions and with the same noise every time.
+  /// The loss without dropout, of first captions and always with the same noise.
   std::vector<Measure> validate();
 
  private:

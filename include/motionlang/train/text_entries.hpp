@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Motions with all the texts about the same frames, as descriptions of motions are measured.
+/// Motions with all texts about the same frames, as the evaluations of descriptions take them.
 #pragma once
 
 #include <span>    // rows
@@ -18,14 +18,14 @@ struct TextEntry {
   FrameSlice frames;
   std::vector<const DescribedText*> texts{};
 };
-/// The entries of a part, which has to outlive them. `name` stands in messages. Throws config_error 101 if there are
+/// The entries of a part, which must outlive them. `name` appears in messages. Throws config_error 101 if there are
 /// none.
 std::vector<TextEntry> text_entries(const std::vector<DescribedMotion>& part, const std::string& name);
 
-/// `length` frames of an entry from one on.
+/// `length` frames of an entry, from frame `first` on.
 std::span<const float> entry_rows(const TextEntry& e, Index first, Index length, Index width);
 
-/// Three of its texts, with what is to be compared with them.
+/// Three of its texts, to compare a description with.
 CaptionPair entry_references(const TextEntry& e, const GloVe& words);
 
 MOTIONLANG_NAMESPACE_END

@@ -18,7 +18,7 @@ struct TextMotionBatch {
   std::vector<std::string> texts;
   Sequences<B> motions;  // normalised
 };
-/// `which` are numbers of motions; text(motion) chooses one of its texts.
+/// `which` holds numbers of motions; text(motion) chooses one of its texts.
 template <Backend B, class Choose>
 TextMotionBatch<B> text_motion_batch(const std::vector<DescribedMotion>& motions, std::span<const Index> which,
                                      const Normalizer<B>& normalizer, Choose text) {
@@ -48,7 +48,7 @@ struct LatentTable {
     width = of_texts.size(1);
   }
 };
-/// seen(batch)  motions in place of those of the batch, normalised
+/// seen(batch)  motions to encode instead of those of the batch, normalised
 template <template <class> class System, Backend B, class Seen>
 LatentTable latents_of(const TextMotionModel<B, System>& model, const std::vector<DescribedMotion>& motions,
                        const EmbeddingCache* states, Seen seen) {

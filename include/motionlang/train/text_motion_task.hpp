@@ -39,7 +39,7 @@ class TextMotionTask : public TextTask<A, System> {
     Base::begin_model(width, Base::training_texts(), statistics, std::exchange(texts_.language, {}));
   }
 
-  /// The motions of a step, with a text of each that `captions` draws.
+  /// The motions of a step, each with one of its texts that `captions` draws.
   TextMotionBatch<A> training_batch(Index step, Philox captions) const {
     return text_motion_batch<A>(
         data_->training, batches_(step, this->seed()), learner_.model.motion_normalizer,

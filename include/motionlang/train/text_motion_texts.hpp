@@ -12,10 +12,10 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The places of text encoders and statistics; "": there is none.
+/// The places of text encoders and statistics; "" means none.
 struct TextMotionFiles {
   std::filesystem::path text_encoder{};      // DistilBERT: a folder, or the .npy file of an embedding cache
-  std::filesystem::path sentence_encoder{};  // MPNet, likewise; without it the words of texts are compared
+  std::filesystem::path sentence_encoder{};  // MPNet, likewise; without it, texts are compared by their words
   std::filesystem::path statistics{};        // folder with mean and deviation of the features
 };
 

@@ -33,7 +33,7 @@ class TextTask : public EpochTask<typename TrainedSystem<System>::Config, TextMo
     }
     return out;
   }
-  /// Writes the folder of the model. `about`: license, provenance, which are required, data, command, ...
+  /// Writes the folder of the model. `about`: license and provenance, which are required, data, command, ...
   void save(const std::filesystem::path& folder, const std::map<std::string, std::string>& about) {
     save_text_motion(folder, this->result(), config_, data_->fps, about);
   }
@@ -44,9 +44,9 @@ class TextTask : public EpochTask<typename TrainedSystem<System>::Config, TextMo
 
   TextTask(Config config, const DescribedMotions& data) : Base(TrainedSystem<System>::name, std::move(config), data) {}
 
-  /// Draws the weights that training begins with.
-  /// width       of the states of a language model; none: word pieces are learnt from `words`
-  /// statistics  a folder with those of the features; empty: of the motions to train on
+  /// Draws the initial weights.
+  /// width       of the states of a language model; none: word pieces are learned from `words`
+  /// statistics  a folder with those of the features; empty: those of the training motions
   /// language    trained with the model
   void begin_model(std::optional<Index> width, const std::vector<std::string>& words,
                    const std::filesystem::path& statistics, std::optional<LanguageModel<B>> language = {}) {
@@ -62,7 +62,7 @@ class TextTask : public EpochTask<typename TrainedSystem<System>::Config, TextMo
     this->begin(std::move(model));
   }
 
-  /// Every text of the motions to train on, as often as it is there.
+  /// Every text of the training motions, as often as it occurs.
   std::vector<std::string> training_texts() const {
     std::vector<std::string> texts;
     for (const DescribedMotion& m : data_->training) {

@@ -11,7 +11,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The part that is trained. Each stage needs those before it.
+/// The part to train. Each stage needs those before it.
 enum class Tm2tStage { tokenizer, motion_to_text, text_to_motion };
 
 struct Tm2tTokenizerConfig {
@@ -19,7 +19,7 @@ struct Tm2tTokenizerConfig {
   Index codes = 1024, residual_blocks = 3;
   double beta = 1;
   Index window = 64;            // frames
-  double feature_bias = 5;      // by which the deviations of root and contacts are divided, twice as published
+  double feature_bias = 5;      // the deviations of root and contacts are divided by it, twice as published
   double adversarial = 0.5;     // weight of the discriminator; 0: none
   Index adversarial_from = 10;  // epoch
   Index discriminator = 512;    // its first number of channels
@@ -50,7 +50,7 @@ struct Tm2tDescriberConfig {
   Index latent_dim = 512, ff_size = 2048, num_layers = 4,
         num_heads = 8;  // layers of the encoder, and of the decoder
   double dropout = 0.1;
-  double smoothing = 0;  // of labels; 0.1 in the published program, where it is off
+  double smoothing = 0;  // of labels; the published program has 0.1, but switched off
 
   void require_sound() const {
     require_sizes(*this);
@@ -67,10 +67,10 @@ struct Tm2tDescriberConfig {
 /// The recurrent network.
 struct Tm2tWriterConfig {
   Index text_hidden = 512, motion_hidden = 1024, layers = 1;
-  Index word_width = 300;  // of word vectors that are drawn, where none are given
+  Index word_width = 300;  // of random word vectors, where none are given
   bool late = false;       // attention after the recurrent network
   double forced_first = 0.9,
-         forced_last = 0.1;  // share of the batches that are shown the true tokens: in epoch 0, from forced_epochs on
+         forced_last = 0.1;  // the share of batches that see the true tokens: in epoch 0, and from forced_epochs on
   Index forced_epochs = 35;
   bool alignment = true;     // inverse alignment: a second update, by the describer
   Index alignment_from = 0;  // epoch

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The second stage of TM2T: the transformer from motions to texts. It is what
-/// `motionlang train-tm2t --stage motion-to-text` does.
+/// The second stage of TM2T: the transformer from motions to texts.
+/// `motionlang train-tm2t --stage motion-to-text` calls it.
 ///
 ///     TokenizedData<B> tokens{load_tm2t_tokenizer<B>(find_run("tokenizer/model")), words};
 ///     tokens.tokenize(data);
@@ -47,7 +47,7 @@ class Tm2tDescriberTraining : public TokenTask<Seq2SeqTransformer<A>, Seq2SeqTra
         Seq2SeqTransformer<B>(describer_sizes(config_.motion_to_text, tokens.model.vocabulary(), tokens.words), init));
   }
 
-  /// As published the sum over the words of the batch.
+  /// The sum over the words of the batch, as published.
   LossTerms<A> loss(const Philox& rng, Index step, const Context& context) const {
     const auto b = this->batch(rng, step);
     LossTerms<A> out;
@@ -60,7 +60,7 @@ class Tm2tDescriberTraining : public TokenTask<Seq2SeqTransformer<A>, Seq2SeqTra
       return std::pair(logits_of(learner_.average, b, {}), b.words);
     });
   }
-  /// Writes the folder of the model. `about`: license, provenance, which are required, data, command, ...
+  /// Writes the folder of the model. `about`: license and provenance, which are required, data, command, ...
   void save(const std::filesystem::path& folder, const std::map<std::string, std::string>& about) {
     const auto& known = tokens_->model;
     save_tm2t<B>(folder, config_, data_->fps, about,

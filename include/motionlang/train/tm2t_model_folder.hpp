@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The folder of a TM2T: what a stage has trained, with what was trained before. It has the form of
-/// weights/pack_run.hpp, which load_tm2t_run and its like read.
+/// The folder of a TM2T: the part that a stage has trained, with the parts trained before. It has the form of
+/// weights/pack_run.hpp, which load_tm2t_run and similar functions read.
 #pragma once
 
 #include <filesystem>  // folders
@@ -18,7 +18,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Parts that there are not yet are null.
+/// Parts that do not exist yet are null.
 template <Backend B>
 struct Tm2tParts {
   const MotionTokenizer<B>& tokenizer;
@@ -28,7 +28,7 @@ struct Tm2tParts {
   const Seq2SeqGru<B>* writer = nullptr;             // from texts to motions
 };
 
-/// Writes the folder over the one that is there. Throws what overwrite_model throws.
+/// Writes the folder over the existing one. Throws what overwrite_model throws.
 template <Backend B>
 void save_tm2t(const std::filesystem::path& folder, const Tm2tTrainingConfig& config, double fps,
                const std::map<std::string, std::string>& about, const Tm2tParts<B>& m) {
@@ -42,7 +42,7 @@ void save_tm2t(const std::filesystem::path& folder, const Tm2tTrainingConfig& co
   model.fps = fps;
   model.text_encoder = m.words != nullptr ? "glove" : "";
   if (m.describer != nullptr)
-    model.config["n_head"] = m.describer->encoder.layer_stack.at(0).slf_attn.heads;  // which no tensor shows
+    model.config["n_head"] = m.describer->encoder.layer_stack.at(0).slf_attn.heads;  // no tensor shows it
   model.others["training"] = config_json(config);
   if (m.words != nullptr) {
     std::filesystem::create_directories(folder / "text_encoder");

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// The first stage of TM2T: the motion tokenizer. It is what `motionlang train-tm2t --stage tokenizer` does.
+/// The first stage of TM2T: the motion tokenizer. `motionlang train-tm2t --stage tokenizer` calls it.
 ///
 ///     const auto config = tm2t_preset("small", Tm2tStage::tokenizer);
 ///     train(Tm2tTokenizerTraining<A>(config, data, tm2t_statistics<B>(data, {}, config.tokenizer.feature_bias)),
 ///           {.out = "tokenizer"}, about);
 ///
 /// Source   TM2T (Guo et al., ECCV 2022), section 3.1, appendix B
-/// Differs  from the published program: parts of clips with texts of their own count as motions, the last batch of an
-///          epoch is kept, and whole motions are validated with
+/// Differs  from the published program: parts of clips with texts of their own count as motions; the last batch of an
+///          epoch is kept; and validation uses whole motions
 #pragma once
 
 #include <algorithm>   // max
@@ -31,7 +31,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Numbers as constants of another backend.
+/// Values as constants of another backend.
 template <Backend T, Backend B>
 Sequences<T> constants(const Sequences<B>& x) {
   const auto numbers = x.rows.span();
@@ -39,16 +39,16 @@ Sequences<T> constants(const Sequences<B>& x) {
           x.offsets};
 }
 
-/// The windows of all motions to train on. Throws config_error 102 if none is long enough for one.
+/// The windows of all training motions. Throws config_error 102 if no motion is long enough for a window.
 std::vector<ClipWindow> tm2t_training_windows(const Tm2tTrainingConfig& config, const DescribedMotions& data);
-/// The deviations as the tokenizer has them. grouped: whether each is the mean of its group already.
+/// The deviations as the tokenizer uses them. grouped: true if each is the mean of its group already.
 std::vector<double> tm2t_training_deviation(std::vector<double> std, double bias, bool grouped);
 
 }  // namespace detail
 
-/// Mean and deviation as the tokenizer has them: those of the features, each deviation the mean of its group as
-/// HumanML3D has it, and then smaller for root and contacts.
-/// folder   with Mean.npy and Std.npy, whose groups are made already; empty: of these motions
+/// Mean and deviation as the tokenizer uses them. They are those of the features, but each deviation is the mean of its
+/// group, as in HumanML3D, and is then reduced for root and contacts.
+/// folder   with Mean.npy and Std.npy, already averaged by group; empty: those of these motions
 template <Backend B>
 Normalizer<B> tm2t_statistics(const DescribedMotions& data, const std::filesystem::path& folder, double bias) {
   auto out = statistics_of<B>(folder, data);
@@ -66,20 +66,20 @@ class Tm2tTokenizerTraining
   using Base = EpochTask<Tm2tTrainingConfig, MotionTokenizer<A>, MotionTokenizer<typename A::inner>>;
   using typename Base::B;
 
-  /// data    has to outlive the training
-  /// Throws  config_error 101, 102 for a configuration that cannot be
+  /// data    must outlive the training
+  /// Throws  config_error 101, 102 for an invalid configuration
   Tm2tTokenizerTraining(const Tm2tTrainingConfig& config, const DescribedMotions& data, Normalizer<B> statistics)
       : Tm2tTokenizerTraining(config, data, std::move(statistics), detail::tm2t_training_windows(config, data)) {}
 
   const Normalizer<B>& statistics() const { return statistics_; }
 
   LossTerms<A> loss(const Philox&, Index step, const Context&);
-  /// The loss without the discriminator, and the perplexity: how many codes are in use, as it were.
+  /// The loss without the discriminator, and the perplexity, which is the effective number of codes in use.
   std::vector<Measure> validate();
 
   void add_to(TensorStore& store) const;
   void load(const SafetensorsFile& file, Index steps_done);
-  /// Writes the folder of the model. `about`: license, provenance, which are required, data, command, ...
+  /// Writes the folder of the model. `about`: license and provenance, which are required, data, command, ...
   void save(const std::filesystem::path& folder, const std::map<std::string, std::string>& about) {
     save_tm2t<B>(folder, config_, data_->fps, about, {this->result(), statistics_});
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The data of the stages of TM2T behind the tokenizer: motions as tokens, with the words of their texts.
+/// The data of the stages of TM2T after the tokenizer: motions as tokens, with the words of their texts.
 #pragma once
 
 #include <algorithm>  // min
@@ -22,16 +22,17 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A text and the motion that it is about, as both are learnt.
+/// A text and its motion, as they are used in training.
 struct TokenizedText {
-  TokenLines lines;  // from one frame on, from the next ...
+  TokenLines lines;  // from frame 0 on, from frame 1 on ...
   std::vector<Index> words;
 };
 using TokenizedMotions = std::vector<std::vector<TokenizedText>>;  // texts of each motion
 
-/// Tokens of every text's frames from each of the first four frames on that leave as many whole tokens, and its
-/// words. What is longer than 196 frames is cut. Differs from the published program, which draws the first frame
-/// five times for the whole clip.
+/// The tokens of every text's frames, and its words. There is a line of tokens from each of the first four frames on
+/// that leaves as many whole tokens. Frames after the 196th are cut. Differs from the published program, which draws
+/// the
+/// first frame five times for the whole clip.
 template <Backend B>
 TokenizedMotions tokenized(const std::vector<DescribedMotion>& motions, const Tm2t<B>& model, const GloVe& words,
                            Progress progress) {
@@ -63,13 +64,13 @@ struct TokenizedBatch {
 };
 
 /// Tokens and words of a batch.
-/// draw  which text, which line, and whether a token is dropped; null: the first ones, and none
+/// draw  chooses a text and a line, and decides if a token is dropped; null: the first ones, and nothing is dropped
 TokenizedBatch tokenized_batch(const TokenizedMotions& of, const MotionVocabulary& vocabulary,
                                std::span<const Index> which, Philox* draw);
 
 template <Backend B>
 struct TokenizedData {
-  Tm2t<B> model;  // the tokenizer; for inverse alignment the transformer, too
+  Tm2t<B> model;  // the tokenizer; for inverse alignment also the transformer
   GloVe words;
   TokenizedMotions training{}, validation{};
 
@@ -80,7 +81,7 @@ struct TokenizedData {
   TokenizedBatch batch(const TokenizedMotions& of, std::span<const Index> which, Philox* draw) const {
     return tokenized_batch(of, model.vocabulary(), which, draw);
   }
-  /// Adds what a checkpoint has to have been trained with.
+  /// Adds what a checkpoint must have been trained with.
   void add_to(std::map<std::string, std::string>& settings) const {
     const auto codes = model.tokenizer.quantizer.embedding.weight.span();
     settings["tokenizer"] = detail::hexadecimal(detail::content_hash(std::as_bytes(codes)));
@@ -89,10 +90,10 @@ struct TokenizedData {
   }
 };
 
-/// The number of symbols that are written in sequences: all but the marks of beginning.
+/// The number of symbols to predict in sequences: all except the start marks.
 inline double written_symbols(const IdSequences& x) { return static_cast<double>(std::ssize(x.ids) - x.count()); }
 
-/// Share of the symbols that logits find most probable.
+/// The share of the symbols that the logits find most probable.
 template <Backend B>
 double right_symbols(const Tensor<B, 2>& logits, const IdSequences& written) {
   const auto found = arg_max(logits), wanted = written.without_ends(1, 0).ids;
@@ -101,7 +102,7 @@ double right_symbols(const Tensor<B, 2>& logits, const IdSequences& written) {
   return right / static_cast<double>(found.size());
 }
 
-/// The common part of both stages behind the tokenizer.
+/// The common part of both stages after the tokenizer.
 template <Module Taped, Module Plain>
 class TokenTask : public EpochTask<Tm2tTrainingConfig, Taped, Plain> {
  public:
@@ -115,7 +116,7 @@ class TokenTask : public EpochTask<Tm2tTrainingConfig, Taped, Plain> {
   }
 
  protected:
-  /// data, tokens  have to outlive the task
+  /// data, tokens  must outlive the task
   TokenTask(std::string system, const Tm2tTrainingConfig& config, const DescribedMotions& data,
             const TokenizedData<B>& tokens)
       : Base(std::move(system), config, data), tokens_(&tokens) {}
@@ -124,7 +125,7 @@ class TokenTask : public EpochTask<Tm2tTrainingConfig, Taped, Plain> {
     auto draw = rng.split("texts");
     return tokens_->batch(tokens_->training, this->batches_(step, this->seed()), &draw);
   }
-  /// logits_and_written(batch): logits of what is written and the written; name: of the loss for each symbol.
+  /// logits_and_written(batch): the logits, and the sequences that they predict; name: of the loss for each symbol.
   template <class F>
   std::vector<Measure> measured(const char* name, F logits_and_written) {
     double right = 0;

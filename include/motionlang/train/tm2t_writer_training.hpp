@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The third stage of TM2T: the recurrent network from texts to motions, with inverse alignment. It is what
-/// `motionlang train-tm2t --stage text-to-motion` does; see train/tm2t_describer_training.hpp for its use.
+/// The third stage of TM2T: the recurrent network from texts to motions, with inverse alignment.
+/// `motionlang train-tm2t --stage text-to-motion` calls it; train/tm2t_describer_training.hpp shows how to use it.
 ///
 /// Source   TM2T (Guo et al., ECCV 2022), section 3.3; networks/trainers.py Seq2SeqT2MJointTrainer
 #pragma once
@@ -26,13 +26,16 @@ class Tm2tWriterTraining : public TokenTask<Seq2SeqGru<A>, Seq2SeqGru<typename A
   using Base = TokenTask<Seq2SeqGru<A>, Seq2SeqGru<typename A::inner>>;
   using typename Base::B;
 
-  /// With inverse alignment `tokens` has the transformer from motions to texts.
+  /// For inverse alignment, `tokens` holds the transformer from motions to texts.
   Tm2tWriterTraining(const Tm2tTrainingConfig& config, const DescribedMotions& data, const TokenizedData<B>& tokens);
 
-  /// As published an update by the tokens, made here, and another by what the describer says of what is written: the
-  /// terms are both, the gradient is that of the second. The describer has dropout and is not trained.
+  /// As published, a step has two updates. The first, made here, uses the true tokens. The second uses the describer's
+  /// loss
+  /// on the tokens that the writer predicts. The terms are those of both; the gradient is that of the second. The
+  /// describer
+  /// has dropout and is not trained.
   LossTerms<A> loss(const Philox& rng, Index step, const Context& context);
-  /// The model reads what it has written itself.
+  /// The model reads its own output.
   std::vector<Measure> validate() {
     return this->measured("loss of a token", [&](const TokenizedBatch& b) {
       return std::pair(learner_.average.logits(vectors_of<B>(b.words), b.tokens.without_ends(0, 1), false), b.tokens);
@@ -41,7 +44,7 @@ class Tm2tWriterTraining : public TokenTask<Seq2SeqGru<A>, Seq2SeqGru<typename A
   void load(const SafetensorsFile& file, Index steps_done) {
     Base::load(file, steps_done + std::max<Index>(0, steps_done - first_alignment()));  // updates
   }
-  /// Writes the folder of the model. `about`: license, provenance, which are required, data, command, ...
+  /// Writes the folder of the model. `about`: license and provenance, which are required, data, command, ...
   void save(const std::filesystem::path& folder, const std::map<std::string, std::string>& about) {
     const auto& known = tokens_->model;
     save_tm2t<B>(folder, config_, data_->fps, about,
@@ -63,7 +66,7 @@ class Tm2tWriterTraining : public TokenTask<Seq2SeqGru<A>, Seq2SeqGru<typename A
   }
 
   using Base::batches_, Base::config_, Base::data_, Base::learner_, Base::tokens_;
-  std::vector<float> vectors_;  // of the words by their ids
+  std::vector<float> vectors_;  // of the words, by id
   std::optional<Seq2SeqTransformer<A>> describer_;
 };
 

@@ -7,7 +7,7 @@
 ///                                              row_maker(config.features));
 ///     train(TmrTraining<A>(config, data), {.out = "run"}, {{"license", "MIT"}, {"provenance", "own recordings"}});
 ///
-/// It is what `motionlang train-tmr` does.
+/// `motionlang train-tmr` calls it.
 /// Source   TMR (Petrovich, Black, Varol, ICCV 2023), sections 3.2 to 3.4; thesis 5.2
 #pragma once
 
@@ -31,19 +31,18 @@ class TmrTraining : public TextMotionTask<A, Tmr> {
   using Base = TextMotionTask<A, Tmr>;
   using typename Base::B;
 
-  /// `texts` has all texts of `data`, which has to outlive the training.
-  /// statistics   a folder with those of the features; empty: of the motions to train on
-  /// Throws       config_error 101, 102, 103 for a configuration that cannot be
+  /// `texts` holds all texts of `data`, which must outlive the training.
+  /// statistics   a folder with those of the features; empty: those of the training motions
+  /// Throws       config_error 101, 102, 103 for an invalid configuration
   TmrTraining(TextMotionConfig config, const DescribedMotions& data, TextMotionTexts<B> texts,
               const std::filesystem::path& statistics = {});
-  /// With the word pieces of the data (text.encoder = word_pieces). Texts that are about the same frames count as
-  /// alike.
+  /// With the word pieces of the data (text.encoder = word_pieces). Texts about the same frames count as alike.
   TmrTraining(const TextMotionConfig& config, const DescribedMotions& data)
       : TmrTraining(config, data, text_motion_texts<B>(config.text, {}, data)) {}
 
   LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
-  /// The loss without dropout, of first captions and with the same noise every time; recalls among the motions of the
-  /// validation part, where motions with a text that means the same count as found.
+  /// The loss without dropout, of first captions and always with the same noise; recalls among the motions of the
+  /// validation part. A motion also counts as found if it has a text with the same meaning.
   std::vector<Measure> validate();
 
  private:

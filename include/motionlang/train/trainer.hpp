@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// One training run of whatever can be trained: steps, validation, early stop, curves, and checkpoints from which it
-/// goes on with the same numbers.
+/// One training run of any system: steps, validation, early stop, curves, and checkpoints. A run that continues from a
+/// checkpoint gives the same results.
 ///
 ///     Trainer trainer(TmrTraining<A>(config, data));
 ///     trainer.run({.out = "run"}, {.progress = [](const TrainingProgress& p) { return !asked_to_stop; }});
 ///
-/// The folder `out` gets checkpoint.safetensors and loss.svg. A run that is stopped goes on from there.
+/// The folder `out` gets checkpoint.safetensors and loss.svg. A stopped run continues from there.
 #pragma once
 
 #include <chrono>       // minutes between checkpoints
@@ -33,7 +33,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///   update        one step of the optimisers
 ///   settings      everything that decides what a step computes, except the number of steps
 ///   add_to, load  the state
-/// Laws    loss depends on nothing but its generator, the step and the state; load takes what add_to gave
+/// Laws    loss depends only on its generator, the step and the state; load takes what add_to gave
 /// Models  TmrTraining, TemosTraining, SincTraining, TeachTraining, ActorTraining, ClassifierTraining, Tm2t...Training,
 ///         StmcTraining
 template <class T>
@@ -48,10 +48,10 @@ concept TrainingTask = requires(T& task, const T& same, Philox rng, const Contex
   same.add_to(store);
   task.load(file, step);
 };
-/// Tasks that can tell how good they are.
-///   validate    its first measure is watched
-///   validation  when
-///   keep_best   remembers the weights as they are
+/// Tasks that can measure how good they are.
+///   validate    its first measure decides which weights are best
+///   validation  when to validate
+///   keep_best   remembers the current weights
 template <class T>
 concept ValidatedTask = TrainingTask<T> && requires(T& task, const T& same) {
   { task.validate() } -> std::same_as<std::vector<Measure>>;
@@ -62,34 +62,34 @@ concept ValidatedTask = TrainingTask<T> && requires(T& task, const T& same) {
 struct TrainingOptions {
   std::filesystem::path out = "training";  // folder of checkpoint and curves
   double save_minutes = 5;                 // between checkpoints
-  bool fresh = false;                      // begin anew whatever checkpoint there is
-  bool other_settings = false;             // go on although the checkpoint began with other numbers
-  bool recompute = false;  // layers are calculated again instead of kept: the same numbers, less memory, more time
+  bool fresh = false;                      // begin a new run even if there is a checkpoint
+  bool other_settings = false;             // continue even if the checkpoint has other settings
+  bool recompute = false;  // layers are recomputed instead of kept: the same results, less memory, more time
 };
 
-/// The begin of a run.
+/// The start of a run.
 struct TrainingStart {
-  Index step = 0, steps = 0;  // those that are done, and all of them
+  Index step = 0, steps = 0;  // the steps done, and all steps
   bool resumed = false;       // from a checkpoint
 };
 /// The state after a step.
 struct TrainingProgress {
-  Index step = 0, steps = 0;  // those that are done, and all of them
+  Index step = 0, steps = 0;  // the steps done, and all steps
   double loss = 0;            // smoothed
   const TrainingRecord& record;
 };
 /// The result of a run.
 struct TrainingSummary {
-  Index steps = 0;  // of this run, not those before a checkpoint
+  Index steps = 0;  // of this run, without those before a checkpoint
   Index last_step = 0;
   double seconds = 0;
-  bool stopped_early = false;  // because the validation no longer got better
+  bool stopped_early = false;  // because the validation no longer improved
 };
 /// The reports of a run; any of them may be empty.
-///   prepare   a run that begins anew, before its first checkpoint
+///   prepare   for a new run, before its first checkpoint
 ///   start     before the first step
 ///   progress  after every step; false: the run is saved and ends with `cancelled`
-///   stop      the run was saved because `progress` wanted so
+///   stop      the run was saved because `progress` returned false
 ///   finish    after the last step, when the run is saved
 struct TrainingCallbacks {
   std::function<void()> prepare{};
@@ -99,8 +99,8 @@ struct TrainingCallbacks {
   std::function<void(const TrainingSummary&)> finish{};
 };
 
-/// Every step depends on the state and the step's number only. So a run which is stopped and resumed gives the numbers
-/// of one that was not.
+/// Every step depends on the state and the step's number only. So a run that was stopped and resumed gives the same
+/// results as one that was not.
 template <TrainingTask Task>
 class Trainer {
  public:
@@ -119,15 +119,15 @@ class Trainer {
     return false;
   }
 
-  /// Everything that is needed to go on, in float32. The file appears when all of it is written.
+  /// Everything that is needed to continue, in float32. The file appears once it is complete.
   void save(const std::filesystem::path& checkpoint) const;
-  /// Goes on where `checkpoint` stopped. Throws config_error 102 if that run had other settings, data or sizes
+  /// Continues where `checkpoint` stopped. Throws config_error 102 if that run had other settings, data or sizes
   /// (`with_other_settings`: other sizes or data), io_error 406, 407 if tensors are missing or wrong.
   void resume(const std::filesystem::path& checkpoint, bool with_other_settings = false);
 
-  /// All steps, from the checkpoint in the folder if there is one. Saves now and then, and when it is done.
-  /// Throws  cancelled where `progress` answers false, after it was saved; config_error 102 for a checkpoint of other
-  ///         settings or of more steps; what step, save and resume throw
+  /// All steps, from the checkpoint in the folder if there is one. Saves regularly, and at the end.
+  /// Throws  cancelled if `progress` returns false, after saving; config_error 102 for a checkpoint with other settings
+  ///         or more steps; what step, save and resume throw
   TrainingSummary run(const TrainingOptions& options, const TrainingCallbacks& callbacks = {});
 
  private:
@@ -138,7 +138,7 @@ class Trainer {
   bool recompute_ = false;
 };
 
-/// All of a training: the run, then the folder of the model, out/model. `about`: license and provenance, which are
+/// A complete training: the run, then the folder of the model, out/model. `about`: license and provenance, which are
 /// required, data, command, ... for its config.json. Throws what Trainer::run and the task's save throw.
 template <TrainingTask Task>
 TrainingSummary train(Task task, const TrainingOptions& options, const std::map<std::string, std::string>& about,

@@ -13,7 +13,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One number that a validation found.
+/// One value that a validation measured.
 struct Measure {
   std::string name;
   double value = 0;
@@ -24,17 +24,17 @@ struct Validation {
   std::vector<Measure> measures;  // the first decides which weights are the best
 };
 
-/// When to validate, and when to stop because of it.
+/// When to validate, and when to stop early.
 struct ValidationPlan {
   Index every = 0;         // steps; 0: never
-  Index patience = 0;      // validations without a better one before training stops; 0: never
-  bool keep_best = false;  // the weights of the best validation are exported, not the last
+  Index patience = 0;      // validations without an improvement before training stops; 0: never
+  bool keep_best = false;  // export the weights of the best validation, not the last ones
 };
 
 struct TrainingRecord {
   std::vector<float> losses;       // of every step
-  std::vector<std::string> terms;  // of the loss, those of the last step
-  std::vector<float> term_values;  // with their weights, (steps, terms): of the last steps that had these terms
+  std::vector<std::string> terms;  // of the loss: those of the last step
+  std::vector<float> term_values;  // weighted, (steps, terms): of the last steps that had these terms
   std::vector<Validation> validations;
 
   Index steps() const { return std::ssize(losses); }
@@ -46,11 +46,11 @@ struct TrainingRecord {
   void add_to(TensorStore& store, std::map<std::string, std::string>& metadata) const;
   /// Throws io_error 403 if the tensors and the metadata of a checkpoint do not fit each other.
   void load(const SafetensorsFile& file);
-  /// A picture (SVG): the loss of training and validation, its terms and the other measures below it.
+  /// A picture (SVG): the loss of training and validation, and below it its terms and the other measures.
   std::string curves() const;
 };
 
-/// Throws config_error 102 for the first setting in which a checkpoint differs; "training.*" may, where that is wanted.
+/// Throws config_error 102 for the first setting in which a checkpoint differs; "training.*" may differ if allowed.
 void require_same_settings(const SafetensorsFile& checkpoint, const std::map<std::string, std::string>& settings,
                            bool with_other_settings);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A decoder that writes one frame after the other, which ACTOR's is compared with (thesis table 3.4 a). It comes from
-/// the joeynmt project: pre-norm layers with ReLU, separate matrices of attention.
+/// A decoder that writes one frame after the other, with which ACTOR's decoder is compared (thesis table 3.4 a). It
+/// comes from the joeynmt project: pre-norm layers with ReLU, separate matrices of attention.
 #pragma once
 
 #include <motionlang/nn/feed_forward.hpp>
@@ -9,7 +9,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Multi-head attention with a layer for each projection.
+/// Multi-head attention with separate layers for the projections.
 template <Backend B>
 struct SeparateAttention {
   Linear<B> k_layer, v_layer, q_layer, output_layer;
@@ -114,12 +114,13 @@ struct ActorAutoregressiveDecoder {
     for (Index i = 0; i < c.layers; ++i) layers.emplace_back(c, rng);
   }
 
-  /// The motions as the decoder writes them: every frame from those that it wrote before, the memory as a whole.
+  /// The motions as the decoder writes them: every frame from the frames that it wrote before, and from the whole
+  /// memory.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths) const {
     const ModuleScope scope(*this);
     Sequences<B> x(Tensor<B, 2>::zeros({lengths.rows(), output_layer.size(0)}), lengths);
     for (Index t = 0; t < lengths.longest(); ++t) {
-      PoolVector<Index> now;  // frame t of each motion that has one: it depends on the frames before it only
+      PoolVector<Index> now;  // frame t of each motion that has one: it depends on earlier frames only
       for (Index s = 0; s < lengths.count(); ++s) {
         if (lengths.length(s) > t) now.push_back(lengths.begin(s) + t);
       }
@@ -133,7 +134,7 @@ struct ActorAutoregressiveDecoder {
                      const Context& context = {}) const {
     const Offsets& lengths = x.offsets;
     PoolVector<Index>
-        before;  // among a frame of zeros, which stands before every first one, and the frames of all motions
+        before;  // rows of a table: a frame of zeros, which precedes every first frame, then the frames of all motions
     for (Index s = 0; s < x.count(); ++s) {
       for (Index t = 0; t < lengths.length(s); ++t) before.push_back(t == 0 ? 0 : lengths.begin(s) + t);
     }

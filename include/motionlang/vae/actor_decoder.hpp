@@ -12,7 +12,7 @@ enum class ActorConditioning {
   action_bias,    // memory z + b_y, queries are sinusoidal positions
   concat_bias,    // memory of two rows, z and b_y
   zandtime,       // memory W [z, one-hot y]
-  time_encoding,  // as action_bias, but every number of query t is t / (length - 1)
+  time_encoding,  // time_encoding,  // as action_bias, but every component of query t is t / (length - 1)
 };
 
 /// Source  thesis 3.2.1, "Decoder"; ACTOR (ICCV 2021) src/models/architectures/transformer.py Decoder_TRANSFORMER
@@ -44,7 +44,7 @@ struct ActorDecoder {
   }
 
   /// The rows to which the frames of each motion attend. z (motions, width).
-  /// Throws shape_error 203 for a label that is not a class, 204 unless each motion has one.
+  /// Throws shape_error 203 for a label that is not a class, 204 unless there is one label for each motion.
   Sequences<B> memory(const Tensor<B, 2>& z, std::span<const Index> labels) const {
     if (std::ssize(labels) != z.size(0))
       raise<shape_error>(204, "ActorDecoder: ", labels.size(), " labels for ", z.size(0), " motions");

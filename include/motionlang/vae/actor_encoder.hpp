@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// ACTOR's encoder, and the one without tokens that it is compared with.
+/// ACTOR's encoder, and the encoder without tokens with which it is compared.
 #pragma once
 
 #include <algorithm>  // max
@@ -34,7 +34,7 @@ struct ActorEncoder {
         dropout_p(c.dropout) {}
 
   /// The input of the first layer.
-  /// Throws shape_error 203 for a label that is not a class, 204 unless each motion has one.
+  /// Throws shape_error 203 for a label that is not a class, 204 unless there is one label for each motion.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> labels) const {
     auto token = [&](const Tensor<B, 2>& of_class) {
       return Sequences<B>(gather(of_class, labels), Offsets::equal(std::ssize(labels), 1));
@@ -50,8 +50,8 @@ struct ActorEncoder {
 
 ///     W frames + positions -> encoder -> mean over the frames -> mu and logvar by a linear layer each
 /// Source  thesis 3.3.2, table 3.4 b; ACTOR src/models/architectures/transformer.py, ablation "average_encoder"
-/// The mean counts padding, as published: frames of zeros up to the longest motion of the batch, which attend to the
-/// real ones. So here a short motion does depend on what is encoded with it.
+/// The mean includes padding, as published: frames of zeros up to the longest motion of the batch, which attend to the
+/// real ones. So the latent of a short motion depends on the motions that are encoded with it.
 template <Backend B>
 struct ActorAverageEncoder {
   Linear<B> mu_layer, sigma_layer, skelEmbedding;
@@ -76,8 +76,8 @@ struct ActorAverageEncoder {
 
   Sequences<B> sequence(const Sequences<B>& x) const { return add_positions(skelEmbedding(x), positions.rows()); }
 
-  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts. Throws shape_error 203 for
-  ///                more than there are positions
+  /// padded_frames  of the batch, if it is padded beyond its longest motion, because padding counts. Throws shape_error
+  ///                203 for more frames than positions
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}, Index padded_frames = 0) const {
     const ModuleScope scope(*this);
     auto dropped = [&](const Sequences<B>& s) { return s.with(dropout(s.rows, dropout_p, context)); };
@@ -94,7 +94,7 @@ struct ActorAverageEncoder {
   }
 
  private:
-  /// Embedded frames of zeros at the positions behind the end of each sequence, up to this many.
+  /// Embedded frames of zeros at the positions after the end of each sequence, up to `longest`.
   Sequences<B> padding_of(const Offsets& offsets, Index longest) const {
     detail::require_positions("ActorAverageEncoder", positions.rows(), longest);
     PoolVector<Index> at, lengths;

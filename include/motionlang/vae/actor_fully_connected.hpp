@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The fully connected encoder and decoder that ACTOR is compared with (thesis table 3.4): motions of one length only.
+/// The fully connected encoder and decoder that ACTOR is compared with (thesis table 3.4). All motions have one length.
 #pragma once
 
 #include <motionlang/nn/embedding.hpp>
@@ -8,7 +8,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     h = gelu(W2 gelu(W1 [all numbers of the motion, one-hot y]));   mu and logvar from h
-/// Numbers are ordered by feature, then frame. Source  thesis 3.3.2, table 3.4; ACTOR src/models/architectures
+/// Values are ordered by feature, then frame. Source  thesis 3.3.2, table 3.4; ACTOR src/models/architectures
 template <Backend B>
 struct ActorFullyConnectedEncoder {
   Linear<B> first, second, mu, var;
@@ -22,7 +22,7 @@ struct ActorFullyConnectedEncoder {
   ActorFullyConnectedEncoder(Index nfeats, Index frames, Index classes, Index width, Rng auto& rng)
       : first(nfeats * frames + classes, 512, rng), second(512, 256, rng), mu(256, width, rng), var(256, width, rng) {}
 
-  /// Throws shape_error 207 unless all motions have the frames that the network was made for.
+  /// Throws shape_error 207 unless all motions have as many frames as the network expects.
   LatentGaussian<B> operator()(const Sequences<B>& x, std::span<const Index> labels, Index classes) const {
     const ModuleScope scope(*this);
     const Index n = x.count(), frames = (first.in() - classes) / std::max<Index>(x.width(), 1);
@@ -35,8 +35,8 @@ struct ActorFullyConnectedEncoder {
   }
 };
 
-///     gelu(W3 gelu(W2 gelu(W1 [z, one-hot y]))): the last activation is as published, though features are negative as
-///     well
+///     gelu(W3 gelu(W2 gelu(W1 [z, one-hot y]))): the last activation is as published, although features may be
+///     negative
 template <Backend B>
 struct ActorFullyConnectedDecoder {
   Linear<B> first, second, third;

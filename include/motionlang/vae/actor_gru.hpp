@@ -10,8 +10,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The action of each frame's motion, one-hot, and how far the frame is through it: (frames, classes), or one more
-/// column.
+/// The action of each frame's motion, one-hot, and if wanted the relative time of the frame in its motion:
+/// (frames, classes), or one more column.
 template <Backend B>
 Tensor<B, 2> action_and_time(std::span<const Index> labels, Index classes, const Offsets& lengths, bool time) {
   const auto action = repeat_for_rows(one_hot<B>(labels, classes), lengths);

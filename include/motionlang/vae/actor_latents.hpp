@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The latents of generated motions. Motions may share their noise, so that they differ only in the action, or only in
-/// the noise.
+/// The latents of generated motions. Motions may share their noise, so that they differ only in the action, or share
+/// the
+/// action, so that they differ only in the noise.
 #pragma once
 
 #include <motionlang/tensor/index.hpp>
@@ -16,7 +17,7 @@ struct ActorSampling {
   NoiseSharing across_actions = NoiseSharing::random;  // random or same
   double fact = 1;                                     // scales all noise
 
-  /// Rows of noise that `samples` of this many actions need.
+  /// The number of rows of noise for the samples of this many actions.
   Index noise_rows(Index actions) const {
     return (across_samples == NoiseSharing::random ? samples : 1) *
            (across_actions == NoiseSharing::random ? actions : 1);
@@ -25,7 +26,7 @@ struct ActorSampling {
 
 /// Latents in the order sample, action: noise (noise_rows, latent) -> (samples actions, latent).
 /// Source  ACTOR src/models/modeltype/cae.py generate
-/// Throws  config_error 101 for options that mean nothing, shape_error 204 for another number of rows
+/// Throws  config_error 101 for invalid options, shape_error 204 for another number of rows
 template <Backend B>
 Tensor<B, 2> actor_latents(const Tensor<B, 2>& noise, Index actions, const ActorSampling& o = {}) {
   if (o.samples < 1 || o.across_actions == NoiseSharing::interpolate)

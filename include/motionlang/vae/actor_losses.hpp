@@ -9,25 +9,26 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Weights of the loss; rcxyz is 0 for models that were trained without a body. vel and velxyz exist but are not used
-/// in published models.
+/// Weights of the loss; rcxyz is 0 for models that were trained without a body. Published models do not use vel and
+/// velxyz.
 struct ActorLossWeights {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
 };
 /// The points that rcxyz and velxyz compare: `actor_points` of the motions, and of those that the model wrote.
-/// Published models take vertices without the translation.
+/// Published
+/// models take vertices without the translation.
 template <Backend B>
 struct ActorLossPoints {
   Sequences<B> wanted, written;
 };
 
-///     rc, rcxyz     mean square over all frames and their numbers (the padding of the translation's row counts), or
-///                   over points
+///     rc, rcxyz     mean square over all frames and features (the padding of the translation's row counts), or over
+///                   points
 ///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), SUMMED over batch and coordinates: its weight grows with the
 ///                   batch
 ///     vel, velxyz   mean square of the steps from frame to frame
 /// Terms whose weight is not 0. Source  thesis 3.2.2; ACTOR src/models/tools/losses.py
-/// Throws  config_error 102 if a term needs points and there are none
+/// Throws  config_error 102 if a term needs points that are missing
 template <Backend B>
 LossTerms<B> actor_losses(const LatentGaussian<B>& latent, const Sequences<B>& x, const Sequences<B>& written,
                           const ActorLossWeights& w = {}, const std::optional<ActorLossPoints<B>>& points = {}) {

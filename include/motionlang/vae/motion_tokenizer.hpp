@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// TM2T's motion tokenizer: four frames become one word of a codebook, and words become frames.
+/// TM2T's motion tokenizer: four frames become one entry of a codebook, and entries become frames.
 ///
 ///     const IdSequences tokens = tokenizer.tokens(normalized);       // a quarter as many as frames
 ///     const Sequences<B> motion = tokenizer.motions(tokens);         // normalised features
@@ -17,7 +17,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The ids of motion tokens: codes, then the marks of beginning and end, and of padding.
+/// The ids of motion tokens: codes, then the marks of start, end and padding.
 struct MotionVocabulary {
   Index codes = 1024;
   Index begin() const { return codes; }
@@ -26,7 +26,7 @@ struct MotionVocabulary {
   Index size() const { return codes + 3; }
 };
 
-/// For each number of channels a convolution that halves the length, and a residual block.
+/// For each number of channels: a convolution that halves the length, and a residual block.
 template <Backend B>
 struct VqEncoder {
   ConvStack<B> main;
@@ -45,9 +45,10 @@ struct VqEncoder {
   }
 };
 
-/// Residual blocks, then for each further number of channels twice the length and a convolution; a last one at the end.
-/// Where the latent is not as wide as the first number says, a convolution comes before.
-/// Differs from the table of the paper: three residual blocks, not two, as published.
+/// Residual blocks; then for each further number of channels twice the length and a convolution; then a last
+/// convolution.
+/// If the latent has another width than the first number of channels, a convolution comes first. Differs from the table
+/// of the paper: three residual blocks, as published, not two.
 template <Backend B>
 struct VqDecoder {
   ConvStack<B> main;
@@ -70,7 +71,7 @@ struct VqDecoder {
   }
 };
 
-/// Tells real motions from decoded ones, four frames at a time; not in the paper.
+/// Tells real motions from decoded ones, four frames at a time. The paper does not describe it.
 template <Backend B>
 struct VqDiscriminator {
   ConvStack<B> main;
@@ -98,14 +99,14 @@ struct VqDiscriminator {
     const ModuleScope scope(*this);
     return judged(main(x));
   }
-  /// By the statistics of these motions, which are remembered.
+  /// Uses the statistics of these motions, and remembers them.
   Result train(const Sequences<B>& x) { return judged(main.train(x)); }
 
  private:
   Result judged(const Sequences<B>& features) const { return {features, out_net(features).rows}; }
 };
 
-/// Published sizes.
+/// The published sizes.
 struct MotionTokenizerConfig {
   Index features = 263;  // with the contacts, which are written but not read; KIT: 251
   std::vector<Index> channels{1024, 1024};
@@ -138,7 +139,7 @@ struct MotionTokenizer {
 
   MotionVocabulary vocabulary() const { return {quantizer.size()}; }
 
-  /// Normalised features to latents; the contacts are not read.
+  /// Normalised features to latents, without the contacts.
   Sequences<B> encode(const Sequences<B>& x) const { return vq_encoder(x.with(slice(x.rows, 1, 0, x.width() - 4))); }
   IdSequences tokens(const Sequences<B>& x) const {
     const auto z = encode(x);
@@ -153,7 +154,7 @@ struct MotionTokenizer {
     Quantized<B> quantized;
     Sequences<B> reconstruction;
   };
-  /// TM2T eq. 2: the decoder of the nearest codes of the encoder's latents.
+  /// TM2T eq. 2: decodes the codes nearest to the encoder's latents.
   Result operator()(const Sequences<B>& x) const {
     const ModuleScope scope(*this);
     const auto z = encode(x);
@@ -166,8 +167,8 @@ struct MotionTokenizer {
 ///     mean |x^ - x| + quantisation [- lambda mean D(x^)]
 /// Source   TM2T eq. 3: the first term here, the other two in `Quantized::loss`; networks/trainers.py backward_G
 /// Differs  from TM2T eq. 3, which has sums and no discriminator: here means, as published
-/// With a discriminator (published: from epoch 10 on) its norms go by the statistics of the decoded motions; it takes
-/// its own step before, with `hinge_discriminator_loss` times lambda.
+/// With a discriminator (published: from epoch 10 on), its norms use the statistics of the decoded motions. The
+/// discriminator takes its own step before, with `hinge_discriminator_loss` times lambda.
 template <Backend B>
 LossTerms<B> tokenizer_losses(const typename MotionTokenizer<B>::Result& result, const Sequences<B>& x,
                               VqDiscriminator<B>* discriminator = nullptr, double lambda_adv = 0.5) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The common part of the text encoders of TEACH and SINC: a sequence of several parts, told apart by a learned token.
+/// The common part of the text encoders of TEACH and SINC: a sequence of several parts, separated by a learned token.
 ///
 ///     [mu token, logvar token, part, separation token, part, ...] -> encoder -> mu, logvar
 #pragma once
@@ -9,8 +9,8 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Learned tokens, projection and transformer, under the names of the published state dicts (the systems spell the
-/// third token differently). Unlike TEMOS' encoder it has no positions over the whole sequence: parts that need some
-/// get their own (`placed`).
+/// third token differently). Unlike TEMOS' encoder it has no positions over the whole sequence: parts that need
+/// positions get their own (`placed`).
 /// Source  thesis A.2.2, B.3.3; TEACH teach/model/textencoder/text_hist.py, SINC sinc/model/textencoder/text_space.py
 template <Backend B, class Keys>
 struct PartedTextEncoder {
@@ -36,7 +36,7 @@ struct PartedTextEncoder {
         positions(max_len, c.d_model),
         dropout_p(c.dropout) {}
 
-  /// The tokens that a sequence begins with, (2, width).
+  /// The tokens that start a sequence, (2, width).
   Tensor<B, 2> beginning() const { return concat(0, row(mu_token), row(logvar_token)); }
   /// The token between two parts, (1, width).
   Tensor<B, 2> separation() const { return row(separation_token); }
@@ -49,7 +49,7 @@ struct PartedTextEncoder {
     const auto x = add_positions(part, positions.rows());
     return x.with(dropout(x.rows, dropout_p, context));
   }
-  /// sequence: begins with the tokens of mu and logvar.
+  /// `sequence` begins with the tokens of mu and logvar.
   LatentGaussian<B> encode(const Sequences<B>& sequence, const Context& context = {}) const {
     return gaussian_of_tokens(encode_tokens(seqTransEncoder, sequence, 2, 0, context));
   }

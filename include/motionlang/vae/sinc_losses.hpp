@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The losses of SINC: TEMOS', and what becomes of them where each label has a latent of its own.
+/// The losses of SINC: those of TEMOS, and their forms for labels that each have a latent of their own.
 #pragma once
 
 #include <motionlang/vae/text_motion.hpp>
@@ -11,14 +11,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Differs  from thesis eq. B.1, where every term has weight 1: here divergences weigh 32e-5, the latents' term 1e-5
 inline TemosLossOptions sinc_loss_options() { return {.kl = 32e-5, .feats = "rfeats"}; }
 
-/// texts    how many latents the text of each motion has; if one each, these are temos_losses
+/// texts    the number of latents for the text of each motion; if 1 for all, these are temos_losses
 ///
 ///     kl_text2motion_multi, kl_motion2text_multi, kl_text_multi     the mean over the texts of a motion, then over
 ///     motions
 ///     latent_manifold_multi     smooth_l1 of each text against its motion: the sum over all texts / (motions * most
 ///                               texts of one)
-/// and recons_rfeats2rfeats, recons_text2rfeats, kl_motion as ever.
-/// separate_latents   the names that end in _multi, also where every motion of the batch has one text
+/// The other terms, recons_rfeats2rfeats, recons_text2rfeats and kl_motion, are those of TEMOS.
+/// separate_latents   the names end in _multi, even if every motion of the batch has one text
 /// Source  thesis B.2.2, thesis eq. B.1; SINC sinc/model/losses/compute_sinc.py. A motion with fewer texts than another
 ///         has empty latents, which count as 0 in the mean, as published
 template <Backend B>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// SINC's text encoder: one motion, several labels at the same time.
+/// SINC's text encoder: one motion with several labels at the same time.
 #pragma once
 
 #include <algorithm>  // max
@@ -8,20 +8,20 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How several labels are encoded: one sentence (text/joined_labels.hpp; the released models); one sequence of separate
-/// texts ("SINC-STE"); a latent for each label, all of them memory of the decoder.
+/// How several labels are encoded. single: one sentence (text/joined_labels.hpp; the released models). separate_texts:
+/// one sequence of separate texts ("SINC-STE"). separate_latents: a latent for each label; the decoder attends to all.
 enum class SincMode { single, separate_texts, separate_latents };
 
 /// The labels of a batch of motions, as texts.
 template <Backend B>
 struct SincTexts {
   Sequences<B> states;                // the last states of the language model, with those of [CLS] and [SEP]
-  std::vector<Index> motion{};        // of which motion each text is: 0, ..., 0, 1, ...; empty: one text for each
+  std::vector<Index> motion{};        // the motion of each text: 0, ..., 0, 1, ...; empty: one text for each
   std::optional<Tensor<B, 2>> end{};  // (texts, text_dim): see SincTextEncoder::joined
   Index padded_tokens = 0;            // of the batch, if it is padded beyond its longest text
 
-  /// How many texts each motion has. Throws shape_error 205 unless `motion` counts from 0 without gaps and has one
-  /// number for each text.
+  /// The number of texts of each motion. Throws shape_error 205 unless `motion` counts from 0 without gaps and has one
+  /// entry for each text.
   Offsets per_motion() const {
     if (motion.empty()) return Offsets::equal(states.count(), 1);
     if (std::ssize(motion) != states.count())
@@ -45,7 +45,7 @@ struct SincTextKeys {
 
 ///     single             [mu, logvar, text]                               no positions: the language model has its own
 ///     separate_texts     [mu, logvar, text 0, separation, text 1, ...]
-///     separate_latents   [mu, logvar, text + positions]                   for each text on its own
+///     separate_latents   [mu, logvar, text + positions]                   each text alone
 /// Source  SINC (Athanasiou, Petrovich, Black, Varol, ICCV 2023): thesis B.2.2 (one text) and B.3.3 (separate texts);
 ///         SINC sinc/model/textencoder/text_space.py
 template <Backend B>
@@ -58,18 +58,18 @@ struct SincTextEncoder {
   SincTextEncoder(Index text_dim, const TransformerConfig& c, Index max_len, Rng auto& rng)
       : text(text_dim, c, max_len, rng) {}
 
-  /// The input of the first layer, for each text on its own.
+  /// The input of the first layer for each text alone.
   Sequences<B> alone(const Sequences<B>& states, bool positions, const Context& context = {}) const {
     const auto words = text.projected(states);
     const auto tokens = repeat_sequence(text.beginning(), states.count());
     return concat_tokens(tokens, positions ? text.placed(words, context) : words);
   }
-  /// The input of the first layer, for the texts of each motion together.
-  /// legacy_mask  As published, where the mask is shifted by one behind the first text: of each further text that is
-  ///              shorter than the batch is padded to, the last token is hidden and the last place of its padding seen
-  ///              (`texts.end`: the state of the language model there, distilbert.padding_states(batch, last place)); a
-  ///              motion with fewer texts than another sees one row of zeros for each that it lacks
-  /// Throws       config_error 101 if `texts.end` is needed and not there
+  /// The input of the first layer for the texts of each motion together.
+  /// legacy_mask  As published, the mask is shifted by one after the first text. Of each further text shorter than the
+  ///              padded length of the batch, the last token is hidden and the last padding place is visible
+  ///              (`texts.end`: the state of the language model there, distilbert.padding_states(batch, last place)). A
+  ///              motion with fewer texts than another sees one row of zeros for each missing text
+  /// Throws       config_error 101 if `texts.end` is needed and missing
   Sequences<B> joined(const SincTexts<B>& texts, bool legacy_mask) const {
     const Offsets of_motion = texts.per_motion(), &words = texts.states.offsets;
     const Index width = text.mu_token.size(0), longest = std::max(words.longest(), texts.padded_tokens);
@@ -101,7 +101,7 @@ struct SincTextEncoder {
     }
     return {gather(table, pick), Offsets(lengths)};
   }
-  /// A distribution for each motion; for each text in mode separate_latents. Throws shape_error 205 for a motion of
+  /// A distribution for each motion; in mode separate_latents, for each text. Throws shape_error 205 for a motion with
   /// several texts in mode single.
   LatentGaussian<B> operator()(const SincTexts<B>& texts, SincMode mode, bool legacy_mask = true,
                                const Context& context = {}) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// TEACH's text encoder: what an action becomes depends on the frames before it.
+/// TEACH's text encoder: the latent of an action depends on the frames before it.
 #pragma once
 
 #include <motionlang/vae/parted_text_encoder.hpp>
@@ -7,7 +7,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct TeachTextKeys {
-  static constexpr const char* separation_token = "seperation_token";  // published so
+  static constexpr const char* separation_token = "seperation_token";  // the published spelling
 };
 
 /// The motion before an action.
@@ -15,14 +15,14 @@ template <Backend B>
 struct TeachPast {
   std::optional<Sequences<B>>
       frames{};  // the last `hist_frames` normalised frames of each motion; none before the first action
-  std::optional<Tensor<B, 2>> z{};  // the latents they were decoded from, only if a model asks for them (z_prev_text)
+  std::optional<Tensor<B, 2>> z{};  // the latents that gave them, only if the model reads them (z_prev_text)
 };
 
 ///     [mu, logvar, past, z, separation, text] -> encoder -> mu, logvar          past = encoder(W p + positions)
 /// Past and text have positions of their own; the tokens and z have none.
 /// Source   thesis A.2.2, "Past-conditioned Text Encoder"; TEACH (3DV 2022) teach/model/textencoder/text_hist.py
-/// Differs  from the paper, as published: the past goes through the transformer of the text. That which the paper has
-///          for it stands in the checkpoints and is never called
+/// Differs  from the paper, as published: the past goes through the transformer of the text. The transformer that the
+///          paper describes for the past is in the checkpoints and is never called
 template <Backend B>
 struct TeachTextEncoder {
   PartedTextEncoder<B, TeachTextKeys> text;
@@ -42,7 +42,7 @@ struct TeachTextEncoder {
     if (unused_encoder) motionTransEncoder = copied_layers<TransformerEncoder<B>>(c, rng);
   }
 
-  /// (texts) of tokens, projected, with positions.
+  /// The tokens of the texts, projected, with positions.
   Sequences<B> text_tokens(const Sequences<B>& states, const Context& context = {}) const {
     return text.placed(text.projected(states), context);
   }

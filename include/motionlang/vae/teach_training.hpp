@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A training step of TEACH: two actions that follow each other, each with the branches and losses of TEMOS.
+/// A training step of TEACH: two actions in sequence, each with the branches and losses of TEMOS.
 #pragma once
 
 #include <algorithm>  // max
@@ -8,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A batch. The features of a pair are canonicalised and normalised as one motion and then cut.
+/// A batch. The features of a pair are canonicalised and normalised as one motion, and then cut.
 template <Backend B>
 struct TeachPairs {
   Sequences<B> first_text, second_text;      // the last states of the language model
@@ -34,12 +34,11 @@ struct TeachLossOptions {
   TemosLossOptions each{.feats = "rfeats",
                         .mean = ReconstructionMean::sequences};  // weights, the same for both actions
   bool loss_on_transition = true;                                // false: reconstructions leave the transition out
-  double velocity = 0;  // of a term that published code has, with 0.5, but cannot run
+  double velocity = 0;  // of a term that the published code has, with 0.5, but cannot run
 };
 
 ///     velocity_text2rfeats, velocity_rfeats2rfeats     smooth_l1 of the steps from frame to frame, without height and
-///     velocity of the
-///                                                      root (columns 0 to 2), in the mean over sequences
+///                                                      velocity of the root (columns 0 to 2), averaged over sequences
 template <Backend B>
 LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion, double weight) {
   PoolVector<Index> lengths;
@@ -55,8 +54,9 @@ LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const 
   return out;
 }
 
-/// The terms of temos_losses (and velocities, if they have a weight) for the first action, whose names end in _0, and
-/// the second, _1.
+/// The terms of temos_losses (and velocities, if they have a weight): for the first action with names that end in _0,
+/// for
+/// the second in _1.
 /// Source  thesis A.2.3: thesis eq. A.1 (recons_*) and thesis eq. A.2 (kl_text, kl_motion), with the other terms of
 ///         TEMOS; TEACH teach/model/losses/compute_teach.py
 template <Backend B>

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// The encoders of TEMOS, one class for motions and texts; TEACH and SINC have the same for motions.
+/// The encoders of TEMOS, one class for motions and texts; TEACH and SINC use the same motion encoder.
 #pragma once
 
 #include <motionlang/nn/sequence_vae.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Names of the published state dict, and what differs between the modalities.
+/// The names of the published state dict, and the differences between motions and texts.
 struct TemosMotionKeys {
   static constexpr const char* projection = "skel_embedding";
   static constexpr bool relu = false;
 };
 struct TemosTextKeys {
-  static constexpr const char* projection = "projection.1";  // behind a ReLU, which is number 0
+  static constexpr const char* projection = "projection.1";  // number 0 is a ReLU
   static constexpr bool relu = true;
 };
 

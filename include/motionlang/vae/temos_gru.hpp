@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The recurrent encoder and decoder that TEMOS is compared with (thesis table 4.3, first row).
+/// The recurrent encoder and decoder with which TEMOS is compared (thesis table 4.3, first row).
 #pragma once
 
 #include <motionlang/nn/gru.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// One latent space for texts and motions: the two branches of a training step, their losses, and motions from texts.
-/// TEMOS and TMR; TEACH and SINC build on it.
+/// TEMOS and TMR use it; TEACH and SINC build on it.
 ///
-///     text   -> N_T -> z_T -> frames      both decoded with the same decoder to the lengths of the motions
+///     text   -> N_T -> z_T -> frames      the same decoder for both, to the lengths of the motions
 ///     motion -> N_M -> z_M -> frames
 #pragma once
 
@@ -20,7 +20,7 @@ template <Backend B>
 struct LatentBranch {
   LatentGaussian<B> distribution;
   Tensor<B, 2> z;         // a sample for each sequence
-  Tensor<B, 2> frames{};  // decoded, packed like the motions; none if nothing is reconstructed
+  Tensor<B, 2> frames{};  // decoded, packed like the motions; empty if nothing is reconstructed
 };
 /// A sample of a distribution, and the frames that decode(z) makes of it.
 template <Backend B, class Decode>
@@ -31,10 +31,10 @@ LatentBranch<B> latent_branch(LatentGaussian<B> distribution, const Tensor<B, 2>
 template <Backend B>
 struct TextMotionBranches {
   LatentBranch<B> text;
-  std::optional<LatentBranch<B>> motion;  // not where a model has no motion encoder
+  std::optional<LatentBranch<B>> motion;  // empty for a model without a motion encoder
 };
 
-/// Standard normal numbers for both branches, (sequences, latent) each; z = mu + fact eps std.
+/// Standard normal noise for both branches, (sequences, latent) each; z = mu + fact eps std.
 template <Backend B>
 struct TextMotionNoise {
   Tensor<B, 2> text, motion;
@@ -47,7 +47,7 @@ struct TextMotionNoise {
   }
 };
 
-/// The transformers of a model, from the names that the configurations of all these systems use.
+/// The transformers of a model, from option names that all these systems share.
 template <class Config>
 TransformerConfig transformer_of(const Config& c) {
   return {.d_model = c.latent_dim,
@@ -58,12 +58,12 @@ TransformerConfig transformer_of(const Config& c) {
           .dropout = c.dropout};
 }
 
-/// Over what a reconstruction is averaged: the padded batch (TEMOS, TMR, SINC), or each sequence on its own and then
-/// all (TEACH).
+/// How a reconstruction is averaged: over the padded batch (TEMOS, TMR, SINC), or over each sequence and then over all
+/// sequences (TEACH).
 enum class ReconstructionMean { padded_batch, sequences };
 
-/// Weights and switches of TEMOS' loss; the rows of thesis table 4.3 are `cross_modal_kl`, `gaussian_kl` and
-/// `embedding` off, and a model without motion encoder.
+/// Weights and switches of TEMOS' loss. The rows of thesis table 4.3 switch off `cross_modal_kl`, `gaussian_kl` and
+/// `embedding`, or take a model without a motion encoder.
 struct TemosLossOptions {
   double recons = 1, kl = 1e-5, latent = 1e-5;
   bool cross_modal_kl = true, gaussian_kl = true;
@@ -73,7 +73,7 @@ struct TemosLossOptions {
   Index padded_frames = 0;  // of that batch, if it is padded beyond its longest motion
 };
 
-/// recons_F2F, recons_text2F: those that there are frames for. Their sum is thesis eq. 4.1 = TEMOS eq. 1.
+/// recons_F2F, recons_text2F: the terms whose frames exist. Their sum is thesis eq. 4.1 = TEMOS eq. 1.
 template <Backend B>
 LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                                    const TemosLossOptions& options) {
@@ -89,11 +89,10 @@ LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const 
   return out;
 }
 
-///     recons_text2F, recons_F2F     smooth_l1 in the mean over the padded batch, or over sequences
-///     kl_text2motion, kl_motion2text, kl_text, kl_motion     KL(T || M), KL(M || T), KL(T || N(0, 1)), KL(M || N(0,
-///     1))
+///     recons_text2F, recons_F2F     smooth_l1, averaged over the padded batch or over sequences
+///     kl_text2motion, kl_motion2text, kl_text, kl_motion KL(T || M), KL(M || T), KL(T || N(0, 1)), KL(M || N(0, 1))
 ///     latent_manifold               smooth_l1(z_T, z_M)
-/// Those terms that model and options have; the names are the published ones.
+/// Only the terms that the model and the options have; the names are the published ones.
 /// Source  TEMOS, section 3.3; thesis 4.2.3: the sum of thesis eq. 4.1, thesis eq. 4.2 and thesis eq. 4.3, weighted;
 ///         TEMOS temos/model/losses/compute.py
 template <Backend B>
@@ -121,21 +120,23 @@ LossTerms<B> temos_losses(const TextMotionBranches<B>& branches, const Sequences
 
 enum class ContrastiveLoss { none, info_nce, margin };
 
-/// Weights of TMR's loss; table 5.3 of the thesis is `contrastive_loss`, and `recons` 0 with a deterministic model.
+/// Weights of TMR's loss. Table 5.3 of the thesis varies `contrastive_loss`, and sets `recons` to 0 with a
+/// deterministic
+/// model.
 struct TmrLossOptions {
   double recons = 1, kl = 1e-5, latent = 1e-5, contrastive = 0.1;
   ContrastiveLoss contrastive_loss = ContrastiveLoss::info_nce;
   double temperature = 0.1;
-  double threshold = 0.8;  // of similar texts, see false_negatives; 0: none are filtered
+  double threshold = 0.8;  // of similar texts, see false_negatives; 0: no filter
   double margin = 10;
-  bool cross_modal_kl = true, gaussian_kl = true;  // of the four divergences of TEMOS, all of which TMR has
+  bool cross_modal_kl = true, gaussian_kl = true;  // of the four divergences of TEMOS, which TMR also has
   Index padded_frames = 0;                         // as in TemosLossOptions
 };
 
-/// recons and kl (the sums of TEMOS' terms), latent, contrastive; those that model and options have.
-/// sentences    (batch, width), rows of length 1: which texts say the same. Null: nothing is filtered
-/// temperature  a learned one of InfoNCE, which takes the place of that of the options. Null: theirs
-/// Throws config_error 101 for contrastive where there is no motion encoder.
+/// recons and kl (the sums of TEMOS' terms), latent, contrastive: only those that the model and the options have.
+/// sentences    (batch, width), rows of length 1, to find texts with the same meaning. Null: nothing is filtered
+/// temperature  a learned one for InfoNCE, instead of that of the options. Null: that of the options
+/// Throws config_error 101 for a contrastive loss without a motion encoder.
 /// Source     TMR, section 3.2; thesis 5.2.2; TMR src/model/tmr.py compute_loss
 template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
@@ -166,7 +167,7 @@ struct LatentSampling {
   bool mean = false;  // mu, without noise
 };
 
-/// The latents of texts for sample `i` of text_to_motion: one vector of noise for all of them.
+/// The latents of texts for sample `i` of text_to_motion. All texts share one noise vector.
 template <Backend B>
 Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, Index i,
                              const LatentSampling& sampling = {}) {
@@ -176,11 +177,11 @@ Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, 
   return texts.sample(broadcast_to<2>(eps, texts.mu.shape()), sampling.fact);
 }
 
-/// Motions from texts: `samples` for each, features as the model was trained on. `model` has encode_text(tokens) and
-/// decode(z, lengths).
+/// Motions from texts: `samples` for each, as the features that the model was trained on. `model` has
+/// encode_text(tokens) and decode(z, lengths).
 /// tokens  a sequence for each text;   lengths  of the motions, one for each text
 /// Noise   one vector for each sample, the same for all texts, as published: a text gives the same motion alone and
-///         among others
+///         with other texts
 template <Backend B, class Model>
 std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>& tokens, const Offsets& lengths,
                                          const Philox& rng, Index samples = 1, const LatentSampling& sampling = {}) {
@@ -190,15 +191,16 @@ std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>&
   return out;
 }
 
-/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length`
-/// frames. The first and the last are those of text_to_motion. Throws what interpolate_rows throws.
+/// Motions between two texts: `steps` latents on the line between the latents of both, all of `length` frames. The
+/// first
+/// and the last are those of text_to_motion. Throws what interpolate_rows throws.
 template <Backend B, class Model>
 Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length,
                                const Philox& rng, const LatentSampling& sampling = {}) {
   const auto z = sampled_latents(model.encode_text(two_texts), rng, 0, sampling);
   return model.decode(interpolate_rows(slice(z, 0, 0, 1), slice(z, 0, 1, 2), steps), Offsets::equal(steps, length));
 }
-/// The same from mean to mean.
+/// The same between the means of both texts.
 template <Backend B, class Model>
 Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length) {
   return interpolate_texts(model, two_texts, steps, length, Philox{}, {.mean = true});

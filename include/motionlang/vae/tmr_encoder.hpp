@@ -9,7 +9,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///     [tokens, W x] + positions -> encoder -> mu, logvar
 /// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; thesis 5.2.2; TMR src/model/actor.py
 ///          ACTORStyleEncoder
-/// Differs  from TEMOS: both tokens are one parameter, and texts pass no ReLU
+/// Differs  from TEMOS: both tokens are one parameter, and texts pass through no ReLU
 template <Backend B>
 struct TmrEncoder {
   Tensor<B, 2> tokens;  // (2, width), or (1, width) for a deterministic latent
