@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Motions on a body by the extension of the name: a GLB file with its skin, a page, or an OBJ file for each frame.
+/// Motions on a body, in a format chosen by the extension: a GLB file with its skin, a page, or an OBJ file for each
+/// frame.
 ///
 ///     auto body = read_body<B>("SMPLH_NEUTRAL.npz");
 ///     write_on_body("walk.glb", body, std::span(&motion, 1));
@@ -19,7 +20,7 @@ inline bool is_body_view(const FilePath& path, std::size_t motions) {
 }
 
 /// motions  as motion_on_body takes them
-/// Returns  how many files it wrote: 1, or one .obj for each frame
+/// Returns  the number of files written: 1, or one .obj for each frame
 /// Throws   option_error 103 for another extension, io_error 401, and what the writers throw
 template <Backend B>
 Index write_on_body(const FilePath& path, const Body<B>& body, std::span<const Motion> motions,

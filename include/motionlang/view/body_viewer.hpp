@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// A page that shows motions on the user's own body instead of the figure of cones (which a browser without WebGL still
-/// shows). The page contains the surface at rest: whoever may not pass the body on may not pass the page on.
+/// shows). The page contains the surface of the body at rest. So a user who may not share the body may not share the
+/// page.
 #pragma once
 
 #include <motionlang/file/file.hpp>

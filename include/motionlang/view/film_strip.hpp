@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// A motion as one picture: poses from left to right in time, their shadows along the path of the root, and the texts
-/// of a timeline below. An SVG file without anything from outside, or pixels.
+/// of a timeline below. It is a self-contained SVG file, or pixels.
 #pragma once
 
 #include <span>    // tracks
@@ -14,10 +14,10 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct FilmStripOptions {
-  int poses = 0;          // 0: as many as the motion needs, one for each quarter of a metre of its joints; 5 to 12
+  int poses = 0;          // 0: 5 to 12, one for each quarter of a metre that the joints move
   double width = 1280;    // pixels; the height follows
   std::string title{};    // "": the name of the motion
-  double resolution = 2;  // of PNG: pixels for each of these
+  double resolution = 2;  // of PNG: pixels for each unit of the width
 };
 
 /// The picture as SVG text.
@@ -32,7 +32,8 @@ std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks =
 Picture film_strip_picture(const Motion& motion, std::span<const Track> tracks = {},
                            const FilmStripOptions& options = {});
 
-/// SVG; for pixels write_png(path, film_strip_picture(motion)). Throws io_error 401, and what film_strip_svg throws.
+/// Writes SVG; for pixels use write_png(path, film_strip_picture(motion)). Throws io_error 401, and what film_strip_svg
+/// throws.
 void write_film_strip(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
                       const FilmStripOptions& options = {});
 

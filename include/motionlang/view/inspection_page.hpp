@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The findings of a folder of motions as one HTML page: a table of what was found how often, then every motion with
-/// its findings and, for some of each kind, a film strip. Nothing comes from outside the file.
+/// The findings of a folder of motions as one self-contained HTML page: a table that counts the faults, then every
+/// motion
+/// with its findings and, for some of each kind, a film strip.
 #pragma once
 
 #include <array>        // counts
@@ -18,13 +19,13 @@ struct InspectedMotion {
   std::string name;                 // path, and animation if there are several
   std::string about;                // length, frame rate, joints
   std::string unreadable{};         // the error of the reader; "": it was read
-  std::vector<Finding> findings{};  // empty: nothing is wrong
+  std::vector<Finding> findings{};  // empty: no fault
   std::string strip{};              // film_strip_svg, or "" for none
 
   bool good() const { return unreadable.empty() && findings.empty(); }
 };
 
-/// How many motions have each fault, by Fault.
+/// The number of motions with each fault, by Fault.
 std::array<Index, fault_info.size()> count_faults(std::span<const InspectedMotion> motions);
 
 /// title   of the page, the name of the folder

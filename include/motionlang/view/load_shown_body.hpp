@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Bodies that motions are shown on: the user's own of the SMPL family, or the free one of capsules. A body is read
-/// once, for all motions.
+/// Bodies that show motions: the user's own of the SMPL family, or the free one of capsules. A body is read once, for
+/// all
+/// motions.
 ///
 ///     const auto body = load_shown_body<B>({.file = "SMPLH_NEUTRAL.npz"});
 ///     const BodyClip clip = body->read("amass/walk.npz");
@@ -23,7 +24,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Capsules along the bones of whatever joints there are.
+/// Capsules along the bones of any joints.
 template <Backend B>
 class FreeShownBody final : public ShownBody {
   using S = typename B::scalar;
@@ -47,7 +48,7 @@ class FreeShownBody final : public ShownBody {
   }
 
  private:
-  std::vector<S> betas_;  // refused: it has no shapes
+  std::vector<S> betas_;  // refused: the free body has no shapes
 };
 
 template <Backend B>

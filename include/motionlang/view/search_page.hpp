@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Search results as one HTML page: for each clip or moment its score, its place, its captions, and a
-/// film strip. Nothing comes from outside the file.
+/// Search results as one self-contained HTML page: for each clip or moment its score, its place, its captions, and a
+/// film
+/// strip.
 #pragma once
 
 #include <span>         // hits
@@ -18,14 +19,14 @@ struct FoundMotion {
   double start = 0, end = 0;  // seconds in the file
   double score = 0;           // 0 to 1
   std::string strip{};        // film_strip_svg, or "" for none
-  std::string problem{};      // why there is none
+  std::string problem{};      // the reason if there is no strip
 };
 
-/// Draws the strips: reads the files of the hits, or says why one could not be drawn.
+/// Draws the strips: reads the files of the hits, or records why a strip could not be drawn.
 void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read = {});
 
-/// query    what was searched for, in words
-/// summary  how many were searched, and what they are
+/// query    the query, in words
+/// summary  how many items were searched, and their kind
 std::string search_html(std::span<const FoundMotion> found, std::string_view query, std::string_view summary);
 
 MOTIONLANG_NAMESPACE_END

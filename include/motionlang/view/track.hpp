@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A row of a timeline as pictures show it: a text, when it holds, and for which parts of the body.
+/// A row of a timeline as pictures show it: a text, its times, and its parts of the body.
 #pragma once
 
 #include <span>    // tracks

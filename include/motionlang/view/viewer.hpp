@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// A page in which motions can be watched: one HTML file without anything from outside, drawn with WebGL (or, where
-/// that is missing, on a 2D canvas), with the texts of a timeline below the figure.
+/// A page that plays motions: one self-contained HTML file, drawn with WebGL (without it, on a 2D canvas), with the
+/// texts
+/// of a timeline below the figure.
 #pragma once
 
 #include <cstdint>  // weights
@@ -30,7 +31,7 @@ struct ViewerMotion {
 
 namespace detail {
 
-/// The page with the user's body instead of the figures. The motions are on the joints of the skeleton.
+/// The page with the user's body instead of the figures. The motions must be on the joints of the skeleton.
 std::string body_viewer_page(std::span<const ViewerMotion> motions, const SkinnedMesh<std::uint16_t>& mesh,
                              const Skeleton& skeleton, const ViewerOptions& options);
 
@@ -46,7 +47,7 @@ std::string viewer_html(std::span<const ViewerMotion> motions, const ViewerOptio
 /// Throws io_error 401, and what viewer_html throws.
 void write_viewer(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
                   const ViewerOptions& options = {});
-/// Several motions, of which the reader chooses one.
+/// Several motions, from which the reader chooses.
 void write_viewer(const FilePath& path, std::span<const ViewerMotion> motions, const ViewerOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// ACTOR from one folder: one of train-actor, or the published one (opt.yaml, checkpoint_5000.pth.tar).
+/// ACTOR from one folder: one that train-actor wrote, or the published one (opt.yaml, checkpoint_5000.pth.tar).
 ///
 ///     const auto actor = load_actor<B>("exps/humanact12");
 ///     Philox rng{.seed = 7};
@@ -13,8 +13,9 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The network with its actions and with the settings of the clips that it learned from. Throws what the readers throw:
-/// io_error 401 for a file that is missing, 403 to 407; config_error 101, 102, 103, 107.
+/// The network with its actions and with the settings of its training clips. Throws what the readers throw: io_error
+/// 401
+/// for a missing file, 403 to 407; config_error 101, 102, 103, 107.
 template <Backend B>
 ActorModel<B> load_actor(const FilePath& path) {
   return ActorModel<B>(found_model_folder(path));

@@ -6,13 +6,12 @@
 ///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
 ///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
-/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames,
+/// Options  opt.yaml of the run gives what shapes do not show: pose_rep, activation, num_heads, ablation, num_frames,
 ///          max_len, sampling, sampling_step, jointstype. Without it the published values: 6D rotations, GELU, 4 heads,
-///          none, 60 consecutive frames, vertices
+///          no ablation, 60 consecutive frames, vertices
 /// Ignored  tables of positions (*.pe), SMPL
-/// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102
-///          where options and tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for NaN
-///          or infinity
+/// Throws   io_error 404 for unknown variants, 406, 407 if names or shapes do not match; config_error 102 if options
+///          and tensors differ, 101, 103, 107 for invalid options; numeric_error 301 for NaN or infinity
 /// Source   ACTOR src/models/architectures, src/evaluate/action2motion/models.py, src/recognition/models/stgcn.py:
 ///          names of the modules
 #pragma once
@@ -32,12 +31,13 @@ StGcnConfig stgcn_config(const TensorSet& file);
 
 }  // namespace detail
 
-/// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of
-/// any length) it is max_len, and where this is -1 as well what the table of positions has room for, beside two tokens.
+/// The frames of the longest motions in the training of a run: num_frames. If that is -1 (whole clips) or -2 (windows
+/// of
+/// any length), it is max_len. If this is -1 as well, it is the size of the table of positions without two tokens.
 /// Source  ACTOR src/datasets/dataset.py _get_item_data_index
 Index actor_longest(const RunFolder& run, const TensorSet& weights, const ActorConfig& config);
 
-/// How a run chose frames of a clip: sampling and sampling_step.
+/// The choice of frames of a clip in a run: sampling and sampling_step.
 ActorFrameOptions actor_frame_options(const RunFolder& run, const TensorSet& weights);
 
 /// The points of a body that the loss of a run compares: jointstype. Throws config_error 103.
@@ -45,10 +45,10 @@ inline ActorPoints actor_loss_points(const RunFolder& run, const TensorSet& weig
   return parse_actor_points(detail::RunReader(run, weights, "").text("jointstype", "vertices"));
 }
 
-/// How a run writes motions, for `actor_points`.
+/// The form of a run's motions, for `actor_points`.
 ActorPointOptions actor_point_options(const RunFolder& run, const TensorSet& weights);
 
-/// `run` has the options, if there are any.
+/// `run` holds the options, if there are any.
 template <Backend B>
 Actor<B> actor_network(const TensorSet& file, const RunFolder& run = {}) {
   const ActorConfig config = detail::actor_config(detail::RunReader(run, file, ""));
@@ -72,7 +72,7 @@ GruClassifier<B> load_gru_classifier(const TensorSet& file) {
   return model;
 }
 
-/// The graph is that of the file. A block that has a convolution past it halves the frames, as published.
+/// The graph is that of the file. A block with a convolution beside it halves the frames, as published.
 template <Backend B>
 StGcn<B> load_stgcn(const TensorSet& file) {
   const StGcnConfig config = detail::stgcn_config(file);

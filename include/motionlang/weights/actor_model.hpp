@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// A trained ACTOR with what belongs to it, and its folder. The folder of a classifier of actions
+/// A trained ACTOR with everything that belongs to it, and its folder. The folder of a classifier of actions
 /// (weights/classifier_model.hpp) has the same form.
 ///
 ///     config.json            weights/model_folder.hpp: "system" actor or classifier, the configuration of the
-///     training,
-///                            "labels"
+///                            training, "labels"
 ///     weights.safetensors    the published names; motions are not normalised
 ///
 ///     const ActorModel<B> model(folder);   // ours, or as published: opt.yaml and checkpoint_5000.pth.tar
@@ -29,7 +28,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The sizes of the network. Throws config_error 103 for unknown names.
 ActorConfig actor_sizes(const ActorTrainingConfig& config, Index classes);
 
-/// The contents of config.json of either.
+/// The contents of config.json for both.
 template <class Config>
 struct ActionModelFile {
   Config config;
@@ -69,17 +68,18 @@ void load_action_weights(M& model, const SafetensorsFile& weights) {
   prepare(model);
 }
 
-/// The settings of clips and losses of a published ACTOR: 60 frames as in its evaluation, 20 a second, which is what
-/// its viewer shows; rotations in the world of a camera, however figures face. Classes of HumanAct12 have its names,
-/// others their numbers. Throws config_error 102 for a model without the rotation of joint 0.
-/// name  of the file that says so, for messages
+/// The settings of clips and losses of a published ACTOR: 60 frames as in its evaluation, 20 a second as in its viewer,
+/// rotations in the world of a camera, and no common heading. Classes of HumanAct12 have its names, others their
+/// numbers.
+/// Throws config_error 102 for a model without the rotation of joint 0.
+/// name  of the file that gives the settings, for messages
 ActionModelFile<ActorTrainingConfig> published_actor_file(const ActorConfig& sizes, const ActorFeatureOptions& features,
                                                           const ActorFrameOptions& frames, ActorPoints points,
                                                           std::vector<std::string> labels, const std::string& name);
 /// The names of the classes of a published model.
 std::vector<std::string> class_names(std::string_view dataset, Index classes);
 
-/// A trained ACTOR, or a published one, with what its folder says.
+/// A trained or published ACTOR, with what its folder says.
 template <Backend B>
 struct ActorModel {
   ActionModelFile<ActorTrainingConfig> file;
@@ -103,8 +103,7 @@ struct ActorModel {
     load_action_weights(actor, weights);
   }
 
-  /// Motions in the pose representation of a classifier, without the way of the root where it (ST-GCN) does not read
-  /// it.
+  /// Motions in the pose representation of a classifier, without the path of the root if it (ST-GCN) does not read it.
   Sequences<B> seen_by(const Sequences<B>& x, const ActorClipsConfig& seen) const {
     const ActorClipsConfig& clips = file.config.clips;
     if (clips.pose == seen.pose && clips.camera == seen.camera && clips.global == seen.global)
@@ -137,7 +136,7 @@ struct ActorModel {
 void require_same_clips(const ActorClipsConfig& model, const ActorClipsConfig& seen);
 /// Throws config_error 102 if a model's frames are not rows that the settings of clips make.
 void require_same_rows(const ActorClipsConfig& model, const ActorClipsConfig& clips);
-/// The numbers that a classifier gives to the actions of a model. Throws config_error 102 unless both know the same.
+/// A classifier's numbers for the actions of a model. Throws config_error 102 unless both have the same actions.
 std::vector<Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier);
 
 MOTIONLANG_NAMESPACE_END

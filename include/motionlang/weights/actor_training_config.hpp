@@ -18,7 +18,7 @@ struct ActorNetworkConfig {
   std::string encoder = "tokens";            // "average", "gru", "fully_connected"
   std::string decoder = "transformer";       // "gru", "fully_connected", "autoregressive"
   std::string conditioning = "action_bias";  // "concat_bias", "zandtime", "time_encoding"
-  bool concatenate_time = true;              // GRU and autoregressive decoder: frames know the time
+  bool concatenate_time = true;  // GRU and autoregressive decoder: the input of each frame includes its time
 
   void require_sound() const { require_sizes(*this); }
   static constexpr auto fields() {
@@ -30,18 +30,18 @@ struct ActorNetworkConfig {
   }
 };
 
-/// Points are the 24 joints of our own skeleton, or those of a body that the user has (features/actor_points.hpp).
+/// Points are the 24 joints of our own skeleton, or those of the user's body (features/actor_points.hpp).
 struct ActorLossConfig {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
   std::string points = "joints";  // or, of the body that the files name, "vertices", "smpl", "a2m", "a2mpl", "vibe"
-  bool vertstrans = false;        // points of a body follow the way of the root, as joints do
+  bool vertstrans = false;        // points of a body include the path of the root, as joints do
 
   void require_sound() const {
     for (const auto& [name, value] :
          {std::pair("rc", rc), {"rcxyz", rcxyz}, {"kl", kl}, {"vel", vel}, {"velxyz", velxyz}})
       require_value(name, value, value >= 0, "0 or more");
   }
-  /// Throws config_error 101 if there is nothing to learn from.
+  /// Throws config_error 101 if there is nothing to train on.
   void require_any() const {
     if (rc + rcxyz + kl + vel + velxyz == 0)
       raise<config_error>(101, "losses.rc, rcxyz, kl, vel and velxyz are 0, expected one above 0");
@@ -69,13 +69,13 @@ struct ActorTrainingConfig {
 };
 
 struct ClassifierConfig {
-  std::string kind = "gru";  // of positions of joints; or "stgcn", of rotations
+  std::string kind = "gru";  // on positions of joints; or "stgcn", on rotations
   ActorClipsConfig clips;
   Index hidden_size = 128, num_layers = 2;  // of the GRU
-  bool drawn_state = false;                 // the GRU starts from normal numbers, in use as well, not from zeros
+  bool drawn_state = false;                 // the GRU starts from normal noise, also after training, not from zeros
   Index width = 64;                         // of the first blocks of ST-GCN; later ones have two and four times as much
-  double generated_share = 0;  // of the motions that are learned from: made by the ACTOR that --generated names
-  std::string generated_kind = "sampled";  // or "denoised", "interpolated", made of recorded ones
+  double generated_share = 0;               // the share of the training motions that the ACTOR of --generated makes
+  std::string generated_kind = "sampled";   // or "denoised", "interpolated", made from recorded ones
   OptimiserConfig optimiser;
   ValidationConfig validation;
   DataConfig data;

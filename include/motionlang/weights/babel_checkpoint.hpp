@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Models that make a motion of one text and are compared on BABEL: a SINC or a TEACH, trained by us or published, or a
+/// Models that make a motion from one text, for comparison on BABEL: a SINC or a TEACH, trained here or published, or a
 /// published TEMOS.
 ///
 ///     with_babel_checkpoint<B>("sinc-run", {}, motion_features("smplvelp"), [&](auto model) {
@@ -15,7 +15,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Calls f with the checkpoint in a folder.
-/// features  that the model has to have, at babel_fps
+/// features  that the model must have, at babel_fps
 /// Throws    config_error 102 for other features or another rate, 103 for another system, and what the loaders throw
 template <Backend B, class F>
 void with_babel_checkpoint(const std::filesystem::path& folder, const CheckpointOptions& options,

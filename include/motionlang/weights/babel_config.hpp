@@ -9,7 +9,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The rotations of both, published or with the exact heading. Throws config_error 103 for others.
+/// The features of both, published or with the exact heading. Throws config_error 103 for others.
 inline void require_babel_features(const std::string& name) {
   if (name != "smplvelp-published" && name != "smplvelp")
     raise<config_error>(103, "features '", name, "' is not smplvelp-published or smplvelp");
@@ -63,10 +63,10 @@ struct TeachNetworkConfig {
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
   std::string activation = "gelu";
-  Index hist_frames = 5;         // of the past that a text is encoded with
-  bool z_prev_text = false;      // the latent of the past, too
-  bool mask_padding = false;     // true: as the paper has it, not the published code
-  bool teacher_forcing = false;  // the past as it is in the data, not as it was decoded
+  Index hist_frames = 5;         // of the past that the text encoder reads
+  bool z_prev_text = false;      // it also reads the latent of the past
+  bool mask_padding = false;     // true: as in the paper, not as in the published code
+  bool teacher_forcing = false;  // the past comes from the data, not from the decoder
 
   void require_sound() const {
     require_sizes(*this);
@@ -83,7 +83,7 @@ struct TeachNetworkConfig {
 
 struct TeachLossesConfig {
   double recons = 1, kl = 1e-5, latent = 1e-5;
-  double velocity = 0;             // published code has the term, with 0.5, but cannot run it
+  double velocity = 0;             // the published code has the term, with 0.5, but cannot run it
   bool loss_on_transition = true;  // false: reconstructions leave the transition out
 
   void require_sound() const {

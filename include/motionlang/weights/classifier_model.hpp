@@ -23,7 +23,7 @@ struct Classifier {
   std::optional<GruClassifier<B>> gru;
   std::optional<StGcn<B>> stgcn;
   bool drawn_state = false;  // of the GRU
-  /// The points that the GRU reads of windows, unless they are those of our own skeleton.
+  /// The points of windows that the GRU reads, if they are not those of our own skeleton.
   std::function<Sequences<B>(const Sequences<B>&, const ActorClipsConfig&)> points{};
 
   static constexpr auto fields() {
@@ -53,7 +53,7 @@ struct Classifier {
       raise<config_error>(103, "kind '", c.kind, "' is not gru or stgcn");
     }
   }
-  /// x: windows as `clips` describes them;   rng: of a state that is drawn
+  /// x: windows as `clips` describes them;   rng: for a random initial state
   Recognition<B> operator()(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng) const {
     return gru ? by_gru(x, clips, rng) : (*stgcn)(x);
   }

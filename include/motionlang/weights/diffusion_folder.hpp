@@ -16,21 +16,21 @@ struct PackOptions {
   std::string license, provenance;
   CheckpointOptions sources{};
   bool text_encoder = false;  // copied into the folder
-  FilePath tokenizer = "";    // of TM2T: the folder of its motion tokenizer, looked for beside the model unless given
+  FilePath tokenizer = "";    // of TM2T: the folder of its motion tokenizer; by default searched beside the model
 };
 
 namespace detail {
 
-/// The options that `diffusion_run` reads, under the names that the systems give them.
+/// The options that `diffusion_run` reads, under the option names of the systems.
 nlohmann::ordered_json diffusion_options(const DiffusionRun& run);
 
-/// The files from which a text encoder is read. `weights`: with its weights, not only those of its tokenizer.
+/// The files of a text encoder. `weights`: with its weights, not only those of its tokenizer.
 std::vector<std::filesystem::path> text_encoder_files(const std::filesystem::path& path, bool weights = true);
 
 /// True if a tensor of the checkpoint belongs to the model or to CLIP's text tower beside it.
 bool is_packed(const std::string& name, const DiffusionRun& run);
 
-/// Writes the folder. `tensors` are those of the statistics.
+/// Writes the folder. `tensors` holds the statistics.
 void write_diffusion_folder(const FilePath& path, const RunFolder& run, const TensorSet& weights,
                             const DiffusionRun& about, std::vector<TensorView> tensors, const PackOptions& options);
 

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// The published diffusion models from the folders in which their repositories leave them: STMC's MDM-SMPL, MDM,
-/// MotionDiffuse. And from model folders of ours that were made of them (weights/diffusion_folder.hpp).
+/// The published diffusion models from the folders of their repositories: STMC's MDM-SMPL, MDM, MotionDiffuse. Also
+/// from
+/// model folders made of them (weights/diffusion_folder.hpp).
 ///
 ///     const auto stmc = load_diffusion_run<B>("models/mdm-smpl_clip_smplrifke_humanml3d",
 ///                                             {.text_encoder = "ViT-B-32.pt"});
 ///     const auto features = stmc.generate(timeline, Philox{.seed = 7});        // (frames, stmc.layout.size)
 ///
-/// Sizes       from the shapes of the tensors; where options state them, too, both have to agree. Number of heads,
-///             steps, schedule and representation from the options, else as published
+/// Sizes       from the shapes of the tensors; options that also state them must agree. Number of heads, steps,
+///             schedule and representation come from the options, else they are as published
 /// Statistics  from the checkpoint (STMC), mean and std beside it (MDM: those of HumanML3D, which are not in its
 ///             folder)
 /// Source      STMC src/model/mdm_smpl.py, MDM model/mdm.py, MotionDiffuse text2motion/models/transformer.py
-/// Throws      io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407
-///             for tensors; config_error 102 where options and tensors differ, 101, 103, 107
+/// Throws      io_error 401 for a missing file, with its name; 404 for unsupported variants; 406, 407 for tensors;
+///             config_error 102 if options and tensors differ, 101, 103, 107
 #pragma once
 
 #include <motionlang/diffusion/any_denoiser.hpp>
@@ -23,7 +24,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The configuration of a model by its files, before memory is taken for it. The member that `system` names counts.
+/// The configuration of a model from its files, before memory is allocated. `system` names the member that is used.
 struct DiffusionRun {
   std::string system;  // stmc, mdm, motiondiffuse
   std::string prefix;  // of the names of the denoiser's tensors
@@ -55,7 +56,7 @@ void read_mdm(DiffusionRun& out, const RunReader& r);
 
 RunReader reader_of(const RunFolder& run, const TensorSet& weights);
 
-/// Tensors that checkpoints hold besides: tables of positions, CLIP, SMPL, optimisers.
+/// Tensors that checkpoints also hold: tables of positions, CLIP, SMPL, optimisers.
 inline bool is_beside(std::string_view name) {
   return name.ends_with("sequence_pos_encoder.pe") || begins_with_any(name, {"clip.", "clip_model.", "rot2xyz."});
 }
@@ -92,7 +93,7 @@ AnyDenoiser<B> make_denoiser(const DiffusionRun& run, const TensorSet& weights) 
   return out;
 }
 
-/// The run in a model folder of ours.
+/// The original run inside a model folder of ours.
 RunFolder published_run(const RunFolder& run);
 
 template <Backend B>
@@ -106,7 +107,7 @@ Normalizer<B> motion_normalizer(const RunFolder& run, const TensorSet& weights, 
       options.statistics);
 }
 
-/// For STMC; the others have none.
+/// For STMC; null for the other systems.
 template <Backend B>
 std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorSet& weights,
                                              const DiffusionRun& about) {
@@ -116,9 +117,9 @@ std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorS
                               "the texts: text_stats/mean.pt and std.pt are missing");
 }
 
-/// Throws io_error 404 for models whose texts are not supported.
+/// Throws io_error 404 for models with unsupported texts.
 TextEncoderOptions wanted_text_encoder(const RunFolder& run, const DiffusionRun& about);
-/// Throws config_error 102 if the text encoder at `named` is another network than the model needs.
+/// Throws config_error 102 if the text encoder at `named` is not the network that the model needs.
 void require_text_encoder(const RunFolder& run, const DiffusionRun& about, const std::string& named, bool clip);
 
 template <Backend B>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The embeddings of many texts, batch by batch: the caches that TMR and STMC read.
+/// The embeddings of many texts, in batches: the caches that TMR and STMC read.
 ///
 ///     const auto clip = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());
 ///     embed_texts<B>(clip, texts_to_embed("annotations.json")).write("text_embeddings", "ViT-B/32");
@@ -16,11 +16,11 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The texts of an annotation file (.json of TMR and STMC) in its order, or those on the lines of any other file;
-/// lines of blanks are skipped. Throws io_error 401, 403.
+/// The texts of an annotation file (.json of TMR and STMC) in its order, or the lines of any other file without blank
+/// lines. Throws io_error 401, 403.
 std::vector<std::string> texts_to_embed(const std::filesystem::path& file);
 
-/// batch   texts at a time
+/// batch   texts to encode together
 /// Throws  what EmbeddingCache::add throws; cancelled
 template <Backend B, TextEncoder<B> E>
 EmbeddingCache embed_texts(const E& encoder, std::span<const std::string> texts, Index batch = 32,

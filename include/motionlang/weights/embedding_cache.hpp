@@ -2,17 +2,17 @@
 /// Embeddings of texts on disk, in the layout of TMR and STMC.
 ///
 ///     folder/<model>.npy          all rows of all texts, (rows, width), F32
-///     folder/<model>_slice.npy    int64 (texts, 2): first row and one past the last; absent where every text has one
-///                                 row and no slices are wanted (TMR's sent_embeddings)
+///     folder/<model>_slice.npy    int64 (texts, 2): first row and one past the last; absent if every text has one row
+///     and no slices are wanted (TMR's sent_embeddings)
 ///     folder/<model>_index.json   text -> its number
 ///
 /// Folders    TMR: token_embeddings, sent_embeddings; STMC: text_embeddings, with slices
 /// Model      "distilbert-base-uncased"; a slash makes a sub-folder ("ViT-B/32")
 /// Texts      UTF-8, found by their exact characters; "" is a text like any other
-/// Memory     rows are read where they lie in the file
-/// Atomicity  every file is replaced as a whole, the index last, and none before all of them are made. Files of two
-///            caches (a reader came in between, or the disk is full) are refused where their numbers of rows or texts
-///            differ, and only there
+/// Memory     rows stay in the mapped file
+/// Atomicity  every file is replaced as a whole, after all of them are complete, and the index last. Files of two
+///            caches (a reader came in between, or the disk is full) are refused only if their numbers of rows or texts
+///            differ
 /// Source     the folders token_embeddings and sent_embeddings of TMR, text_embeddings of STMC
 #pragma once
 
@@ -44,34 +44,37 @@ TextFeatures<B> features_of_rows(std::span<const std::string> texts, Index width
 
 class EmbeddingCache {
  public:
-  /// Without texts.
+  /// An empty cache.
   explicit EmbeddingCache(Index width) : width_(width) {}
 
   /// Throws io_error 401 if a file is missing, 403 if they do not fit each other, and what read_npy and read_json
   /// throw.
   static EmbeddingCache read(const FilePath& folder, const std::string& model);
-  /// The same of files in memory; `base` stands in messages. The bytes of the rows have to outlive the cache unless
-  /// `owner` keeps them.
+  /// The same from files in memory; `base` appears in messages. The bytes of the rows must outlive the cache unless
+  /// `owner`
+  /// keeps them.
   static EmbeddingCache from_bytes(std::span<const std::byte> row_file,
                                    std::optional<std::span<const std::byte>> slice_file, std::string_view index_text,
                                    const std::string& base, std::shared_ptr<const void> owner = nullptr);
 
-  /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if slices
-  /// are not wanted and a text has another number of rows than one.
+  /// Makes the folder and those inside it that the name of the model needs. Throws io_error 401; 403 for a text with
+  /// several rows or none if slices are not wanted.
   void write(const FilePath& folder, const std::string& model, bool with_slices = true) const;
 
-  /// Texts, and numbers of a row.
+  /// The number of texts; the width of a row.
   Index count() const { return static_cast<Index>(slices_.size()); }
   Index width() const { return width_; }
   bool contains(const std::string& text) const { return number_.contains(text); }
-  /// The rows of a text, row-major. Throws config_error 103 for a text that is not here.
+  /// The rows of a text, row-major. Throws config_error 103 for a missing text.
   std::span<const float> find(const std::string& text) const;
   /// Adds a text; `values` are not rows of this cache itself. Throws shape_error 204 unless they are whole rows,
-  /// config_error 102 for a text that is here already, io_error 403 for one that is not UTF-8: the index could not be
-  /// written.
+  /// config_error 102 for a text that the cache has already, io_error 403 for one that is not UTF-8, because the index
+  /// could
+  /// not be written.
   void add(const std::string& text, std::span<const float> values);
-  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width,
-  /// io_error 403 for a text that is not UTF-8, before anything is encoded.
+  /// Adds the texts that are missing. Throws shape_error 204 if the encoder gives rows of another width, and io_error
+  /// 403
+  /// for a text that is not UTF-8, before it encodes anything.
   template <Backend B, TextEncoder<B> E>
   void add(const E& encoder, std::span<const std::string> texts) {
     std::vector<std::string> missing;
@@ -92,7 +95,7 @@ class EmbeddingCache {
     }
   }
 
-  /// The cache is a text encoder for the texts that it has. Throws config_error 103 for others.
+  /// The cache is a text encoder for its texts. Throws config_error 103 for others.
   template <Backend B>
   TextFeatures<B> encode(std::span<const std::string> texts) const {
     return detail::features_of_rows<B>(texts, width_, [&](const std::string& t) { return find(t); });
@@ -107,7 +110,7 @@ class EmbeddingCache {
   std::span<const float> rows() const { return is_view_ ? mapped_ : std::span<const float>(own_); }
   Index row_count() const { return width_ == 0 ? 0 : static_cast<Index>(rows().size()) / width_; }
 
-  /// Rows as they are written above are a view of the file; any other array of numbers is converted.
+  /// Rows in the form that `write` writes are a view of the file; any other numeric array is converted.
   void read_rows(std::span<const std::byte> bytes, const std::string& path, std::shared_ptr<const void> owner);
 
   Index width_;
@@ -119,7 +122,7 @@ class EmbeddingCache {
   std::shared_ptr<const void> owner_;
 };
 
-/// Takes texts from a cache and has the others encoded. Throws io_error 403 for a text that is not UTF-8.
+/// Takes texts from a cache, and encodes the others. Throws io_error 403 for a text that is not UTF-8.
 template <class E>
 struct CachedEncoder {
   EmbeddingCache cache;

@@ -15,8 +15,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Throws io_error 401 to 407; 403 if the files do not fit each other.
 GloVe read_glove(const FilePath& stem);
 
-/// The three files.
-/// Laws    read_glove of them has the same words in the same rows, and their vectors
+/// Writes the three files.
+/// Laws    read_glove then returns the same words in the same rows, with their vectors
 /// Throws  io_error 401
 void write_glove(const FilePath& stem, const GloVe& glove);
 

@@ -14,8 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Sizes of the networks in a file, from the shapes of its tensors. Throws io_error 406, 407.
 GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file);
 
-/// The networks, ready to run. States of optimisers beside them are skipped. Throws io_error 406, 407,
-/// numeric_error 301.
+/// The networks, ready to run. The states of optimisers are skipped. Throws io_error 406, 407, numeric_error 301.
 template <Backend B>
 GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
   const auto room = detail::room_of(file);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 /// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the
-/// folders in which their repository leaves them.
+/// folders of their repository.
 ///
 ///     // args.json, model000750000.pt
 ///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));
 ///     const auto motions = run.model.generate(actions, Philox{.seed = 7});
 ///
-/// Differs   from models of texts: motions are rotations in 6D and the way of the root, not normalised, of 60 frames; a
-///           model that was trained without empty actions (cond_mask_prob 0, as the published command has it) is not
-///           guided
+/// Differs   from models of texts: motions are 60 frames of 6D rotations and the path of the root, not normalised. A
+///           model that was trained without empty actions (cond_mask_prob 0, as in the published command) has no
+///           guidance
 /// Source    MDM model/mdm.py; its training program writes args.json and model*.pt
 /// Throws    as weights/diffusion_run.hpp
 #pragma once
@@ -23,9 +23,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 struct MdmActionRun {
   MdmActions<B> model;
-  ActorFeatureOptions features{};   // what a frame is made of
-  std::vector<std::string> labels;  // of the classes; empty if they are numbers; "any" of an unconstrained model
-  double fps = 20;                  // of the repository's videos; data have none
+  ActorFeatureOptions features{};   // the contents of a frame
+  std::vector<std::string> labels;  // of the classes; empty if they are numbers; "any" for an unconstrained model
+  double fps = 20;                  // of the repository's videos; the data have none
 };
 
 namespace detail {
@@ -35,7 +35,7 @@ inline constexpr ActorFeatureOptions mdm_action_features{
 DiffusionRun mdm_action_sizes(const RunFolder& run, const TensorSet& weights, const RunReader& r);
 }  // namespace detail
 
-/// True if a run folder is MDM's and of actions, or unconstrained.
+/// True if a run folder is MDM's, and either of actions or unconstrained.
 bool is_mdm_action_run(const RunFolder& run);
 
 template <Backend B>

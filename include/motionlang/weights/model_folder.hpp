@@ -4,17 +4,16 @@
 ///     FOLDER/config.json            what the model is (below)
 ///     FOLDER/weights.safetensors    its tensors under their published names, and motion_normalizer.mean,
 ///                                   motion_normalizer.std
-///     FOLDER/text_encoder/          if it has one of its own: as Hugging Face or OpenAI publish it
-///                                   (weights/text_encoder_folder.hpp)
+///     FOLDER/text_encoder/          if it has its own: in the form of Hugging Face or OpenAI
+///     (weights/text_encoder_folder.hpp)
 ///
 ///     {"format": "motionlang", "version": 1, "system": "stmc",
 ///      "license": "MIT", "provenance": "trained on ...",
 ///      "features": "smplrifke", "fps": 20, "text_encoder": "clip",
 ///      "config": {...}}            hyperparameters under the names of the system's own options
 ///
-/// Whoever writes a folder says what the weights may be used for and where they come from. Other members are kept as
-/// they are.
-/// Atomicity  the folder appears under its name when all of it is written
+/// The writer of a folder must state what the weights may be used for and where they come from. Other members are kept.
+/// Atomicity  the folder appears under its name once it is complete
 #pragma once
 
 #include <filesystem>  // folders
@@ -52,8 +51,8 @@ ModelFolder read_model_folder(const FilePath& folder);
 /// `others`; io_error 403 for texts that are not UTF-8.
 std::string model_config_text(const ModelFolder& m, const std::string& name = detail::model_config_file);
 
-/// Writes a folder that is not there yet. text_encoder_files: copied into its text_encoder/.
-/// Throws io_error 401 if there is one already or something cannot be written, and as model_config_text
+/// Writes a new folder, and copies text_encoder_files into its text_encoder/.
+/// Throws io_error 401 if the folder exists or something cannot be written, and as model_config_text
 void write_model_folder(const FilePath& path, const ModelFolder& model, std::span<const TensorView> tensors,
                         std::span<const std::filesystem::path> text_encoder_files = {});
 

@@ -13,13 +13,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Lines of a name and a value each.
 using ModelSummary = std::vector<std::pair<std::string, std::string>>;
 
-/// For ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and MDM's models of actions as published, sizes from their tensors; for
-/// folders of our own trainings what their config.json says; nothing for others. Throws what the readers of these
-/// folders throw.
+/// For the published ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and MDM of actions, the sizes from their tensors. For folders
+/// of our own trainings, what their config.json says. For other folders, nothing. Throws what the readers of these
+/// folders
+/// throw.
 ModelSummary model_summary(const RunFolder& run);
 
 /// The same as text with the system, its files and its licence, a line each: "  system                   tmr". "" for
-/// a folder of no system. Throws what find_run and read_model_folder throw.
+/// a folder of an unknown system. Throws what find_run and read_model_folder throw.
 std::string describe_folder(const FilePath& folder);
 
 MOTIONLANG_NAMESPACE_END

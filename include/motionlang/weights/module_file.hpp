@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Parameters of modules in files of weights: paths of fields are the names of tensors.
+/// Parameters of modules in files of weights: the path of a field is the name of its tensor.
 ///
 ///     save_module("model.safetensors", model);
 ///     load_module(model, "model.safetensors");                          // into a model of the same sizes
@@ -25,7 +25,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The name under which a tensor of the module is filed: its path, unless the module translates (`official_key`).
+/// The name of a module's tensor in files: its path, unless the module translates (`official_key`).
 template <Module M>
 std::string tensor_key(const std::string& prefix, const std::string& path) {
   if constexpr (requires { M::official_key(path); })
@@ -35,7 +35,7 @@ std::string tensor_key(const std::string& prefix, const std::string& path) {
 }
 
 namespace detail {
-/// Looks at the bits of the exponent, which are all set in NaN and infinity, because compilers vectorise such a loop.
+/// Checks the bits of the exponent, which are all set in NaN and infinity, because compilers vectorise such a loop.
 template <Scalar S>
 bool all_finite(std::span<const S> numbers) {
   using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
@@ -51,8 +51,9 @@ bool all_finite(std::span<const S> numbers) {
 }
 }  // namespace detail
 
-/// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A variable stays the variable it was. NaN is let through. Throws io_error 407 if the shape is another.
+/// Gives a tensor the values of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
+/// A
+/// variable stays the same variable. NaN is accepted. Throws io_error 407 for another shape.
 template <Backend B>
 void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
                    const std::string& where) {
@@ -74,13 +75,14 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
         shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
   }
 }
-/// The purpose of loading a module. For inference it is made ready as by prepare_loaded, in the same pass over the
-/// file: all its matrices are weights, and it is neither trained nor changed afterwards.
+/// The purpose of loading a module. For inference, prepare_loaded makes it ready in the same pass over the file: all
+/// its
+/// matrices are weights, and it is not trained or changed afterwards.
 enum class LoadFor { any_use, inference };
 
 namespace detail {
 
-/// Throws numeric_error 301 if a number is NaN or infinite.
+/// Throws numeric_error 301 if a value is NaN or infinite.
 template <Scalar S>
 void require_finite(std::span<const S> numbers, const TensorView& view, const std::string& where) {
   if (all_finite(numbers)) return;
@@ -88,7 +90,7 @@ void require_finite(std::span<const S> numbers, const TensorView& view, const st
   raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
 }
 
-/// Fills tensors from a file by their names. For inference their numbers are looked at later.
+/// Fills tensors from a file by their names. For inference, their values are checked later.
 struct TensorLoader {
   const TensorSet& file;
   const std::string& prefix;
@@ -107,11 +109,11 @@ struct TensorLoader {
     }
     assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
     if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
-    MappedFile::forget_if_mapped(view->bytes);  // until it is needed
+    MappedFile::forget_if_mapped(view->bytes);  // read again when needed
   }
 };
 
-/// True if the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
+/// True if the tensor repeats one of the module under another name. Throws io_error 407 if it should but differs.
 template <class M>
 bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, const TensorView& t) {
   if constexpr (requires { module.copy_of(t.name); }) {
@@ -127,11 +129,11 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
 
 }  // namespace detail
 
-/// Tensors on their way into a file, with their own memory.
+/// Tensors for a file to write, with their own memory.
 class TensorStore {
  public:
-  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error
-  /// 301 for a number that would become infinite; F16 holds no NaN and infinity either.
+  /// Copies the values, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another dtype,
+  /// numeric_error 301 for a value that would become infinite; for F16 also for NaN and infinity.
   template <Scalar S>
   void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
@@ -170,7 +172,7 @@ class TensorStore {
     FileShape shape;
     std::vector<std::byte> bytes;
   };
-  /// end   what rounds to infinity, and all above it
+  /// end   the smallest value that rounds to infinity
   template <Scalar S>
   static void require_held(const std::string& name, std::span<const S> values, DType dtype, float end) {
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -193,8 +195,8 @@ class TensorStore {
 };
 
 namespace detail {
-/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the
-/// file again. Whether all its numbers are finite.
+/// Packs a weight. If it lies in a mapped file, its memory there is released; a later reader loads it from the file
+/// again. Returns true if all values are finite.
 template <PackingBackend B>
 bool pack_loaded(const typename B::tensor& weight) {
   const bool finite = pack_weight<B>(weight);
@@ -202,8 +204,7 @@ bool pack_loaded(const typename B::tensor& weight) {
   return finite;
 }
 
-/// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a
-/// place for it.
+/// Moves the values of a converted weight into an unnamed file, if there is a place for one.
 template <PackingBackend B>
 void put_aside(typename B::tensor& weight) {
   const auto bytes = std::as_bytes(B::to_span(weight));
@@ -212,10 +213,10 @@ void put_aside(typename B::tensor& weight) {
   if (aside == nullptr) return;
   const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
   weight = typename B::tensor(numbers, B::shape(weight), aside);
-  BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
+  BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it frees
 }
 
-/// A small tensor in a mapped file becomes a copy: for a bias the system may keep two megabytes of the file in memory.
+/// A small tensor in a mapped file becomes a copy: otherwise the system may keep two megabytes of the file for a bias.
 template <Backend B>
 void copy_small(typename B::tensor& t) {
   if constexpr (requires { t.attached(); }) {
@@ -225,12 +226,12 @@ void copy_small(typename B::tensor& t) {
     const MappedFile* const file = MappedFile::that_holds(bytes);
     if (file == nullptr || t.attached() != nullptr || numbers.size() >= small) return;
     auto copy = B::from_span(numbers, B::shape(t));
-    file->forget(bytes);  // before the tensor, which may be the last to keep the file
+    file->forget(bytes);  // before the tensor, which may be the last owner of the file
     t = std::move(copy);
   }
 }
 
-/// Makes a tensor ready; returns whether its numbers are finite, if they are `looked_at`.
+/// Makes a tensor ready; if `looked_at`, returns true if its values are finite.
 template <Backend B>
 bool prepare_loaded_tensor(const ModuleTensor<B>& t, bool looked_at) {
   bool finite = true;
@@ -244,8 +245,9 @@ bool prepare_loaded_tensor(const ModuleTensor<B>& t, bool looked_at) {
   copy_small<B>(*t.data);
   return finite;
 }
-/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be,
-/// it is not packed.
+/// For large networks: a converted weight is moved to a file, so that it is not in memory twice. If it cannot be moved,
+/// it
+/// is not packed.
 template <Backend B>
 void prepare_loaded_once(const ModuleTensor<B>& t) {
   if constexpr (PackingBackend<B>) {
@@ -256,8 +258,8 @@ void prepare_loaded_once(const ModuleTensor<B>& t) {
   }
   copy_small<B>(*t.data);
 }
-/// Every thread takes some tensors: new memory is slow to come, and a thread gets it for itself. `finite` (null: not
-/// looked at) becomes false if a number is not.
+/// Every thread takes some tensors, because new memory is slow to arrive and each thread gets its own. `finite` (null:
+/// not checked) becomes false if a value is not finite.
 template <Backend B>
 void prepare_in_shares(const std::vector<ModuleTensor<B>>& tensors, std::atomic<bool>* finite) {
   const Index count = std::ssize(tensors), shares = parallel_width();
@@ -271,18 +273,21 @@ void prepare_in_shares(const std::vector<ModuleTensor<B>>& tensors, std::atomic<
 }
 }  // namespace detail
 
-/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given
-/// back as soon as a weight is packed, so that none is there twice, and small tensors become copies. Whoever still
-/// reads the file gets it from the disk. Weights that had to be converted are packed beside their numbers.
+/// `prepare` for networks all of whose matrices are weights, straight from a file. The memory of a mapped file is
+/// released as soon as a weight is packed, so that none is in memory twice. Small tensors become copies. A later reader
+/// of
+/// the file loads it from the disk. Converted weights are packed beside their values.
 template <Module M>
 void prepare_loaded(M& model) {
   detail::prepare_in_shares(tensors_of(model), nullptr);
 }
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape,
-/// numeric_error 301 for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own;
-/// io_error 407 if such a tensor is another one.
+/// Returns the names that did not match (then the module is not made ready). Throws io_error 407 for a tensor of
+/// another
+/// shape, numeric_error 301 for NaN and infinity. A module may declare (`copy_of`) further names for one of its
+/// tensors;
+/// io_error 407 if such a tensor differs.
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
                              LoadFor use = LoadFor::any_use) {
@@ -299,7 +304,7 @@ KeyReport load_module_partly(M& module, const TensorSet& file, const std::string
   if (use == LoadFor::inference) {
     std::atomic<bool> finite{report.missing.empty()};
     if (finite) detail::prepare_in_shares(tensors, &finite);
-    if (!finite) fill(LoadFor::any_use);  // says which number is not
+    if (!finite) fill(LoadFor::any_use);  // reports which value is not finite
   }
   for (const TensorView& t : file.tensors()) {
     if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
@@ -307,7 +312,7 @@ KeyReport load_module_partly(M& module, const TensorSet& file, const std::string
   }
   return report;
 }
-/// The same, where every name has to match. Throws io_error 406 with both lists, and what looks like a name of either.
+/// The same, but every name must match. Throws io_error 406 with both lists and with similar names.
 template <Module M>
 void load_module(M& module, const TensorSet& file, const std::string& prefix = "", LoadFor use = LoadFor::any_use) {
   const KeyReport report = load_module_partly(module, file, prefix, use);
@@ -321,7 +326,7 @@ void load_module(M& module, const FilePath& path, LoadFor use = LoadFor::any_use
 }
 
 /// Writes all tensors of a module into a safetensors file, without its sizes and options: the caller makes the module,
-/// load_module fills it. `dtype` is that of the module's numbers unless given. Throws io_error 401, and what
+/// and load_module fills it. `dtype` is that of the module's values unless given. Throws io_error 401, and what
 /// TensorStore::add throws.
 template <Module M>
 void save_module(const FilePath& path, const M& module, std::optional<DType> dtype = {},

@@ -6,10 +6,10 @@
 ///                                                         .sources = {.statistics = "deps/.../kit-amass-xyz"}});
 ///     const auto temos = load_temos_run<B>("temos");            // as from the run itself
 ///
-/// STMC, MDM and MotionDiffuse for texts as weights/diffusion_folder.hpp does it. ACTOR, TEMOS, TEACH, SINC, TMR, TM2T
-/// and MDM for actions with all their options, under a config.json that says "published"; find_run knows such a folder
-/// for one of the system.
-/// Left out   what is not the model's: SMPL, losses, metrics, optimisers
+/// STMC, MDM and MotionDiffuse for texts are packed as in weights/diffusion_folder.hpp. ACTOR, TEMOS, TEACH, SINC, TMR,
+/// TM2T and MDM for actions are packed with all their options, in a config.json that says "published"; find_run reads
+/// such a folder as one of the system.
+/// Left out   everything outside the model: SMPL, losses, metrics, optimisers
 #pragma once
 
 #include <motionlang/weights/diffusion_folder.hpp>
@@ -31,7 +31,7 @@ template <Backend B>
 struct PackedParts : PackedFiles {
   std::optional<Normalizer<B>> statistics{};
 };
-/// tensors: those of the statistics
+/// `tensors` holds the statistics.
 void write_packed(const FilePath& path, const RunFolder& run, PackedFiles& parts, std::vector<TensorView> tensors,
                   const PackOptions& options);
 
@@ -75,7 +75,7 @@ void add_tm2t(PackedParts<B>& out, const RunFolder& run, const PackOptions& opti
 
 }  // namespace detail
 
-/// Throws what the readers of the system and write_model_folder throw; io_error 404 for a folder of none of them.
+/// Throws what the readers of the system and write_model_folder throw; io_error 404 for a folder of another system.
 template <Backend B>
 void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& options) {
   detail::PackedParts<B> parts;

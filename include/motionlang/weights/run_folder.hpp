@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The folders in which the published systems leave a model: which system it is, and where options, weights and
-/// statistics are. Nothing is opened but the options.
+/// The folders of the published systems' training programs: which system a folder belongs to, and where its options,
+/// weights and statistics are. Only the options are opened.
 ///
 ///     const RunFolder run = find_run("models/mdm-smpl_clip_smplrifke_humanml3d");   // run.system == "stmc"
 ///
@@ -16,9 +16,9 @@
 /// motiondiffuse  opt.txt with diffusion_steps                    model/latest.tar, else the latest epoch
 /// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
 ///
-/// Packed         a config.json of "format": "motionlang" that says "published": what weights/pack_run.hpp made of the
-///                folder of a system; that system, with its options and weights.safetensors. One of tm2t is packed,
-///                whoever trained it
+/// Packed         a config.json of "format": "motionlang" that says "published": weights/pack_run.hpp made it from the
+///                folder of a system. It counts as that system, with its options and weights.safetensors. A folder of
+///                tm2t is always packed, even if trained here
 /// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats,
 ///                *_stats or meta
 /// Source         what the training programs of these repositories write (EQUATIONS.md lists the repositories)
@@ -35,14 +35,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct RunFolder {
   std::filesystem::path folder;
-  std::string system;                                  // as above; "": none of them
+  std::string system;                                  // as above; "": unknown
   std::filesystem::path options_file;                  // empty if there is none
   std::vector<FileValue> options;                      // of that file
   std::filesystem::path weights;                       // the file with the tensors; empty if they are in parts
-  std::map<std::string, std::filesystem::path> parts;  // files by what the names of their tensors begin with
+  std::map<std::string, std::filesystem::path> parts;  // files by the common prefix of their tensors' names
   bool packed = false;                                 // one file of weights, with the statistics
 
-  /// Null if no option has this path; follows references.
+  /// Follows references. Null if no option has this path.
   const FileValue* option(std::string_view path) const { return find_option(options, path); }
 };
 
@@ -54,12 +54,12 @@ bool before_by_number(std::string_view a, std::string_view b);
 /// The entries of a folder in the order of `before_by_number`; none if the path is not a folder.
 std::vector<std::filesystem::path> listed(const std::filesystem::path& folder);
 
-/// The options behind "config/", which in a folder of ours are those of the system.
+/// The options after "config/", which in a folder of ours are those of the system.
 std::vector<FileValue> options_of_config(const RunFolder& run);
 
 }  // namespace detail
 
-/// Looks at a folder. What is missing stays empty: it is an error of whoever needs it.
+/// Inspects a folder. Fields for missing things stay empty; the functions that need them throw.
 /// Throws  io_error 401 if it cannot be listed, and what read_options throws
 RunFolder find_run(const FilePath& path);
 
@@ -69,7 +69,7 @@ RunFolder find_model_run(const FilePath& path);
 /// A model is a file, or a folder with one *.safetensors file in it, besides checkpoint.safetensors. Throws io_error
 /// 401.
 std::filesystem::path stmc_model_file(const std::filesystem::path& path);
-/// Where the model of a training is: train-tmr and its like put it into a folder `model` in theirs.
+/// The model of a training: train-tmr and similar commands put it into the folder `model` inside theirs.
 std::filesystem::path found_model_folder(const FilePath& path);
 
 /// Where a model is that STMC composes: the folder of a published one, or a file of ours.

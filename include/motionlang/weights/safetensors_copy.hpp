@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Weights of whatever format as one safetensors file, with what else the file says in the metadata.
+/// Weights of any format as one safetensors file, with the other values of the file in the metadata.
 ///
 ///     write_safetensors_copy("model.safetensors", open_weights("last.ckpt"), DType::F16);
 #pragma once
@@ -10,7 +10,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// stored  element type to which tensors of floating-point numbers are rounded; none: as they are
+/// stored  element type to which floating-point tensors are rounded; none: unchanged
 /// Throws  io_error 401, and what write_safetensors throws
 void write_safetensors_copy(const FilePath& path, const WeightFile& weights, std::optional<DType> stored = {});
 

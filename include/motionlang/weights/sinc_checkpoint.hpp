@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// SINC from one folder: one of train-sinc, or the run folder of the published one (.hydra/config.yaml,
+/// SINC from one folder: one that train-sinc wrote, or the run folder of the published one (.hydra/config.yaml,
 /// checkpoints/last.ckpt).
 ///
 ///     const auto sinc = load_sinc<B>("sinc-run", {.text_encoder = "distilbert", .statistics = "deps/..."});
@@ -15,8 +15,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 using SincCheckpoint = TextMotionCheckpoint<B, Sinc<B>>;
 
-/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
-///         another system and where options and tensors differ, 101, 103, 107
+/// Throws  io_error 401 for a missing file, 403 to 407 for files and tensors; config_error 102 for a model of another
+///         system and if options and tensors differ, 101, 103, 107
 template <Backend B>
 SincCheckpoint<B> load_sinc(const FilePath& path, const CheckpointOptions& options = {}) {
   const std::filesystem::path folder = found_model_folder(path);

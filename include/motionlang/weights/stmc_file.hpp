@@ -19,7 +19,7 @@ struct StmcModelConfig {
   MdmSmplConfig denoiser{};
   CaptionEncoderConfig text{};
   Index diffusion_steps = 100;
-  // How the model should be sampled:
+  // The recommended sampling:
   NoiseScale noise_scale = NoiseScale::posterior_std;
   SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
   Index sampling_steps = 0;  // 0: all
@@ -47,7 +47,7 @@ N metadata_number(const Metadata& metadata, const std::string& key, const std::s
   return number_in_metadata<N>(found->second, key, file);
 }
 std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise);
-/// A size that a file may ask for: a hostile one must not make us allocate.
+/// A size from a file. It is limited, so that a hostile file cannot make us allocate too much memory.
 Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,
                     Index smallest = 1);
 
@@ -59,8 +59,8 @@ void add_metadata(Metadata& metadata, const Metadata& about, std::string_view wh
 
 }  // namespace detail
 
-/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there
-/// are.
+/// The sizes as metadata. `vocabulary` is that of the tokenizer. Throws config_error 101 for more sampling steps than
+/// steps.
 std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer);
 /// The sizes that a file declares. Throws config_error 101, 103, 107.
 StmcModelConfig stmc_config(const SafetensorsFile& file);
@@ -82,8 +82,8 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng, W
           .fps = c.fps};
 }
 
-/// Compares the tensors that decide how large a model is with its sizes, before memory is taken for what the metadata
-/// claim. Throws io_error 406, 407.
+/// Compares the tensors that decide the size of a model with its declared sizes, before memory is allocated for them.
+/// Throws io_error 406, 407.
 void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary);
 
 /// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107,
@@ -106,7 +106,7 @@ Stmc<B> load_stmc(const FilePath& path) {
 }
 
 /// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. Throws io_error 401,
-/// config_error 102 if `about` would change what the model is.
+/// config_error 102 if `about` would overwrite an entry of the model.
 template <Backend B>
 void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig& config,
                const std::map<std::string, std::string>& about, DType dtype = DType::F16) {

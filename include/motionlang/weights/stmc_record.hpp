@@ -2,7 +2,7 @@
 /// The record of an STMC run in one safetensors file, for edits in another process.
 ///
 /// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the
-///            generator and the options of the run; for another body than the human one body/parts, the names joined by
+///            generator and the options of the run; for a body other than the human one body/parts, the names joined by
 ///            " # ", and body/path
 /// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame,
 ///            end, body parts as bits; their texts are metadata text/0/0, ...
@@ -25,7 +25,7 @@ std::string weights_checksum(const M& module) {
   for (const auto& t : tensors_of(module)) h = content_hash(std::as_bytes(t.span()), h);
   return hexadecimal(h);
 }
-/// "x0/007": names whose order is that of the numbers, below 1000.
+/// "x0/007": names whose order is that of their numbers, below 1000.
 std::string numbered_name(const char* what, std::size_t i);
 
 /// The part that does not depend on the backend.
@@ -52,7 +52,8 @@ RecordAbout read_record(const SafetensorsFile& file, const RecordModel& model, I
 
 }  // namespace detail
 
-/// `about` is added to the metadata. Throws io_error 401, config_error 102 if `about` would change what the record is.
+/// `about` is added to the metadata. Throws io_error 401, config_error 102 if `about` would overwrite an entry of the
+/// record.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const Stmc<B, D, E>& stmc,
                       const std::map<std::string, std::string>& about = {}) {
@@ -73,7 +74,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   write_safetensors(path, views, metadata);
 }
 
-/// Reads a record and compares it with the model that is to go on with it. Throws io_error 401 ... 407, config_error
+/// Reads a record and compares it with the model that the edit will use. Throws io_error 401 ... 407, config_error
 /// 101, 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// TEACH from one folder: one of train-teach, or the run folder of the published one (.hydra/config.yaml,
+/// TEACH from one folder: one that train-teach wrote, or the run folder of the published one (.hydra/config.yaml,
 /// checkpoints/last.ckpt).
 ///
 ///     const auto teach = load_teach<B>("teach-run", {.text_encoder = "distilbert", .statistics = "deps/..."});
@@ -15,8 +15,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 using TeachCheckpoint = TextMotionCheckpoint<B, Teach<B>>;
 
-/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
-///         another system and where options and tensors differ, 101, 103, 107
+/// Throws  io_error 401 for a missing file, 403 to 407 for files and tensors; config_error 102 for a model of another
+///         system and if options and tensors differ, 101, 103, 107
 template <Backend B>
 TeachCheckpoint<B> load_teach(const FilePath& path, const CheckpointOptions& options = {}) {
   const std::filesystem::path folder = found_model_folder(path);

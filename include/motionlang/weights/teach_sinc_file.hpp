@@ -4,8 +4,8 @@
 ///     const auto teach = teach_network<B>(open_weights("last.ckpt"), find_run(folder));
 ///     const auto sinc = sinc_network<B>(open_weights("last.ckpt"));
 ///
-/// Heads    do not show in shapes: from the options of the run, else 4. The options ask for 6 under a misspelled name,
-///          which the code passes over
+/// Heads    from the options of the run, else 4, because shapes do not show them. The options ask for 6 under a
+///          misspelled name, which the code ignores
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses, metrics, SINC's eval_model.*
 /// Throws   as weights/text_motion_file.hpp
 /// Source   TEACH teach/model/teach.py, SINC sinc/model/sinc.py: names of the modules; tensors of their checkpoints
@@ -25,7 +25,8 @@ inline bool beside_teach_and_sinc(const std::string& name) {
 
 }  // namespace detail
 
-/// hist_frames and z_prev_text do not show in shapes: from the options of the run, else 5 and no.
+/// hist_frames and z_prev_text come from the options of the run, else they are 5 and false, because shapes do not show
+/// them.
 template <Backend B>
 Teach<B> teach_network(const TensorSet& file, const RunFolder& run = {}) {
   const detail::RunReader r(run, file, "");
@@ -40,7 +41,7 @@ Teach<B> teach_network(const TensorSet& file, const RunFolder& run = {}) {
   detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);
   return model;
 }
-/// mode: not to be seen in the tensors; released models take one sentence.
+/// `mode` is not visible in the tensors; released models take one sentence.
 template <Backend B>
 Sinc<B> sinc_network(const TensorSet& file, const RunFolder& run = {}, SincMode mode = SincMode::single) {
   const detail::RunReader r(run, file, "");

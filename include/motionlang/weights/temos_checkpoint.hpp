@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// TEMOS from one folder: one of train-temos, or the run folder of the published one (.hydra/config.yaml,
+/// TEMOS from one folder: one that train-temos wrote, or the run folder of the published one (.hydra/config.yaml,
 /// checkpoints/last.ckpt).
 ///
 ///     const auto temos = load_temos<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
@@ -15,8 +15,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 using TemosCheckpoint = TextMotionCheckpoint<B, Temos<B>>;
 
-/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
-///         another system and where options and tensors differ, 101, 103, 107
+/// Throws  io_error 401 for a missing file, 403 to 407 for files and tensors; config_error 102 for a model of another
+///         system and if options and tensors differ, 101, 103, 107
 template <Backend B>
 TemosCheckpoint<B> load_temos(const FilePath& path, const CheckpointOptions& options = {}) {
   const std::filesystem::path folder = found_model_folder(path);

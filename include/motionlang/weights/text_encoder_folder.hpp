@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Text encoders from the folders and files in which they are published, whatever network is in them.
+/// Text encoders of several networks from the folders and files of their publishers.
 ///
-///     // Hugging Face: a folder. OpenAI: a file, the vocabulary beside it.
+///     // Hugging Face: a folder. OpenAI: a file, with the vocabulary beside it.
 ///     const auto clip = load_text_encoder<B>("clip-vit-base-patch32", clip_sentences());
 ///     const auto same = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());
 ///     // The states of all words.
@@ -20,7 +20,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One of the networks, where which one it is shows only when a file is read.
+/// One of several networks; the file decides which.
 template <Backend B>
 struct AnyTextNetwork {
   std::variant<ClipText<B>, DistilBert<B>, Bert<B>, Mpnet<B>> network;
@@ -29,7 +29,7 @@ struct AnyTextNetwork {
   TextFeatures<B> operator()(const TokenBatch& batch) const {
     return std::visit([&](const auto& n) { return n(batch); }, network);
   }
-  /// Throws config_error 102 if the network has no end token that stands for a text.
+  /// Throws config_error 102 if the network has no end token that represents a text.
   TokenBatch until_end(const TokenBatch& batch) const { return clip().until_end(batch); }
   Tensor<B, 2> project(const Tensor<B, 2>& rows) const { return clip().project(rows); }
 
@@ -43,15 +43,15 @@ struct AnyTextNetwork {
 template <Backend B>
 using AnyTextEncoder = TokenizedEncoder<AnyTokenizer, AnyTextNetwork<B>>;
 
-/// The outputs that a system takes from its encoder.
+/// The outputs of the encoder that a system uses.
 struct TextEncoderOptions {
   TextOptions text{};
   TokenizerLimits limits{};
 };
-/// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids. Texts are cleaned as by OpenAI, whose
-/// CLIP these systems were trained with, wherever the vocabulary comes from.
+/// One vector of CLIP for each text, for MDM-SMPL and MDM (which cuts texts to 22 ids). Texts are always cleaned as by
+/// OpenAI, because these systems were trained with its CLIP.
 TextEncoderOptions clip_sentences(Index longest = 77);
-/// All 77 rows of CLIP: MotionDiffuse. Cleaned likewise.
+/// All 77 rows of CLIP, for MotionDiffuse. Texts are cleaned likewise.
 inline TextEncoderOptions clip_states() {
   return {.text = {.width = 77}, .limits = {.longest = 77, .truncate = true, .cleaning = ClipCleaning::original}};
 }
@@ -66,7 +66,7 @@ AnyTokenizer tokenizer_of(const std::filesystem::path& folder, const TokenizerLi
 struct TextNetworkFiles {
   WeightFile weights;
   std::variant<ClipTextConfig, BertConfig> config;
-  std::string type;  // distilbert, bert or mpnet, where it is not CLIP
+  std::string type;  // distilbert, bert or mpnet; unused for CLIP
 };
 /// file  its config.json. Throws config_error 103 for another model_type
 TextNetworkFiles text_network_files(const FilePath& file, const FilePath& folder);
@@ -80,7 +80,7 @@ AnyTextNetwork<B> text_network(const TextNetworkFiles& files) {
   return {load_text_network<Mpnet<B>>(config, files.weights)};
 }
 
-/// The highest id that a tokenizer gives has to have a row.
+/// Throws unless the highest id of a tokenizer has a row.
 void check_vocabulary(const AnyTokenizer& tokenizer, Index rows, const std::string& where);
 template <Backend B>
 void check_vocabulary(const AnyTokenizer& tokenizer, const AnyTextNetwork<B>& network, const std::string& where) {
@@ -108,8 +108,8 @@ AnyTextEncoder<B> load_clip_encoder(const TensorSet& weights, const FilePath& to
 }
 
 /// path    a folder, or OpenAI's file
-/// Throws  io_error 401, naming the file that is missing; config_error 103 for another network, 102 if tokenizer and
-///         network do not fit, and what their readers throw
+/// Throws  io_error 401 with the name of the missing file; config_error 103 for another network, 102 if tokenizer and
+///         network do not match, and what their readers throw
 template <Backend B>
 AnyTextEncoder<B> load_text_encoder(const FilePath& path, const TextEncoderOptions& options = {}) {
   const std::filesystem::path given = path.string();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The result of loading TEMOS, TMR, TEACH or SINC: a network with everything that turns texts and motions into
-/// what it reads, and its rows into motions. It does not matter whether the network was trained by us or published.
+/// A loaded TEMOS, TMR, TEACH or SINC: a network with everything that turns texts and motions into its inputs, and its
+/// outputs into motions. The network may be trained here or published.
 ///
 ///     const auto tmr = load_tmr<B>("examples/models/tmr_free");
 ///     const Tensor<B, 2> text = tmr.encode_text("a person jumps");               // (1, latent)
@@ -27,12 +27,12 @@ struct TextMotionCheckpoint {
   Normalizer<B> normalizer;                  // of the features
   const MotionFeatures* features = nullptr;  // that it reads and writes
   double fps = 0;                            // of its motions
-  double longest = 10;                       // seconds of the longest motions that it learned from
-  /// The input of the model's text encoder. Throws config_error 102 if it reads the states of a language model and
-  /// the options named none.
+  double longest = 10;                       // in seconds, of its training motions
+  /// The input of the model's text encoder. Throws config_error 102 if it reads the states of a language model and the
+  /// options named none.
   std::function<Sequences<B>(std::span<const std::string>)> tokens{};
   std::string folder{}, text_encoder{};  // where it was loaded from
-  std::string id{};                      // of the weights (tensors_checksum); of TMR alone
+  std::string id{};                      // of the weights (tensors_checksum); only for TMR
 
   /// The means of the latents, (texts, latent).
   Tensor<B, 2> encode_text(std::span<const std::string> texts) const { return model.encode_text(tokens(texts)).mu; }
@@ -47,17 +47,17 @@ struct TextMotionCheckpoint {
   }
 };
 
-/// The features of a published TEMOS, TEACH or SINC of this many numbers a frame.
+/// The features of a published TEMOS, TEACH or SINC with this many values in a frame.
 inline const MotionFeatures& published_temos_features(Index width) {
   return motion_features(width == 64 ? "rifke64" : "smplvelp-published");
 }
 
 namespace detail {
 
-/// System of a folder: "tmr" as published, "trained tmr" of our own trainings, ... "" if it is none that is known.
+/// The system of a folder: "tmr" for a published one, "trained tmr" for our own trainings, ... "" if unknown.
 std::string checkpoint_system(const RunFolder& run);
 
-/// Asks a language model or a cache once for each text, in whatever order.
+/// Encodes each text once with a language model or a cache, and remembers the states.
 template <Backend B>
 std::function<Sequences<B>(std::span<const std::string>)> remembered_states(const std::string& text_encoder) {
   return [states = std::make_shared<EmbeddingCache>(0), asked = std::make_shared<TextStates>(),
@@ -115,7 +115,7 @@ TextMotionCheckpoint<B, Model> checkpoint_of(TextMotionRun<B, Model> run, const 
           .text_encoder = options.text_encoder.string()};
 }
 
-/// Throws config_error 102 if a folder of our trainings is of another system.
+/// Throws config_error 102 if a folder of our trainings holds another system.
 void require_trained(const std::filesystem::path& folder, const std::string& found, const char* wanted);
 
 }  // namespace detail

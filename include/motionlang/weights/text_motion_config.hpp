@@ -27,13 +27,13 @@ struct TextMotionNetworkConfig {
   }
 };
 
-/// The form of texts before the text encoder of the model sees them.
+/// The form in which the model's text encoder receives texts.
 struct TextTokensConfig {
   std::string encoder =
-      "distilbert";        // states of a language model (a folder or a cache), or "word_pieces": learnt here
+      "distilbert";        // states of a language model (a folder or a cache), or "word_pieces": learned here
   Index width = 768;       // of a token
   Index vocabulary = 800;  // of word pieces
-  bool finetune = false;   // DistilBERT is trained, too
+  bool finetune = false;   // DistilBERT is also trained
 
   void require_sound() const { require_value("width", width, width >= 1 && width <= 65'536, "1 to 65536"); }
   static constexpr auto fields() {
@@ -43,15 +43,15 @@ struct TextTokensConfig {
   }
 };
 
-/// Weights of the terms; those of rows of thesis tables 4.3 and 5.3 are switched off here.
+/// Weights of the terms; the rows of thesis tables 4.3 and 5.3 switch terms off here.
 struct TextMotionLossConfig {
   double recons = 1, kl = 1e-5, latent = 1e-5, contrastive = 0.1;
   std::string contrastive_loss = "info_nce";  // "margin", "none"; TEMOS has none
   double temperature = 0.1;
-  bool learned_temperature = false;  // from that value on, as CLIP does; of info_nce
+  bool learned_temperature = false;  // for info_nce; training starts from that value, as for CLIP
   double threshold = 0.8;            // texts more similar than that are not negatives; 0: all are
   double margin = 10;
-  bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // the terms that kl and latent weigh
+  bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // the terms that kl and latent weight
 
   void require_sound() const {
     for (const auto& [name, value] : {std::pair("recons", recons),
@@ -72,7 +72,7 @@ struct TextMotionLossConfig {
 };
 
 struct TextMotionConfig {
-  std::string features = "guoh3d";  // motion_features.hpp
+  std::string features = "guoh3d";  // a name of motion_features.hpp
   TextMotionNetworkConfig network;
   TextTokensConfig text;
   TextMotionLossConfig losses;

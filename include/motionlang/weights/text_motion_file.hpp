@@ -4,12 +4,12 @@
 ///     const auto tmr = tmr_network<B>(open_weights(folder), find_run(folder));   // last_weights/*.pt, or a .ckpt
 ///     const auto temos = temos_network<B>(open_weights("last.ckpt"));    // with statistics: weights/vae_run.hpp
 ///
-/// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS'
-///          options ask for 6 under a misspelled name, which its code passes over
+/// Heads    from the options of the run, else 4 as in both papers' models, because shapes do not show them. TEMOS'
+///          options ask for 6 under a misspelled name, which its code ignores
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses and metrics, statistics
-/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for NaN and infinity;
-///          config_error 101 if the heads do not divide the width, 102 where options and tensors differ, or the file is
-///          too small for a network of its sizes
+/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for NaN and infinity; config_error 101
+///          if the heads do not divide the width, 102 if options and tensors differ, or if the file is too small for a
+///          network of its sizes
 /// Source   TEMOS temos/model/temos.py, TMR src/model/temos.py and src/model/tmr.py: names of the modules
 #pragma once
 
@@ -39,12 +39,12 @@ TemosConfig temos_config(const RunReader& r);
 
 TmrConfig tmr_config(const RunReader& r);
 
-/// Tensors of a checkpoint that are not the model's.
+/// True for tensors of a checkpoint that are not the model's.
 bool beside_temos(const std::string& name);
 
 }  // namespace detail
 
-/// `run` has the options, if there are any.
+/// `run` holds the options, if there are any.
 template <Backend B>
 Temos<B> temos_network(const TensorSet& file, const RunFolder& run = {}) {
   const TemosConfig config = detail::temos_config(detail::RunReader(run, file, ""));

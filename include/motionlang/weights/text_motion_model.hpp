@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A trained TEMOS, TMR, SINC or TEACH with what belongs to it: word pieces where it has no language model, statistics
-/// of the features, its configuration. How it is made, and its folder.
+/// A trained TEMOS, TMR, SINC or TEACH with everything that belongs to it: word pieces if it has no language model,
+/// statistics of the features, its configuration. How to make it, and its folder.
 ///
 ///     config.json            weights/model_folder.hpp, with the configuration of the training; "vocabulary" of word
 ///                            pieces; "about"
@@ -9,7 +9,7 @@
 ///                            trained with it, as in TEMOS
 ///     text_encoder/          its config.json and tokenizer
 ///
-///     const auto file = read_text_motion_config(folder);         // also of TMR as it was published
+///     const auto file = read_text_motion_config(folder);         // also of a published TMR
 ///     const auto model = load_text_motion<Tmr, B>(folder, file);
 ///     model.system.encode_text(model.tokens(texts, nullptr));    // &states, unless model.reads_texts()
 ///
@@ -52,7 +52,7 @@ LanguageModelFiles read_language_model_files(const std::filesystem::path& folder
 /// Copies all but the weights into a folder, which is made. Throws io_error 401.
 void write_language_model_files(const std::filesystem::path& folder, const LanguageModelFiles& files);
 
-/// DistilBERT that is trained with the model.
+/// A DistilBERT that is trained with the model.
 template <Backend B>
 struct LanguageModel {
   DistilBert<B> text_model;
@@ -63,7 +63,7 @@ struct LanguageModel {
     return motionlang::fields("text_model", &M::text_model, "files", &M::files);
   }
   LanguageModel() = default;
-  /// Without numbers; they are in a file.
+  /// Without values, which are in a file.
   explicit LanguageModel(LanguageModelFiles f) : files(std::move(f)) {
     NoInit zeros;
     text_model = DistilBert<B>(files.sizes, zeros);
@@ -88,7 +88,7 @@ struct TextMotionModel {
   std::optional<WordPieceTokens<B>> words{};
   std::optional<LanguageModel<B>> language{};
   Normalizer<B> motion_normalizer;
-  std::optional<Tensor<B, 0>> log_temperature{};  // of the contrastive loss, where it is learned
+  std::optional<Tensor<B, 0>> log_temperature{};  // of the contrastive loss, if it is learned
 
   static constexpr auto fields() {
     using M = TextMotionModel;
@@ -104,8 +104,9 @@ struct TextMotionModel {
 
   /// True if it needs no states of a language model.
   bool reads_texts() const { return words || language; }
-  /// The input of the text encoder: rows of word pieces, or the states of a language model: its own, or `states`, which
-  /// has all texts.
+  /// The input of the text encoder: rows of word pieces, or the states of a language model. They come from its own one,
+  /// or
+  /// from `states`, which has all texts.
   Sequences<B> tokens(std::span<const std::string> texts, const EmbeddingCache* states,
                       const Context& context = {}) const {
     if (words) return (*words)(texts).tokens;
@@ -123,11 +124,11 @@ using TemosModel = TextMotionModel<B, Temos>;
 
 /// The differences between the systems that are trained here.
 ///   name            in config.json
-///   Config          of the training
-///   sizes           of the network. Throws config_error 101, 102, 103 for sizes and options that cannot be.
+///   Config          the configuration of the training
+///   sizes           of the network. Throws config_error 101, 102, 103 for invalid sizes and options.
 ///   normalizer_eps  of the statistics
-///   temperature     of the contrastive loss, where it is learned
-///   published       whether a folder as it was published is read in the place of one of ours
+///   temperature     of the contrastive loss, if it is learned
+///   published       true if a published folder may be read instead of one of ours
 template <template <class> class System>
 struct TrainedSystem;
 
@@ -193,12 +194,12 @@ struct TextModelFile {
   double fps = 0;
   Config config;
   std::optional<WordPiece> pieces;
-  std::optional<LanguageModelFiles> language{};  // that was trained with it
-  std::optional<RunFolder> published{};          // where it is not of our training
+  std::optional<LanguageModelFiles> language{};  // of the trained language model
+  std::optional<RunFolder> published{};          // for a published folder
 };
 using TextMotionFile = TextModelFile<TextMotionConfig>;
 
-/// Takes them from a config.json that was read before; `path` stands in messages. Throws config_error 101, 103, 107,
+/// Reads the contents of an open config.json; `path` appears in messages. Throws config_error 101, 103, 107,
 /// io_error 403.
 template <class Config>
 TextModelFile<Config> text_model_file(const ModelFolder& model, const std::string& path) {
@@ -211,8 +212,8 @@ TextModelFile<Config> text_model_file(const ModelFolder& model, const std::strin
   }
   return file;
 }
-/// Reads that of a TMR or a TEMOS of our training, or with a published TMR. Throws io_error 401, 403, config_error
-/// 103, 107.
+/// Reads that of a TMR or a TEMOS of our training, or of a published TMR. Throws io_error 401, 403, config_error 103,
+/// 107.
 TextMotionFile read_text_motion_config(const std::filesystem::path& folder);
 /// Reads that of a SINC or a TEACH of our training. Throws io_error 401, 403, config_error 101, 103, 107.
 template <class Config>
@@ -220,8 +221,8 @@ TextModelFile<Config> read_babel_config(const std::filesystem::path& folder) {
   return text_model_file<Config>(read_model_folder(folder), (folder / "config.json").string());
 }
 
-/// Writes config.json and weights.safetensors over those that are there. `about`: license, provenance, data, command,
-/// ...; the first two are required. Throws what overwrite_model throws.
+/// Writes config.json and weights.safetensors over the existing ones. `about`: license and provenance, which are
+/// required, data, command, ... Throws what overwrite_model throws.
 template <template <class> class System, Backend B>
 void save_text_motion(const std::filesystem::path& folder, const TextMotionModel<B, System>& model,
                       const typename TrainedSystem<System>::Config& config, double fps,
@@ -254,8 +255,8 @@ TmrModel<B> load_published_tmr(const TensorSet& weights, const RunFolder& run, c
   prepare(m);
   return m;
 }
-/// The model with weights of a file that somebody has opened. Throws what the readers throw; config_error 102 for one
-/// of another system.
+/// The model with the weights of an open file. Throws what the readers throw; config_error 102 for one of another
+/// system.
 template <template <class> class System, Backend B>
 TextMotionModel<B, System> load_text_motion(const TensorSet& weights,
                                             const TextModelFile<typename TrainedSystem<System>::Config>& file) {

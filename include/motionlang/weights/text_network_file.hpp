@@ -6,8 +6,8 @@
 ///     const auto network = load_text_network<DistilBert<B>>(config, open_weights("model.safetensors"));
 ///     const auto clip = load_clip_text<B>(open_weights("ViT-B-32.pt"));
 ///
-/// Prefix   what stands before the name of the word embedding ("embeddings.word_embeddings.weight",
-///          "token_embedding.weight") stands before all names of the network: "distilbert.", "bert.",
+/// Prefix   the text before the name of the word embedding ("embeddings.word_embeddings.weight",
+///          "token_embedding.weight") is before all names of the network: "distilbert.", "bert.",
 ///          "textencoder.text_model." (TEMOS, TEACH, SINC), "clip_model." (MDM) ... Tensors with other names are not
 ///          read
 /// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the
@@ -15,9 +15,8 @@
 /// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of
 ///          query, key and value are stacked and whose text_projection is transposed
 /// Memory   tensors of 32-bit numbers are views of the file. Weights of layers are packed for the kernels (prepare) and
-///          their memory in the file is given back, so that no weight is there twice; those that had to be converted or
-///          put together lie in temporary files for that. Where there is no place for such files, they are packed
-///          whenever they are used
+///          their memory in the file is released, so that no weight is in memory twice. Converted or combined weights
+///          go to temporary files. If there is no place for such files, they are packed each time they are used
 /// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes,
 ///          102 for sizes far above those of the file; io_error 406, 407 if names or shapes do not match
 /// Source   huggingface/transformers, modeling_distilbert.py, modeling_bert.py, modeling_mpnet.py, modeling_clip.py;
@@ -36,12 +35,12 @@ class JsonView;
 
 namespace detail {
 
-/// The tensors of a file under other names, some of them put together.
+/// The tensors of a file under other names, some of them combined.
 class RenamedTensors : public TensorSet {
  public:
   explicit RenamedTensors(const TensorSet& file);
   void add(TensorView view, std::string name);
-  /// A tensor that was made; matrices are put aside, so that they can be packed like those of the file.
+  /// Adds a new tensor. Matrices are moved to a temporary file, so that they can be packed like those of the file.
   void add(TensorView view, std::string name, std::vector<std::byte> bytes);
   void sort();
 
@@ -54,8 +53,8 @@ class RenamedTensors : public TensorSet {
   std::shared_ptr<Memory> memory_ = std::make_shared<Memory>();
 };
 
-/// The prefix before `name` in the only tensor whose name ends so, at a dot. Nothing if there is none; throws io_error
-/// 406 if there are two.
+/// The prefix of the only tensor whose name is `name` after a dot or at the start. Nothing if there is none; throws
+/// io_error 406 if there are two.
 std::optional<std::string> prefix_of(const TensorSet& file, std::string_view name);
 
 inline bool begins_with_any(std::string_view name, std::initializer_list<std::string_view> beginnings) {
@@ -74,12 +73,12 @@ void pack_layers(std::vector<Layer>& layers) {
   }
 }
 
-/// For a network that is about to be made and filled from these weights.
+/// The room for a network that is to be made and filled from these weights.
 ParameterRoom room_of(const TensorSet& weights);
 
 }  // namespace detail
 
-/// The sizes in the config.json of a member of the BERT family; `model_type` says which one it has to be.
+/// The sizes in the config.json of a member of the BERT family; `model_type` names the expected member.
 BertConfig bert_config(const JsonView& config, std::string_view model_type);
 
 /// Fills a network of the BERT family.
@@ -102,8 +101,8 @@ Network load_text_network(const JsonView& config, const TensorSet& weights) {
 /// and SINC. Throws io_error 406, 407.
 BertConfig distilbert_config(const TensorSet& file);
 
-/// The sizes in the config.json of a CLIP model, or of its text tower alone. What it leaves out, as newer files do with
-/// whatever is usual, is as in ViT-B/32.
+/// The sizes in the config.json of a CLIP model, or of its text tower alone. Missing values (newer files leave out the
+/// defaults) are as in ViT-B/32.
 ClipTextConfig clip_text_config(const JsonView& config);
 
 /// The sizes of a text tower from the shapes of its tensors, with 64 numbers a head. Throws io_error 406, 407.
@@ -124,7 +123,7 @@ ClipText<B> load_clip_text(const JsonView& config, const TensorSet& weights) {
 }
 template <Backend B>
 ClipText<B> load_clip_text(const TensorSet& weights) {
-  const auto tensors = detail::clip_tensors(weights);  // put together once
+  const auto tensors = detail::clip_tensors(weights);  // combined once
   return load_clip_text<B>(clip_text_config(tensors), tensors);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Vectors of texts that are not trained: states of a language model for a text encoder, and one vector for each text
-/// that tells which texts mean the same.
+/// to find texts with the same meaning.
 ///
 ///     const EmbeddingCache states = token_states<B>("distilbert-base-uncased", texts);
 ///     const EmbeddingCache sentences = sentence_vectors<B>("all-mpnet-base-v2", data);
@@ -21,11 +21,11 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// True if a model reads word pieces, which it learns, and not the states of a language model. `from`: as token_states
-/// takes it. Throws config_error 103 for another encoder, 102 if `from` and the encoder contradict each other.
+/// True if a model learns and reads word pieces, false for the states of a language model. `from`: as for token_states.
+/// Throws config_error 103 for another encoder, 102 if `from` and the encoder contradict each other.
 bool reads_pieces(const TextTokensConfig& text, const std::filesystem::path& from);
 
-/// The states that a text encoder, or a cache, gives for these texts. They are encoded 64 at a time.
+/// The states of these texts from a text encoder or a cache, 64 texts at a time.
 template <Backend B, class Encoder>
 EmbeddingCache states_of(const Encoder& encoder, std::span<const std::string> texts) {
   constexpr std::size_t at_once = 64;
@@ -38,7 +38,7 @@ EmbeddingCache states_of(const Encoder& encoder, std::span<const std::string> te
   return out;
 }
 
-/// The states of texts, for which a language model or a cache is asked again and again.
+/// A function that returns the states of texts from a language model or a cache.
 using TextStates = std::function<EmbeddingCache(std::span<const std::string>)>;
 
 namespace detail {
@@ -53,10 +53,10 @@ TextStates states_from(const std::filesystem::path& from, const TextEncoderOptio
   return ask(EmbeddingCache::read(from.parent_path(), from.stem().string()));
 }
 
-/// Every text with all texts that somewhere are about the same frames, a line each.
+/// Every text with all texts that are about the same frames anywhere, a line each.
 std::map<std::string, std::string> texts_beside(const DescribedMotions& data);
 
-/// The bag of words of a text and of those that are about the same frames.
+/// The bag of words of a text and of the texts about the same frames.
 struct WordsTogether {
   BagOfWords words;
   std::map<std::string, std::string> joined;
@@ -72,7 +72,7 @@ struct WordsTogether {
 }  // namespace detail
 
 /// `from` is a folder of Hugging Face (DistilBERT), or the .npy file of an embedding cache. Throws what the readers
-/// throw; the function config_error 103 for a text that a cache lacks.
+/// throw; the returned function throws config_error 103 for a text that a cache lacks.
 template <Backend B>
 TextStates text_states(const std::filesystem::path& from) {
   return detail::states_from<B>(from, {});
@@ -85,8 +85,9 @@ EmbeddingCache token_states(const std::filesystem::path& from, std::span<const s
   return text_states<B>(from)(texts);
 }
 
-/// A unit vector for each text of the data. `from`: a sentence encoder (a folder of MPNet) or a cache as above; "": the
-/// bag of words of all texts that somewhere are about the same frames, so that wordings of one thing are alike.
+/// A unit vector for each text of the data. `from`: a sentence encoder (a folder of MPNet) or a cache as above. With
+/// "",
+/// the vector is the bag of words of all texts about the same frames, so that different wordings are alike.
 template <Backend B>
 EmbeddingCache sentence_vectors(const std::filesystem::path& from, const DescribedMotions& data) {
   const auto texts = all_texts(data);

@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: MIT
-/// TM2T's models from texts to motions and from motions to texts from the folders in which its repository leaves them.
+/// TM2T's models from texts to motions and from motions to texts, from the folders of its repository.
 ///
 ///     const auto run = load_tm2t_run<B>(find_run("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N"));
 ///     const auto motions = run.model.generate(run.words.encode<B>(texts), Philox{.seed = 7});        // features
 ///     const auto other = load_tm2t_describer<B>(find_run("checkpoints/t2m/M2T_EL4_DL4_NH8_PS"));
 ///     const auto described = other.model.describe(features, other.words);
 ///
-/// Three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the one of the
-/// motion tokenizer, beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one
-/// of the folders above.
+/// There are three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the
+/// folder of the motion tokenizer, beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors
+/// glove/our_vab_*, in one of the folders above.
 ///
-/// Sizes    come from the shapes of the tensors, as does early or late attention, with which the options must agree.
-/// The
+/// Sizes    come from the shapes of the tensors, as does early or late attention. The options must agree with them. The
 ///          number of heads comes from the options; the default is 8
 /// Differs  from the published program: `model` holds the parts in the folder and the tokenizer; its other parts are
-/// empty
+///          empty
 /// Source   TM2T networks/modules.py, networks/transformer.py, and the files that its training programs write
-/// Throws   io_error 401 for a missing file, with the places that were tried; 404 for another model; 406, 407 for
-///          tensors; config_error 102 where the parts do not fit each other
+/// Throws   io_error 401 for a missing file, with all places searched; 404 for another model; 406, 407 for tensors;
+///          config_error 102 if the parts do not match
 #pragma once
 
 #include <motionlang/systems/tm2t.hpp>
@@ -36,15 +35,15 @@ struct Tm2tRun {
 };
 
 struct Tm2tRunOptions {
-  FilePath tokenizer = "";  // its folder; looked for beside the model unless given
-  FilePath words = "";      // the folder with our_vab_data.npy; looked for in the folders above unless given
+  FilePath tokenizer = "";  // its folder; by default searched beside the model
+  FilePath words = "";      // the folder with our_vab_data.npy; by default searched in the folders above
 };
 
 namespace detail {
 
 WeightFile tm2t_weights(const RunFolder& run);
 
-/// The folder that the options name, else the only one beside the model that has a tokenizer.
+/// The folder that the options name, else the only folder with a tokenizer beside the model.
 RunFolder tm2t_tokenizer_run(const RunFolder& run, const Tm2tRunOptions& options);
 
 FilePath tm2t_words(const RunFolder& run, const Tm2tRunOptions& options);
@@ -55,7 +54,8 @@ Seq2SeqGruConfig tm2t_gru_config(const RunReader& r);
 
 Seq2SeqConfig tm2t_describer_config(const RunReader& r, const TensorSet& weights);
 
-/// Those of the features, in the weights of a packed run or in the folder of the tokenizer. Throws io_error 401, 407.
+/// The statistics of the features, in the weights of a packed run or in the folder of the tokenizer. Throws io_error
+/// 401, 407.
 template <Backend B>
 Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, Index features) {
   return run_normalizer<B>(run, weights, features, {"meta.", ""},
@@ -64,11 +64,11 @@ Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, In
 
 }  // namespace detail
 
-/// Tells which model a run folder holds: from texts to motions, or from motions to texts.
+/// True if a run folder holds the model from texts to motions, false for the one from motions to texts.
 bool is_tm2t_generator(const RunFolder& run);
 bool is_tm2t_describer(const RunFolder& run);
 
-/// The tokenizer alone, with its statistics, of its own folder or of a packed one.
+/// The tokenizer alone, with its statistics, from its own folder or from a packed one.
 template <Backend B>
 Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
   const WeightFile weights = detail::tm2t_weights(run);
@@ -92,7 +92,7 @@ Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
 
 namespace detail {
 
-/// Everything but the model that the folder is named after, which knows this many symbols of motions.
+/// Everything except the folder's main model, which has this many motion symbols.
 template <Backend B>
 Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index symbols, const Tm2tRunOptions& options) {
   const RunFolder tokenizer_run = tm2t_tokenizer_run(run, options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP. The
-/// JSON files are another header, weights/tokenizer_json.hpp.
+/// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP.
+/// weights/tokenizer_json.hpp reads the JSON files.
 ///
 /// Source  google-research/bert tokenization.py, openai/CLIP clip/simple_tokenizer.py, which read these files
 #pragma once
@@ -19,21 +19,21 @@ std::vector<std::string> read_vocabulary(const FilePath& path);
 
 namespace detail {
 
-/// "a b". Throws io_error 403 with the place.
+/// Parses "a b". Throws io_error 403 with the place.
 std::pair<std::string, std::string> parse_merge(std::string_view line, std::string_view name, Index number);
 
 }  // namespace detail
 
 /// Two symbols with a blank between on each line, in the order of their rank, up to the first empty line. A line that
-/// begins with "#version", or in a text of OpenAI's with "\"bpe_simple_vocab", is a comment.
-/// most    further lines are not read
+/// begins with "#version", or in OpenAI's file with "\"bpe_simple_vocab", is a comment.
+/// most    the largest number of lines to read
 /// Throws  io_error 403, with the line, for a line of another form or a duplicated pair
 BytePairMerges parse_merges(std::string_view text, std::string_view name = "merges.txt",
                             std::size_t most = static_cast<std::size_t>(-1));
 /// Throws io_error 401 and as parse_merges and gunzip.
 BytePairMerges read_merges(const FilePath& path, std::size_t most = static_cast<std::size_t>(-1));
 
-/// Merges of bpe_simple_vocab_16e6.txt that CLIP takes; the file has 262,144.
+/// The number of merges that CLIP takes from bpe_simple_vocab_16e6.txt; the file has 262,144.
 inline constexpr std::size_t clip_merges = 48894;
 
 /// CLIP's tokenizer from OpenAI's file, packed or not. Throws as read_merges, and as the constructor of ClipTokenizer.

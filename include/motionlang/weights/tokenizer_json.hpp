@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. Only the kinds
-/// that BERT, MPNet and CLIP have; any other normaliser, splitter or frame is refused by its name, because without it
-/// ids would be wrong and look right.
+/// that BERT, MPNet and CLIP use. Any other normaliser, splitter or template is refused by its name, because ids
+/// without
+/// it would be wrong and look right.
 ///
 ///     const AnyTokenizer tokenizer = read_tokenizer("all-mpnet-base-v2");   // a folder
 ///
@@ -44,18 +45,20 @@ class AnyTokenizer {
 };
 static_assert(Tokenizer<AnyTokenizer>);
 
-/// Choices of the caller; a tokenizer.json has them too, but the published systems do not apply that.
+/// Choices of the caller. A tokenizer.json has them too, but the published systems do not apply those.
 struct TokenizerLimits {
-  std::optional<Index> longest = {};  // ids of a text with its frame; unless set 512 of BERT and MPNet, 77 of CLIP
-  std::optional<bool> truncate = {};  // unless set: BERT and MPNet refuse, CLIP cuts
+  std::optional<Index> longest =
+      {};  // ids of a text with its special tokens; by default 512 for BERT and MPNet, 77 for CLIP
+  std::optional<bool> truncate = {};  // by default BERT and MPNet refuse, CLIP cuts
   bool stored = false;                // take both from the block "truncation" of the file, if it has one
-  // of CLIP: as these files say; MDM and STMC were trained with the original
+  // For CLIP: as these files say; MDM and STMC were trained with the original.
   ClipCleaning cleaning = ClipCleaning::hugging_face;
 };
 
 namespace detail {
 
-/// Pieces by id from an object of ids, and added tokens that it lacks. Throws io_error 403 unless every id from 0 on
+/// Pieces by id, from an object of ids and the added tokens that it lacks. Throws io_error 403 unless every id from 0
+/// on
 /// has one.
 std::vector<std::string> pieces_by_id(const JsonView& vocabulary, std::span<const AddedToken> added = {});
 
@@ -64,8 +67,8 @@ std::vector<AddedToken> added_tokens(const JsonView& document);
 }  // namespace detail
 
 /// The tokenizer that a tokenizer.json describes.
-/// Throws  io_error 403 if it is malformed, 404, naming the type, if it asks for a kind that is not known here;
-///         config_error 107 for values of the wrong kind, missing pieces, merges of unknown ones
+/// Throws  io_error 403 if it is malformed, 404 with the type for an unsupported kind; config_error 107 for values of
+///         the wrong kind, missing pieces, merges of unknown ones
 AnyTokenizer tokenizer_from_json(const JsonView& document, const TokenizerLimits& limits = {});
 /// Throws io_error 401 and as tokenizer_from_json.
 AnyTokenizer read_tokenizer_json(const FilePath& path, const TokenizerLimits& limits = {});
@@ -73,11 +76,11 @@ AnyTokenizer read_tokenizer_json(const FilePath& path, const TokenizerLimits& li
 /// vocab.json: the id of every piece. Throws io_error 401, 403 unless the ids are 0, 1, ...; config_error 107.
 std::vector<std::string> read_vocabulary_json(const FilePath& path);
 
-/// The settings in a tokenizer_config.json for a tokenizer whose vocabulary is in another file.
+/// The settings in a tokenizer_config.json for a tokenizer with its vocabulary in another file.
 struct TokenizerConfig {
   std::string tokenizer_class;
   std::optional<bool> lower_case = {}, strip_accents = {}, split_cjk = {};
-  std::optional<Index> longest = {};          // model_max_length; none if it is beyond every length
+  std::optional<Index> longest = {};          // model_max_length; none if it is unlimited
   std::map<std::string, std::string> tokens;  // "cls_token" -> "[CLS]", ...
 };
 
@@ -91,8 +94,10 @@ inline bool file_exists(const FilePath& path) { return ::access(path.c_str(), R_
 }  // namespace detail
 
 /// The tokenizer in the folder of a model: its tokenizer.json, else vocab.txt (BERT, MPNet) or vocab.json and
-/// merges.txt (CLIP), as its tokenizer_config.json says. model_max_length is not applied, as the published systems do
-/// not. Throws io_error 401 if all of these files are missing, and as their readers
+/// merges.txt
+/// (CLIP), with its tokenizer_config.json. model_max_length is not applied, as in the published systems. Throws
+/// io_error
+/// 401 if all of these files are missing, and as their readers
 AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits& limits = {});
 
 MOTIONLANG_NAMESPACE_END

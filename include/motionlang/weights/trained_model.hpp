@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The folder of a model that was trained here: weights/model_folder.hpp, with a record of how it was made.
+/// The folder of a model that was trained here: weights/model_folder.hpp, with a record of its training.
 #pragma once
 
 #include <filesystem>  // folders
@@ -11,10 +11,10 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A model with licence and provenance from `about`, and the rest of it as the member "about".
+/// A model with licence and provenance from `about`, and the other entries as the member "about".
 ModelFolder described_model(const std::string& system, std::map<std::string, std::string> about);
 
-/// Writes config.json and weights.safetensors over those that are there. The weights are written first, so that a
+/// Writes config.json and weights.safetensors over the existing ones. The weights are written first, so that a
 /// config.json always has its weights. Throws io_error 401, and what model_config_text throws.
 void overwrite_model(const std::filesystem::path& folder, const ModelFolder& model, const TensorStore& weights);
 

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// ACTOR, TEMOS, TEACH and SINC from the folders in which their repositories leave them.
+/// ACTOR, TEMOS, TEACH and SINC from the folders of their repositories.
 ///
 ///     const auto actor = load_actor_run<B>("exps/humanact12");                  // opt.yaml, checkpoint_5000.pth.tar
 ///     const auto temos = load_temos_run<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
 ///                                                                     .statistics = "deps/.../kit-amass-xyz"});
 ///
-/// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the
+/// Sizes    from the shapes of the tensors; options that state them must agree. Heads and representation come from the
 ///          options
 /// ACTOR    all networks of its repository (weights/actor_file.hpp)
-/// TEMOS, TEACH, SINC  with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder. Their
-/// folders look alike:
-///          `lightning_system` tells them apart by their tensors
+/// TEMOS, TEACH, SINC  with DistilBERT inside the checkpoint; no run folder holds tokenizer and statistics. Their
+///                     folders look alike: `lightning_system` tells them apart by their tensors
 /// Source   what the training programs of ACTOR, TEMOS, TEACH and SINC write
-/// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for
-///          tensors; config_error 101, 102 where options and tensors differ, 103, 107
+/// Throws   io_error 401 with the name of a missing file; 404 for unsupported variants; 406, 407 for tensors;
+///          config_error 101, 102 if options and tensors differ, 103, 107
 #pragma once
 
 #include <motionlang/datasets/action_names.hpp>
@@ -28,13 +27,13 @@ struct ActorRun {
   Actor<B> model;
   ActorFeatureOptions features{};
   ActorPoints points = ActorPoints::vertices;  // that its loss compared
-  ActorFrameOptions frames{};                  // of a clip that it learned from; how many: `longest`
-  bool camera = true;                          // the figure stands on its head: Y down, as cameras have it
-  Index longest = 60;                          // frames of motions that it learned from
+  ActorFrameOptions frames{};                  // of a training clip; their number: `longest`
+  bool camera = true;                          // the figure is upside down: Y down, as in a camera's coordinates
+  Index longest = 60;                          // frames of its training motions
   std::vector<std::string> labels;             // of the classes; empty if they are numbers
 };
 
-/// A model from texts to motions, with all that it needs.
+/// A model from texts to motions, with everything that it needs.
 template <Backend B, class Model>
 struct TextMotionRun {
   Model model;
@@ -52,7 +51,7 @@ template <Backend B>
 using SincRun = TextMotionRun<B, Sinc<B>>;
 
 struct TemosRunOptions {
-  // folder of distilbert-base-uncased, or one with its tokenizer; looked for beside the model unless given
+  // A folder of distilbert-base-uncased, or one with its tokenizer; by default searched beside the model.
   FilePath text_encoder = "";
   FilePath statistics = "";  // folder with jfeats_mean.pt and jfeats_std.pt (rfeats_ of SMPL models)
 };
@@ -61,17 +60,17 @@ namespace detail {
 
 void require_checkpoint(const RunFolder& run, const char* system, const char* wanted);
 
-/// Where its tokenizer is, or the whole text encoder. Throws io_error 401.
+/// The folder of its tokenizer, or of the whole text encoder. Throws io_error 401.
 std::filesystem::path temos_text_folder(const RunFolder& run, const TemosRunOptions& options);
 
-/// DistilBERT of the checkpoint with a tokenizer from elsewhere, or the whole encoder from elsewhere.
+/// The DistilBERT of the checkpoint with a tokenizer from another folder, or a whole encoder from another folder.
 template <Backend B>
 AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
   const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
   const std::filesystem::path folder = temos_text_folder(run, options);
   if (!inside) return load_text_encoder<B>(folder);
   AnyTokenizer tokenizer = tokenizer_of(folder, {}, false);
-  RenamedTensors own(weights);  // the eval_model of older checkpoints of SINC has a DistilBERT as well
+  RenamedTensors own(weights);  // the eval_model of older checkpoints of SINC also has a DistilBERT
   for (const TensorView& t : weights.tensors()) {
     if (t.name.starts_with("textencoder.text_model.")) own.add(t, t.name);
   }
@@ -106,10 +105,11 @@ ActorRun<B> load_actor_run(const FilePath& folder) {
   return load_actor_run<B>(find_run(folder));
 }
 
-/// "temos", "teach" or "sinc", by the token that stands between texts.
+/// "temos", "teach" or "sinc", by the token between texts.
 std::string lightning_system(const TensorSet& weights);
-/// The system of a folder as weights/run_folder.hpp finds it; runs of TEACH and SINC, which look like those of TEMOS,
-/// differ in their weights. Throws what find_run and open_weights throw.
+/// The system of a folder. Runs of TEACH and SINC look like those of TEMOS to weights/run_folder.hpp and differ in
+/// their
+/// weights. Throws what find_run and open_weights throw.
 std::string system_of_run(const FilePath& folder);
 
 namespace detail {
@@ -127,7 +127,7 @@ Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, c
       options.statistics);
 }
 
-/// The statistics and the text encoder that belong to a model. eps: of the normalisation, backwards.
+/// The statistics and the text encoder of a model. eps: of the inverse normalisation.
 template <Backend B, class Model>
 TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& weights, Model model, double fps,
                                         double eps, const TemosRunOptions& options) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Weights from files of every kind: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy
-/// (npy, npz), pickles, joblib dumps, and folders of them as training runs leave them. The format is known by the
-/// content, never by the name.
+/// Weights from files of every kind: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy (npy,
+/// npz), pickles, joblib dumps, and folders of them from training runs. The content decides the format, never the name.
 ///
 ///     const WeightFile file = open_weights("logs/last.ckpt");
 ///     load_module(model, file, "denoiser.");
@@ -11,9 +10,9 @@
 /// are read as values. Tensors that lie in order in the file are views of it, without a copy.
 ///
 /// Memory   besides the mapped file at most twice its size and 64 MiB. A file that is packed as a whole (gzip, or a
-///          joblib dump written with compress=) is unpacked in memory, to at most twice its size and 30 MiB. Copies of
-///          arrays in another order must fit into that, too. A larger result is io_error 405. Files packed with bzip2,
-///          xz, lzma, lz4 or zstd are io_error 404: unpack them first
+///          joblib dump written with compress=) is unpacked in memory, to at most twice its size and 30 MiB. The limit
+///          includes copies of arrays in another order. A larger result is io_error 405. Files packed with bzip2, xz,
+///          lzma, lz4 or zstd are io_error 404: unpack them first
 /// Source   the readers of the formats: safetensors.hpp, torch_file.hpp, pickle_arrays.hpp, npz.hpp
 #pragma once
 
@@ -24,11 +23,12 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct WeightOptions {
-  /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. Unless
-  /// given: the root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
+  /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. The default
+  /// is
+  /// the root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
   std::optional<std::string> path{};
-  bool strict = false;     // refuse what is skipped otherwise
-  bool checksums = false;  // compare those of PyTorch's storages, too: reads the whole file
+  bool strict = false;     // refuse values that are otherwise skipped
+  bool checksums = false;  // also compare PyTorch's checksums of storages, which reads the whole file
 };
 
 /// Something that was skipped: the keys from the root of the file to it, and its class or element type.
@@ -58,22 +58,22 @@ class WeightFile : public TensorSet {
   /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "shards", "folder",
   /// or "TMR run folder" and the like.
   const std::string& format() const { return format_; }
-  /// The first 10,000 of them, in the order of the file.
+  /// The first 10,000 values, in the order of the file.
   const std::vector<FileValue>& values() const { return values_; }
-  /// Null if there is none at these keys.
+  /// Null if there is no value at these keys.
   const FileValue* value(std::string_view path) const { return find_value(values_, path); }
   /// The first 1,000 values that were skipped, in the order of the file.
   const std::vector<SkippedValue>& skipped() const { return skipped_; }
   /// All files that hold these tensors, with the index of shards. None for bytes in memory.
   const std::vector<std::filesystem::path>& files() const { return files_; }
 
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
+  /// A file in memory. `owner` keeps the bytes alive; without one they must outlive the object. `name` appears in
   /// messages.
-  /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is not known or not supported, or if it
-  ///         tries to execute code, 406 if it holds no tensors or `options.path` leads nowhere
+  /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is unknown or not supported, or if it
+  ///         tries to execute code, 406 if it holds no tensors or `options.path` is not in the file
   static WeightFile from_bytes(std::span<const std::byte> bytes, std::string name,
                                std::shared_ptr<const void> owner = {}, const WeightOptions& options = {});
-  /// The files of a folder. Throws io_error 404 if there are none, and what open_weights throws.
+  /// The weight files of a run folder. Throws io_error 404 if there are none, and what open_weights throws.
   static WeightFile from_run(const RunFolder& run, const WeightOptions& options = {});
 
  private:
@@ -85,7 +85,7 @@ class WeightFile : public TensorSet {
   static WeightFile from_safetensors(const SafetensorsFile& file);
   /// The files of an index `*.index.json`, as one. Throws io_error 403, 404 and what open_weights throws.
   static WeightFile from_shards(const FilePath& index, const WeightOptions& options);
-  /// Takes over what another file holds, its names behind a prefix. `owners` are those of this file.
+  /// Adds the contents of another file, with a prefix before its names. `owners` are those of this file.
   void add(const WeightFile& file, const std::string& prefix, std::vector<std::shared_ptr<const void>>& owners);
   void sort_tensors();
 
@@ -95,8 +95,8 @@ class WeightFile : public TensorSet {
   std::vector<std::filesystem::path> files_;
 };
 
-/// True for a folder, for a file that begins as open_weights expects, and for any file that is not text: open_weights
-/// says best what is wrong with it. Older pickles are text and are not recognised.
+/// True for a folder, for a file that begins as open_weights expects, and for any file that is not text, for which
+/// open_weights gives the best error. Older pickles are text and are not recognised.
 bool may_be_weights(const FilePath& path);
 
 /// Opens a file, the index.json of weights in shards, or the folder of a training run (weights/run_folder.hpp).

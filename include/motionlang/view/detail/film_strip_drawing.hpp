@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The tools to draw a film strip: the shapes, and two surfaces that take them, one for SVG, one for pixels.
+/// Tools to draw a film strip: the shapes, and two surfaces that draw them, one for SVG, one for pixels.
 #pragma once
 
 #include <algorithm>  // clamp
@@ -29,17 +29,17 @@ struct RoundCone2 {
   Point2 to;
   double radius_to;
 
-  /// One circle holds the other.
+  /// True if one circle contains the other.
   bool is_circle() const {
     return std::hypot(to.x - from.x, to.y - from.y) <= std::abs(radius_from - radius_to) + 1e-9;
   }
 };
 
-/// Where lines across a round cone lie in it: from x to x at a height. The hull is two circles and the quadrangle of
-/// the points in which both tangents touch them.
+/// The parts of horizontal lines inside a round cone: from x to x at a height. The hull is two circles and the
+/// quadrangle of the points where both tangents touch them.
 class RoundConeRows {
  public:
-  /// wider   by which both radii are larger; circles without a positive radius are left out
+  /// wider   added to both radii; circles without a positive radius are left out
   RoundConeRows(const RoundCone2& cone, double wider) {
     const auto& [a, ra, b, rb] = cone;
     const double from = ra + wider, to = rb + wider;
@@ -56,7 +56,7 @@ class RoundConeRows {
   }
 
   struct Row {
-    double low = 0, high = -1;  // none if high < low
+    double low = 0, high = -1;  // empty if high < low
   };
   Row at(double y) const {
     Row row{1e300, -1e300};
@@ -121,7 +121,7 @@ class SvgSurface {
     out_ += concat_text("<ellipse cx=\"", fixed(c.x), "\" cy=\"", fixed(c.y), "\" rx=\"", fixed(rx), "\" ry=\"",
                         fixed(ry), "\" fill=\"url(#shadow)\" opacity=\"", fixed(opacity, 2), "\"/>\n");
   }
-  /// One shape with a white line around it.
+  /// Several round cones as one shape with a white line around it.
   void piece(std::span<const RoundCone2> cones, const Rgb& colour) {
     std::string shapes;
     for (const RoundCone2& c : cones) shapes += outline(c);
@@ -142,7 +142,7 @@ class SvgSurface {
     constexpr std::array<std::string_view, 3> of_anchor{"", " text-anchor=\"middle\"", " text-anchor=\"end\""};
     out_ += concat_text("<text", of_role[static_cast<std::size_t>(role)], of_anchor[static_cast<std::size_t>(anchor)],
                         " x=\"", fixed(at.x), "\" y=\"", fixed(at.y), "\"");
-    // it begins with a space, which some programs would leave out
+    // It begins with a space, which some programs would drop.
     if (!paler.empty()) out_ += " xml:space=\"preserve\"";
     out_ += ">" + escape_markup(text);
     if (!paler.empty()) out_ += concat_text("<tspan opacity=\".75\">", escape_markup(paler), "</tspan>");
@@ -196,11 +196,11 @@ class SvgSurface {
   std::string out_;
 };
 
-/// Paints pixels. A shape is a signed distance (negative inside); a pixel that the edge cuts is covered by half a pixel
-/// minus the distance of its middle.
+/// Paints pixels. A shape is a signed distance (negative inside). A pixel that the edge cuts is covered by half a pixel
+/// minus the distance of its centre.
 class PixelSurface {
  public:
-  /// width, height   in the units of the drawing; each is `scale` pixels
+  /// width, height   in the units of the drawing; each unit is `scale` pixels
   PixelSurface(double width, double height, double scale)
       : scale_(scale),
         picture_{static_cast<Index>(std::ceil(width * scale)), static_cast<Index>(std::ceil(height * scale)), {}} {
@@ -310,7 +310,7 @@ class PixelSurface {
     return rise * u + slope * v - ra;
   }
 
-  /// A colour for what is nearer to a shape than `wider`.
+  /// The colour of points nearer to a shape than `wider`.
   struct Layer {
     double wider;
     Ink ink;
@@ -318,8 +318,9 @@ class PixelSurface {
   void piece_without_edge(std::span<const RoundCone2> cones, const Ink& ink) {
     layers(cones, {{{0, ink}, {0, {ink.colour, 0}}}});
   }
-  /// Paints the first layer, then the second. The distance to the nearest cone is found once, and only where a cone's
-  /// edge is: thousands of cones lie one over the other in a piece.
+  /// Paints the first layer, then the second. The distance to the nearest cone is computed once, and only near the edge
+  /// of
+  /// a cone, because thousands of cones overlap in a piece.
   void layers(std::span<const RoundCone2> cones, const std::array<Layer, 2>& both) {
     constexpr double far = 1e9;
     const double widest = std::max(both[0].wider, both[1].wider), pixel = 1 / scale_;
@@ -370,7 +371,7 @@ class PixelSurface {
         }
       }
     }
-    for (std::size_t y = 0; y < rows; ++y) {  // as it was, for the next piece
+    for (std::size_t y = 0; y < rows; ++y) {  // restored for the next piece
       for (Index x = rows_[y].from; x < rows_[y].to; ++x)
         nearest_[y * columns + static_cast<std::size_t>(x - area.x0)] = far;
     }
@@ -389,7 +390,7 @@ class PixelSurface {
             std::min(picture_.width, pixel(box.high.x, picture_.width) + 2),
             std::min(picture_.height, pixel(box.high.y, picture_.height) + 2)};
   }
-  /// The pixels whose middles lie on a part of a row.
+  /// The pixels whose centres lie on a part of a row.
   std::pair<Index, Index> columns_of(const RoundConeRows::Row& row, const PixelBox& area) const {
     if (row.high < row.low) return {0, 0};
     const double low = std::clamp(row.low * scale_ - 0.5, -1.0, static_cast<double>(area.x1) + 1),
@@ -397,7 +398,7 @@ class PixelSurface {
     return {std::max(area.x0, static_cast<Index>(std::ceil(low))),
             std::min(area.x1, static_cast<Index>(std::floor(high)) + 1)};
   }
-  /// Pixels of a row of a piece: those that it touches, and some that it covers wholly.
+  /// Pixels of a row of a piece: those that it touches, and those that it covers completely.
   struct PieceRow {
     Index from = 0, to = 0, full_from = 0, full_to = 0;
 
@@ -428,7 +429,7 @@ class PixelSurface {
     }
   }
 
-  /// distance(p) and ink(p) are asked for at the middle of every pixel in and around the box.
+  /// distance(p) and ink(p) are called at the centre of every pixel in and around the box.
   template <class Distance, class InkAt>
   void fill(const Box& box, Distance distance, InkAt ink) {
     const auto [x0, y0, x1, y1] = pixels(box);
@@ -450,7 +451,7 @@ class PixelSurface {
 
   double scale_;
   Picture picture_;
-  std::vector<double> nearest_;  // distances of a piece by pixels, far away between pieces
+  std::vector<double> nearest_;  // distances of a piece for each pixel; a large value between pieces
   std::vector<PieceRow> rows_;   // of a piece
 };
 

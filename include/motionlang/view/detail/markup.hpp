@@ -11,8 +11,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// UTF-8 in which nothing is markup: & < > " ' as entities, bytes that are not UTF-8 and characters that XML forbids as
-/// U+FFFD.
+/// Escapes UTF-8 so that nothing in it is markup: & < > " ' become entities; bytes that are not UTF-8 and characters
+/// that
+/// XML forbids become U+FFFD.
 std::string escape_markup(std::string_view text);
 
 /// A number with a fixed count of decimals, without zeros at the end.

@@ -17,8 +17,7 @@ struct GridPoint {
 };
 inline constexpr int font_baseline = 4, font_em = 13, font_gap = 2;  // em: size of the font in units of the grid
 
-/// Lines of a text from left to right, in units of the grid, and how wide it is. Letters that the font does not have
-/// are boxes.
+/// The lines of a text from left to right, in units of the grid, and its width. Letters that the font lacks are boxes.
 struct StrokedText {
   std::vector<std::vector<GridPoint>> strokes;
   int width = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The source of the viewer's page: style, elements, program. viewer.hpp puts title and data between them. Plain HTML
-/// and JavaScript without libraries; the page asks nothing of any network.
+/// The source of the viewer's page: style, elements, program. viewer.hpp puts title and data between them. It is plain
+/// HTML and JavaScript without libraries; the page loads nothing from a network.
 #pragma once
 
 #include <string_view>  // source

@@ -13,7 +13,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The folder around one, also of "a/b/" and ".".
+/// The parent of a folder, also for "a/b/" and ".".
 std::filesystem::path folder_around(const std::filesystem::path& folder);
 
 /// Options of a run and shapes of its tensors, compared.
@@ -26,11 +26,11 @@ class RunReader {
   bool has(const std::string& name) const { return weights_->find(prefix_ + name) != nullptr; }
   /// Size of a tensor along an axis. Throws io_error 407 if it has no such axis or no numbers.
   Index size(const std::string& name, int axis) const;
-  /// The same, where options may state it.
+  /// The same for a size that options may state.
   Index size(const std::string& name, int axis, std::initializer_list<const char*> options) const;
-  /// The same for a tensor that may be missing: then an option has to state the size 0.
+  /// The same for a tensor that may be missing: then an option must state the size 0.
   Index size_if_any(const std::string& name, int axis, std::initializer_list<const char*> options) const;
-  /// How many tensors there are of a numbered name, "layers.#.weight".
+  /// The number of tensors with a numbered name, "layers.#.weight".
   Index count(const std::string& before, const std::string& behind, std::initializer_list<const char*> options) const;
 
   /// The first option that exists among several names. Throws config_error 101 unless it is smallest ... largest.
@@ -52,7 +52,7 @@ class RunReader {
 
 RunReader reader_of(const RunFolder& run, const TensorSet& weights, std::string_view name);
 
-/// Mean and std behind the first of the prefixes that has both; null if none has.
+/// Mean and std after the first prefix that has both; null if none has them.
 struct Statistics {
   const TensorView *mean = nullptr, *std = nullptr;
 };
@@ -70,7 +70,7 @@ std::optional<Normalizer<B>> find_normalizer(const TensorSet& file, Index width,
   return out;
 }
 
-/// The files of statistics of a folder.
+/// The files with the statistics of a folder.
 WeightFile statistics_of(const RunFolder& run);
 
 [[noreturn]] void raise_no_statistics(const RunFolder& folder, std::string_view missing);
@@ -84,7 +84,8 @@ Normalizer<B> folder_normalizer(const RunFolder& folder, Index width, std::initi
   }
   raise_no_statistics(folder, missing);
 }
-/// Those of the motions: of the folder `elsewhere` if one is named, else in weights that are packed, else of the run.
+/// The statistics of the motions: from the folder `elsewhere` if one is named, else from packed weights, else from the
+/// run.
 template <Backend B>
 Normalizer<B> run_normalizer(const RunFolder& run, const TensorSet& weights, Index width,
                              std::initializer_list<const char*> prefixes, std::string_view missing,
@@ -94,7 +95,7 @@ Normalizer<B> run_normalizer(const RunFolder& run, const TensorSet& weights, Ind
   return folder_normalizer<B>(run, width, prefixes, missing);
 }
 
-/// Fills a module. `beside(name)`: tensors that the file may hold besides.
+/// Fills a module. `beside(name)`: true for further tensors that the file may hold.
 template <Module M, class F>
 void load_run_module(M& module, const TensorSet& file, const std::string& prefix, F beside,
                      LoadFor use = LoadFor::any_use) {
