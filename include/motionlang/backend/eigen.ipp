@@ -61,7 +61,7 @@ Dense<S> detail::EigenFunctions<S>::log(tensor a) {
 }
 template <Scalar S>
 Dense<S> detail::EigenFunctions<S>::sqrt(tensor a) {
-  // Eigen's own root of a packet is rounded otherwise than its root of a single number
+  // Eigen rounds the root of a packet differently from the root of a single value.
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.unaryExpr([](S v) { return std::sqrt(v); }); });
 }
 template <Scalar S>

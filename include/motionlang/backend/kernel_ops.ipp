@@ -23,8 +23,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Memory that the kernels of a parallel region may scribble on, a piece for every thread. The caller takes it, so that
-/// a region that ran before takes nothing from the system, whichever threads do the work.
+/// Scratch memory for the kernels of a parallel region, a piece for every thread. The caller allocates it, so that a
+/// repeated region takes nothing from the system, for any choice of threads.
 template <class S>
 class Scratch {
  public:
@@ -60,8 +60,9 @@ struct Panels {
   }
 };
 
-/// The panels of a weight that was prepared, and those of the weight that was prepared after it: probably multiplied
-/// with next. Of these only the place is known, for the cache: they may be gone.
+/// The panels of a prepared weight, and those of the weight prepared after it, which is probably multiplied next. For
+/// the
+/// latter only the address is known, for prefetching: they may have been freed.
 template <class S>
 struct PreparedPanels {
   PreparedPanels(Panels<S> p, Index t) : panels(std::move(p)), taps(t) {}
@@ -99,14 +100,14 @@ Panels<S> panels_for(Index k, Index n, Precision precision, Index m = any_rows) 
   p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
   return p;
 }
-/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a
-/// transposed B (stride_k is 1), becomes false if a number is not.
+/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a transposed B
+/// (stride_k is 1), becomes false if a value is not finite.
 template <class S>
 void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
   const Index k = p.k, n = p.n;
   const bool bf16 = p.kernels == nullptr;
-  // The rows that a task reads lie together: rows of B as stored (in pairs, for bfloat16), panels of a transposed B. A
-  // column is both, but only as transposed is it looked at.
+  // A task reads rows that lie together: rows of B as stored (in pairs, for bfloat16), or panels of a transposed B. A
+  // column is both, but is only checked for finite values as transposed.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
@@ -162,26 +163,28 @@ Scratch<S> gemm_scratch(const Panels<S>& p) {
   }
   return Scratch<S>(std::max(p.tiles == nullptr ? 0 : p.tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
 }
-/// True if every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
-/// threads share. Its rows a thread finds where it wrote them, in its cache. Those of others come slowly: with 16
-/// threads a byte costs about what five of panels do, which are fetched ahead. Not if the rows are few and there is
-/// much more of the panels, or the rows do not fill tiles.
+/// True if every thread takes its own rows of A and multiplies them with all panels. Otherwise threads share rows and
+/// split the panels. A thread finds its own rows in its cache, where it wrote them. The rows of others come slowly:
+/// with 16
+/// threads a byte of them costs about as much as five bytes of panels, which are prefetched. False if there are few
+/// rows
+/// and many panels, or if the rows do not fill tiles.
 inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index rows_at_once, Index tile_rows) {
   const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
   return each >= std::max(tile_rows, rows_at_once / 4) || (fills_tiles && 5 * a_bytes >= panel_bytes);
 }
-/// How a product is shared by threads.
+/// The sharing of a product among threads.
 struct Sharing {
   Index rows_at_once;     // in a block
   bool own_rows = false;  // takes_own_rows
-  // Each thread has a part. Other threads take what a slower thread (another kind of core, a busy one) left over.
+  // Each thread has a part. Fast threads take the rest of a slower one (another kind of core, a busy one).
   Index pieces = 1;
 };
 /// Calls block(r0, r1, j0, j1) for parts of a product of this many rows and panels.
 template <class F>
 void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const F& block) {
   const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, how.rows_at_once);
-  // As many for every thread.
+  // The same number for every thread.
   const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : how.own_rows ? threads : blocks;
   const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads * how.pieces, row_parts));
   parallel_for(row_parts * panel_parts, [&](Index task) {
@@ -194,8 +197,8 @@ void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const 
 struct NothingBehind {
   void operator()(Index, Index, Index, Index) const {}
 };
-/// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that
-/// thread.
+/// g with the right-hand side `p`; then each thread calls behind(r0, r1, c0, c1) for its own blocks of rows and
+/// columns.
 template <class S, class F = NothingBehind>
 void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
@@ -230,20 +233,20 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   run_floats(*p.kernels, parallel_width() > 2 ? 3 : 1);
 }
 
-/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every
-/// thread. The rest is made by all of them, one after the other.
+/// The number of the `count` products of m x k and k x n that single threads compute: a multiple of the threads. All
+/// threads together compute each of the others.
 inline Index products_apart(Index count, Index m, Index n, Index k) {
   return worth_threads(count * m, n, k) ? count - count % parallel_width() : 0;
 }
-/// product(i) for 0 ... count-1.
+/// Calls product(i) for 0 ... count-1.
 template <class F>
 void for_products(Index count, Index apart, const F& product) {
   parallel_for(apart, product);
   for (Index i = apart; i < count; ++i) product(i);
 }
 
-/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows
-/// of a matrix do, but overlap.
+/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence have the layout of a matrix
+/// in memory, but they overlap.
 template <class S>
 struct WithMargins {
   const Offsets& inside;
@@ -261,12 +264,12 @@ struct WithMargins {
       }
     });
   }
-  /// Place among all numbers where sequence s begins, with its margin.
+  /// The start of sequence s with its margin, among all values.
   Index at(Index s) const { return (inside.begin(s) + 2 * margin * s) * width; }
 };
 
-/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a
-/// sequence by one thread.
+/// Calls f(place of a window's first value, its row among all windows) for every window of `size` values. One thread
+/// handles all windows of a sequence.
 template <class S, class F>
 void for_windows(const WithMargins<S>& margins, const Offsets& windows, Index stride, Index size, const F& f) {
   parallel_ranges(windows.count(), windows.longest() * size, [&](Index first, Index last) {
@@ -345,9 +348,11 @@ void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, co
   run(kernel.attention_scratch, kernel.attention_head);
 }
 
-/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums
-/// in the same order as with panels of the weight, so the same bits (of multiply-adds; tiles do not treat both sides
-/// alike).
+/// `linear` with exchanged sides, y^T = weight x^T: the weight is read in its place, and only x is packed. The sums are
+/// the
+/// same in the same order as with panels of the weight, so the results have the same bits (for multiply-adds; tiles do
+/// not
+/// treat both sides alike).
 template <class S>
 Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bias, Activation act, const S* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
@@ -363,7 +368,7 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   return y;
 }
 
-/// f(first, n) for pieces of a ... b-1 that stay in the first-level cache while several things are done with them.
+/// Calls f(first, n) for pieces of a ... b-1 that stay in the first-level cache during several operations.
 template <class F>
 void pieces_of(Index a, Index b, const F& f) {
   constexpr Index piece = 2048;
@@ -385,7 +390,7 @@ LayerNorm<S> layer_norm_arguments(const Dense<S>& x, const Dense<S>& weight, con
           .y = y};
 }
 
-/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused when nobody else holds it.
+/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused if nobody else holds it.
 template <class S>
 Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
   const Shape s = a.shape() == b.shape() ? a.shape() : broadcast_shapes(a.shape(), b.shape(), "binary operation");
@@ -520,7 +525,7 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto* prepared = detail::prepared_panels(weight, n, k, 1);
   const auto* ready = prepared == nullptr ? nullptr : &prepared->panels;
-  // The kernel applies the nonlinearity after everything, and knows no dropout.
+  // The kernel applies the nonlinearity last, and does not support dropout.
   const bool last = drop.p == 0 && (residual == nullptr || act == Activation::none);
   detail::Panels<S> packed;
   Dense<S> y;
@@ -594,7 +599,7 @@ template <Scalar S>
 Dense<S> KernelOps<S>::conv1d_input_vjp(const Dense<S>& weight, const Offsets& before, const Offsets& after,
                                         Index stride, Index padding, const Dense<S>& dy) {
   const Index n = weight.shape()[0], in = weight.shape()[1], taps = weight.shape()[2];
-  if (stride == 1 && padding < taps) {  // a convolution, too, with its taps in the opposite order
+  if (stride == 1 && padding < taps) {  // also a convolution, with its taps in the opposite order
     const std::array axes{1, 2, 0};
     Dense<S> turned = DenseOps<S>::permute(weight, axes);  // (in, taps, out)
     parallel_ranges(in, taps * n, [&](Index first, Index last) {
@@ -754,7 +759,7 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
       .v = v.data(),
       .g = gradient.data(),
       .beta1 = static_cast<S>(u.beta1),
-      .rest1 = static_cast<S>(1 - u.beta1),  // of doubles: of floats it is wrong in the fifth digit
+      .rest1 = static_cast<S>(1 - u.beta1),  // in double: in float the fifth digit would be wrong
       .beta2 = static_cast<S>(u.beta2),
       .rest2 = static_cast<S>(1 - u.beta2),
       .step = static_cast<S>(u.lr / (1 - std::pow(u.beta1, step))),

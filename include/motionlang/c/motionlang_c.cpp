@@ -47,7 +47,7 @@ namespace {
 
 std::string& message() { return ml::thread_object<std::string, motionlang_model>(); }
 
-/// The id of what f throws, whose message is kept; 0 if it throws nothing.
+/// The id of the error that f throws, with its message kept; 0 if f does not throw.
 template <class F>
 int done(const F& f) noexcept {
   try {
@@ -74,7 +74,7 @@ T& given(T* argument, const char* name) {
   return *argument;
 }
 
-/// done, for what the caller owns from then on: a T of what f makes, NULL if it fails.
+/// Calls done for a result that the caller then owns: a T from f, or NULL if f fails.
 template <class T, class F>
 int made(T** result, const char* name, const F& f) noexcept {
   return done([&] {
@@ -138,7 +138,7 @@ std::span<const std::byte> memory(const void* bytes, int64_t size) {
 
 std::array<double, 3> numbers_of(const ml::Vec3<double>& v) { return {v.x, v.y, v.z}; }
 std::array<double, 4> numbers_of(const ml::Quaternion<double>& q) { return {q.w, q.x, q.y, q.z}; }
-/// The numbers of all values, one after the other. Throws shape_error 205 unless there is room for exactly that many.
+/// Copies all values in order. Throws shape_error 205 unless there is room for exactly that many.
 template <class V>
 void copy_to(float* out, int64_t room, const std::vector<V>& values) {
   const auto count = static_cast<int64_t>(values.size() * numbers_of(V{}).size());
@@ -149,7 +149,7 @@ void copy_to(float* out, int64_t room, const std::vector<V>& values) {
   }
 }
 
-/// The stretches and parts of a motion that are kept.
+/// The stretches and parts of a motion to keep.
 ml::KeptClip kept_clip(const motionlang_options& o) {
   if (o.keep_stretches < 0) ml::raise<ml::config_error>(101, ml::counted(o.keep_stretches, "stretch", "stretches"));
   ml::KeptClip out{.motion = o.keep->motion};
@@ -160,7 +160,7 @@ ml::KeptClip kept_clip(const motionlang_options& o) {
   if (o.keep_parts != nullptr) out.parts = ml::parse_kept_parts(o.keep_parts);
   return out;
 }
-/// Without progress.
+/// The options without progress.
 ml::GenerateOptions generate_options(const motionlang_options& o) {
   ml::GenerateOptions out{.seed = o.seed,
                           .overlap = o.overlap,
@@ -182,7 +182,7 @@ ml::GenerateOptions generate_options(const motionlang_options& o) {
   return out;
 }
 
-/// f(options), with the caller's function for progress.
+/// Calls f(options) with the caller's function for progress.
 template <class F>
 auto with_options(const motionlang_options* options, const F& f) {
   const motionlang_options o = options == nullptr ? motionlang_default_options() : *options;

@@ -33,7 +33,7 @@ extern "C" {
 
 typedef struct motionlang_model motionlang_model;
 typedef struct motionlang_motion motionlang_motion;
-typedef struct motionlang_motions motionlang_motions; /* several of them */
+typedef struct motionlang_motions motionlang_motions; /* several motions */
 typedef struct motionlang_bytes motionlang_bytes;     /* the contents of a file */
 
 /* The version of the library, MAJOR.MINOR.PATCH. */
@@ -61,30 +61,29 @@ typedef int32_t (*motionlang_progress)(void* user, int64_t done, int64_t total);
 typedef struct motionlang_options {
   uint64_t seed;                /* same seed, same motion */
   int32_t steps;                /* of denoising; 0: the model's default */
-  int32_t cut_texts;            /* 1: cut texts where they lend body parts, and where they are too long */
+  int32_t cut_texts;            /* 1: cut texts at the times where they lend body parts, and texts that are too long */
   int32_t smooth;               /* 1: remove jitter */
-  int32_t fix_feet;             /* 1: keep standing feet from sliding */
+  int32_t fix_feet;             /* 1: stop standing feet from sliding */
   double guidance;              /* weight of the text; 1: no guidance; 0: the model's default */
   motionlang_progress progress; /* may be NULL */
   void* user;                   /* for progress */
-  int32_t all_steps;            /* 1: all steps of the model, whatever `steps` is */
+  int32_t all_steps;            /* 1: all steps of the model; `steps` is ignored */
   const char* sampler;          /* "ddpm" or "ddim"; NULL: the model's default */
   double overlap;               /* seconds that neighbouring texts share around a cut */
   const char* noise;            /* file with noise/000 (initial), noise/001, ... instead of the seed; may be NULL */
   const char* record;           /* file to write, which a later run can reuse; may be NULL */
-  const char* reuse;  /* such a file: only what an edit of the timeline changes is made anew, with the seed, the
+  const char* reuse;  /* such a file: generates only the parts that an edit of the timeline changes, with the seed,
                                  * steps, ... of that run; may be NULL */
   double keep_beyond; /* of reuse: frames further from the edit, in seconds, stay as they were; 0: off */
-  const motionlang_motion* keep; /* a motion to keep in part; the texts make the rest; may be NULL */
+  const motionlang_motion* keep; /* a motion to keep in part; the texts determine the rest; may be NULL */
   const double* keep_seconds;    /* of keep: (keep_stretches, 2), from and to */
-  int64_t keep_stretches;        /* 0: all of it is kept */
+  int64_t keep_stretches;        /* 0: keep the whole motion */
   const char* keep_parts; /* of keep: body parts, "legs, left arm"; the legs carry the path on the floor; NULL: all */
   int32_t fix_floor;      /* 1: the floor carries the body: no hovering, no sinking, flights are arcs */
   int32_t overlay_arms;   /* 1: an arm that loses its text moves as the text alone moves it; a second pass */
   const char* mode;       /* "stmc", or a baseline: "sinc", "sinc-lerp", "single-track", "one-text"; NULL: "stmc" */
 } motionlang_options;
-/* The defaults of the program `motionlang generate`: seed 0, the model's steps, cut texts, smooth, fixed feet and
- * floor. */
+/* The defaults of `motionlang generate`: seed 0, the model's steps; cut texts, smooth motion, fixed feet and floor. */
 MOTIONLANG_C_API motionlang_options motionlang_default_options(void);
 
 /* The motion of a timeline, one text on a line: "walk forward # 0.0 # 6.0 # legs" (text # start # end in seconds # body
@@ -118,7 +117,7 @@ MOTIONLANG_C_API int motionlang_read_motions(const char* file, const motionlang_
 /* The same for a file in memory. The extension of `name` is its format. */
 MOTIONLANG_C_API int motionlang_parse_motions(const void* bytes, int64_t size, const char* name,
                                               const motionlang_read_options* options, motionlang_motions** motions);
-/* The first of them, with the default options. */
+/* The first motion of a file, with the default options. */
 MOTIONLANG_C_API int motionlang_read_motion(const char* file, motionlang_motion** motion);
 
 MOTIONLANG_C_API int64_t motionlang_motions_count(const motionlang_motions* motions);
@@ -158,8 +157,8 @@ MOTIONLANG_C_API int32_t motionlang_joint_parent(const motionlang_motion* motion
 
 /* Copies values into `room` floats. Error 205 unless `room` is exactly their number.
  *   offsets     (joints, 3): from the parent, in the rest pose
- *   root        (frames, 3): where the root is
- *   rotations   (frames, joints, 4): against the parent
+ *   root        (frames, 3): the positions of the root
+ *   rotations   (frames, joints, 4): relative to the parent
  *   positions   (frames, joints, 3): in the world */
 MOTIONLANG_C_API int motionlang_offsets(const motionlang_motion* motion, float* xyz, int64_t room);
 MOTIONLANG_C_API int motionlang_root(const motionlang_motion* motion, float* xyz, int64_t room);
@@ -173,11 +172,11 @@ typedef struct motionlang_hits motionlang_hits;   /* the answer to a search, bes
 
 typedef struct motionlang_index_options {
   const char* model;            /* folder of TMR, such as examples/models/tmr_free; NULL: that of the index */
-  const char* text_encoder;     /* language model that it reads, if it has no word pieces of its own; may be NULL */
+  const char* text_encoder;     /* language model, for a TMR without word pieces of its own; may be NULL */
   const char* license;          /* of all motions; NULL: the first line of the LICENSE file beside or above them */
-  int32_t moments;              /* of a new index: 1: moments of 1, 2 and 3 seconds as well, 0: only whole clips */
-  int32_t again;                /* 1: read all files, changed or not */
-  motionlang_progress progress; /* called after some files each; may be NULL */
+  int32_t moments;              /* in a new index: 1: also moments of 1, 2 and 3 seconds; 0: only whole clips */
+  int32_t again;                /* 1: read all files, also unchanged ones */
+  motionlang_progress progress; /* called after every few files; may be NULL */
   void* user;                   /* for progress */
 } motionlang_index_options;
 /* With moments; everything else is 0 or NULL. */
@@ -207,7 +206,7 @@ MOTIONLANG_C_API void motionlang_free_index(motionlang_index* index); /* NULL is
 typedef struct motionlang_search_options {
   int64_t top;         /* number of hits */
   int32_t what;        /* MOTIONLANG_SEARCH_... */
-  double most_overlap; /* intersection over union; moments that overlap a better one of the clip more are left out */
+  double most_overlap; /* intersection over union; a moment is left out if it overlaps a better one more than this */
 } motionlang_search_options;
 /* Ten clips; overlap 0.3. */
 MOTIONLANG_C_API motionlang_search_options motionlang_default_search_options(void);
@@ -220,7 +219,7 @@ MOTIONLANG_C_API int motionlang_search_motion(const motionlang_index* index, con
 
 typedef struct motionlang_hit {
   const char* path;    /* of the file */
-  const char* name;    /* of the motion in the file, where there are several; "" otherwise */
+  const char* name;    /* of the motion, in a file with several; "" otherwise */
   const char* caption; /* the first one of the clip; "" if it has none */
   const char* license; /* "" if none is known */
   double start, end;   /* seconds in the file */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Answers of a language model to the question of which body parts an action moves, as the parts of SINC, and a table
-/// of such answers. datasets/body_part_table.hpp reads it from a file. Without a table, body_part_lexicon.hpp guesses.
+/// Answers of a language model to the question which body parts an action moves, and a table of such answers. The parts
+/// are those of SINC. datasets/body_part_table.hpp reads a table from a file. Without one, body_part_lexicon.hpp
+/// guesses.
 ///
 ///     parse_body_part_answer("Answer: right leg\nleft leg\nbuttocks")   // global, left leg, right leg
 ///

@@ -15,7 +15,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The meaning of a word stem for the body. `arm` is one arm, whose side the rest of the text tells.
+/// The meaning of a word stem for the body. `arm` is one arm; the rest of the text gives the side.
 struct WordMeaning {
   std::string_view stem;
   bool arm = false, arms = false, legs = false, head = false, spine = false;
@@ -91,8 +91,8 @@ inline constexpr std::array lexicon = {
 };
 // clang-format on
 
-/// The entry with the longest stem of which the word is a form: the stem and at most four more letters ("step" +
-/// "ping"). Null if there is none.
+/// The entry with the longest stem of the word: the stem and at most four more letters ("step" + "ping"). Null if there
+/// is none.
 template <class Entries>
 const auto* meaning_of(const Entries& entries, std::string_view word) {
   const typename Entries::value_type* best = nullptr;
@@ -103,7 +103,7 @@ const auto* meaning_of(const Entries& entries, std::string_view word) {
   return best;
 }
 
-/// Runs of letters in lower case. With `digits` these are letters, too ("arm 2").
+/// Runs of letters in lower case. With `digits`, digits also count as letters ("arm 2").
 inline std::vector<std::string> words_of(std::string_view text, bool digits = false) {
   std::vector<std::string> words;
   bool inside = false;
@@ -117,7 +117,8 @@ inline std::vector<std::string> words_of(std::string_view text, bool digits = fa
   return words;
 }
 
-/// "left" and "right" are sides of an arm if the next word, or the one behind "and right", is one: not in "turn left".
+/// "left" and "right" are sides of an arm if the next word, or the one after "and right", is an arm: not in "turn
+/// left".
 struct Sides {
   bool left = false, right = false;
 

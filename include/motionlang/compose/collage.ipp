@@ -12,14 +12,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Frames of a crop with a text: what the network sees as one sequence.
+/// Frames of a crop with a text, which the network reads as one sequence.
 struct CropJob {
   Index first, length, text;                         // first: row of the motions
   auto operator<=>(const CropJob&) const = default;  // NOLINT(modernize-use-nullptr): there is no 0
 };
 
-/// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
-/// texts.
+/// For a network whose sequences depend on each other: as published, all crops in their order, and then the same
+/// without their texts.
 inline JobBatches two_calls(const CropRows& crops, std::span<const Index> texts, Index null, bool guided) {
   JobBatches out;
   const Index rows = crops.offsets.rows();
@@ -42,7 +42,7 @@ MOTIONLANG_BODY JobBatches plan_jobs(const CropRows& crops, std::span<const Inde
                                      const JobOptions& options) {
   if (!options.divide) return two_calls(crops, texts, null, options.guided);
   std::vector<std::pair<CropJob, CropJob>> pairs;  // with its text, and without
-  std::map<CropJob, Index> begin;                  // of all jobs, where their rows begin in the batch
+  std::map<CropJob, Index> begin;                  // the first row of each job in the batch
   for (Index i = 0; const Index text : texts) {
     const Index length = crops.offsets.length(i);
     const Index first = length == 0 ? 0 : crops.rows[static_cast<std::size_t>(crops.offsets.begin(i))];
@@ -60,7 +60,7 @@ MOTIONLANG_BODY JobBatches plan_jobs(const CropRows& crops, std::span<const Inde
   const Index most = options.rows_at_once > 0 ? options.rows_at_once : std::numeric_limits<Index>::max();
   JobBatches out;
   std::vector<Index> rows, lengths, uses, which;  // of the next batch
-  Index results = 0, before = 0;                  // rows of its results, and of those of the batches so far
+  Index results = 0, before = 0;                  // rows of its results, and of all earlier batches
   const CropJob* last = nullptr;                  // of the batch
   const auto end_batch = [&] {
     out.batches.push_back({rows, Offsets(lengths), Offsets(uses), which});

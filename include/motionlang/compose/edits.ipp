@@ -10,7 +10,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A crop that is added to a part of a frame, or subtracted from it. Two frames with equal lists are stitched alike.
+/// A crop to add to a part of a frame, or to subtract from it. Two frames with equal lists are stitched alike.
 struct FrameTerm {
   BodyPart part{};
   bool add = true;
@@ -19,7 +19,7 @@ struct FrameTerm {
   bool operator==(const FrameTerm&) const = default;
 };
 
-/// For `rows` frames; frames behind the end depend on nothing.
+/// For `rows` frames; frames after the end depend on nothing.
 inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan, Index rows) {
   std::vector<std::vector<FrameTerm>> terms(static_cast<std::size_t>(rows));
   const auto note = [&](const std::vector<Slice>& slices, bool add) {
@@ -39,7 +39,7 @@ MOTIONLANG_BODY EditSpread::EditSpread(const BatchPlan& before, Index rows_befor
                                        Index reads, std::optional<Index> within)
     : plan_(std::move(after)), rows_(rows), reads_(reads) {
   for (std::size_t m = 0; m < plan_.timelines.size(); ++m) {
-    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded, or of another body
+    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // true if nothing is recorded, or for another body
     if (m < before.timelines.size() && before.timelines[m].timeline.body == plan_.timelines[m].timeline.body) {
       const Index longest = std::max(rows, rows_before);
       const auto was = detail::frame_terms(before.timelines[m], longest),

@@ -14,7 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A word of a sentence, as written and as it is compared: in lower case without commas and stops around it.
+/// A word of a sentence as written, and as compared: in lower case without commas and stops around it.
 struct SentenceWord {
   std::string_view written;
   std::string plain;
@@ -37,7 +37,7 @@ inline std::vector<SentenceWord> sentence_words(std::string_view sentence) {
   return words;
 }
 
-/// How many words from the i-th on say that something follows: "then", "after that", ...
+/// The number of words from word i on that announce another action: "then", "after that", ...
 inline std::size_t words_of_turn(const std::vector<SentenceWord>& words, std::size_t i) {
   static constexpr std::array<std::array<std::string_view, 2>, 5> turns{
       {{"then", ""}, {"afterwards", ""}, {"after", "that"}, {"after", "which"}, {"followed", "by"}}};

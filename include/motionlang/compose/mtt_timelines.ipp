@@ -42,7 +42,7 @@ class MttGenerator {
     }
   }
 
-  /// One timeline, or nothing where no text is left for the second track.
+  /// One timeline, or nothing if no text is left for the second track.
   std::optional<TimelineInSeconds> draw() {
     const auto pair = random_.sample_counts(weights_, 2);
     const MttText &one = at(pair[0]), &two = at(pair[1]);
@@ -77,7 +77,7 @@ class MttGenerator {
  private:
   const MttText& at(Index k) const { return texts_[static_cast<std::size_t>(k)]; }
   double duration(double drawn) const { return std::min(python_round(drawn, 2), options_.cap); }
-  /// As times are written, which may cost a hundredth.
+  /// Seconds as written, which may lose a hundredth.
   static double hundredths(double seconds) { return std::trunc(seconds * 100) / 100; }
 
   std::span<const MttText> texts_;

@@ -27,7 +27,7 @@ inline std::vector<std::string> lower_words(std::string_view text) {
   return words;
 }
 
-/// Words of actions that go on, or that need another one.
+/// Words of actions that continue, or that need another action.
 inline constexpr std::array continuing_words{"again",      "and",  "then",  "while",   "times",  "twice",
                                              "repeatedly", "keep", "keeps", "circles", "circle", "continuously",
                                              "several",    "many", "jacks", "rope",    "walk",   "walks",

@@ -3,8 +3,8 @@
 ///
 /// Source   thesis 6.2.3, figure 6.4: the heuristic of SINC (thesis B.2.1) as STMC src/stmc.py applies it. Where papers
 ///          and code differ (the base is a text with legs first, ties are random), this follows the code.
-/// Rule     1. The base is the text with the most body parts, among those with the part that carries the path (the legs
-///             of a human), or among all if none has that part. It gets all parts.
+/// Rule     1. The base is the text with the most body parts. It must have the part that carries the path (the legs of
+///             a human), unless no text has it. It gets all parts.
 ///          2. The others take their parts from the present owners. They come by number of parts, the largest first, in
 ///             file order among equals. So the text with fewer parts wins, and among equals the later one.
 /// Ties     between base texts: the first in the file, or random as published when a generator is given

@@ -28,7 +28,7 @@ class ThreadPool {
   }
 
   int size() const { return workers_ + 1; }
-  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
+  /// The number of threads that `run` uses here: inside a task it is 1.
   int width() const { return inside_ ? 1 : size(); }
   /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
   static int number() { return number_; }
@@ -74,8 +74,9 @@ class ThreadPool {
  private:
   static constexpr int spins_before_sleep = 20000;
 
-  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike,
-  /// one after the other, find them in the caches of the same thread.
+  /// The tasks that a thread takes first; a thread without tasks helps the others. If consecutive regions split the
+  /// same
+  /// rows alike, each thread finds its rows in its caches.
   struct alignas(64) Share {
     std::atomic<Index> next{0};
     Index end = 0;
@@ -85,7 +86,7 @@ class ThreadPool {
 
   ThreadPool() {
     const auto start = [&] { resize(std::min(processor_count(), 256)); };
-    const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
+    const auto no_more = [](const std::system_error&) { return true; };  // the threads that began are enough
     guard<std::system_error>(start, no_more);
   }
   ~ThreadPool() { stop(); }
@@ -107,9 +108,10 @@ class ThreadPool {
     for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
-  /// The work of a thread. It is a function whose address std::thread takes: the code of a lambda would be a part of
-  /// std::thread's, which a program and a shared library, each with its own copy of this pool and of `inside_`, have in
-  /// common.
+  /// The work of a thread. It is a function, because std::thread takes its address. The code of a lambda would be a
+  /// part
+  /// of std::thread's. A program and a shared library share that code, but each has its own copy of this pool and of
+  /// `inside_`.
   static void start(ThreadPool* pool, int number, unsigned seen) {
     number_ = number;
     pool->work(seen);

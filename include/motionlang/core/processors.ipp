@@ -36,7 +36,7 @@ MOTIONLANG_BODY int ControlGroups::processors(int all) const {
     controllers.front() = controllers.back() = ',';
     const bool second_version = controllers == ",,";
     if (!second_version && controllers.find(",cpu,") == std::string::npos) return;
-    // The group, and those around it.
+    // The group and its parents.
     for (std::string path = line.substr(second + 1);; path.resize(path.rfind('/'))) {
       if (path.ends_with('/')) path.pop_back();
       const std::string folder = root + (second_version ? "" : "/cpu") + path;

@@ -12,7 +12,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Places that make sense of a double. Throws config_error 101.
+/// Throws config_error 101 for more places than a double can have.
 inline void require_places(const char* function, int places) {
   if (places < 0 || places > 15) raise<config_error>(101, function, ": ", places, " decimal places");
 }

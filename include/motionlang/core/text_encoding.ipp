@@ -9,7 +9,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// How the units of a text are stored.
+/// The storage of a text's units.
 struct WideText {
   std::size_t width = 0;  // bytes of a unit; 0: the text has single bytes
   bool big_endian = false;

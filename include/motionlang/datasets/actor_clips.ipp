@@ -31,7 +31,7 @@ inline Motion turned_motion(Motion motion, const Quaternion<double>& turn) {
   }
   return motion;
 }
-/// The clip turned about the vertical axis until it begins facing +Z.
+/// The clip turned about the vertical axis so that it begins facing +Z.
 inline Motion turned_to_z(const Motion& motion) {
   if (motion.frames() == 0) return motion;
   const auto ahead = rotate(motion.rotations(0)[0], Vec3<double>{0, 0, 1});

@@ -38,7 +38,7 @@ MOTIONLANG_BODY std::size_t drop_momentary_texts(AnnotatedMotion& m) {
 
 MOTIONLANG_BODY std::map<std::string, std::string> caption_files(const std::vector<AnnotatedMotion>& motions,
                                                                  const std::string& folder) {
-  std::map<std::string, std::string> files;  // all of them before the first is written: one may be refused
+  std::map<std::string, std::string> files;  // all files before the first is written, because one may be refused
   std::map<std::string, std::string> ids;
   for (const AnnotatedMotion& m : motions) {
     const std::string name = safe_file_name(m.id) + ".txt";

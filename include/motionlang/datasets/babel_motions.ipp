@@ -22,7 +22,7 @@ namespace detail {
 
 inline constexpr double least_seconds = 0.5;  // of a sequence
 
-/// At the rate of both systems, with frames of the clip as they are; `fps`: its own.
+/// Converts to the rate of both systems, with original frames of the clip; `fps`: its own rate.
 inline Motion at_babel_rate(const Motion& clip, double fps) {
   Motion out{clip.skeleton, babel_fps, {}, {}, clip.name};
   for (const Index f : spread_frames(clip.frames(), fps, babel_fps)) {
@@ -33,10 +33,10 @@ inline Motion at_babel_rate(const Motion& clip, double fps) {
   return out;
 }
 
-/// A sequence, in the part that it is for.
+/// A sequence, with its part (training, validation, test).
 struct BabelEntry {
   BabelSequence sequence;
-  ClipLine clip;  // all of it
+  ClipLine clip;  // the whole clip
   int part = 0;
 };
 inline void add_babel_entries(std::vector<BabelEntry>& out, const BabelSources& sources,
@@ -77,10 +77,10 @@ inline SpellingTable read_spelling(const std::filesystem::path& path) {
   return {words.begin(), words.end()};
 }
 
-/// Collects the items that are taken, counted as the published programs number their keys: before any is left out.
+/// Collects the chosen items. They are counted as the published programs number their keys: before any is left out.
 class NumberedItems {
  public:
-  /// why_not: what items are that are not taken.
+  /// why_not: a description of the items that are not chosen.
   NumberedItems(BabelItems& out, const std::string& type, const std::string& id,
                 std::string why_not = "too short or too long")
       : out_(&out), prefix_(type + "-" + id + "-"), why_not_(std::move(why_not)) {}

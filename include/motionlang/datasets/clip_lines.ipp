@@ -48,7 +48,7 @@ inline std::vector<std::string> split_fields(std::string_view line, std::string_
   raise<io_error>(403, line.place, ": ", what);
 }
 
-/// The lines of a table; read(line, fields) is given the columns of a row and whether there are as many as it wants.
+/// The lines of a table; read(line, fields) receives the columns of a row, and true if it has the expected number.
 template <class Read>
 std::vector<ClipLine> read_table(const std::filesystem::path& path, const char* expected, Read read) {
   std::vector<ClipLine> lines;
@@ -68,7 +68,7 @@ std::vector<ClipLine> read_table(const std::filesystem::path& path, const char* 
   return lines;
 }
 
-/// The end of a row with two columns, which is about the whole clip.
+/// The end of a row with two columns, which covers the whole clip.
 inline constexpr double to_the_end = std::numeric_limits<double>::infinity();
 
 inline std::vector<ClipLine> with_clip_files(std::vector<ClipLine> lines, const std::filesystem::path& data) {
@@ -304,7 +304,7 @@ MOTIONLANG_BODY Motion read_clip(const std::filesystem::path& data, const ClipLi
                     ": clips are .bvh, .npz, .amc, .npy, .glb and .vrma files; convert makes them");
   std::filesystem::path asf = asf_beside(file).string();
   if (!std::filesystem::exists(asf))
-    asf = data / "cmu-asf-amc" / "01.asf";  // angles of another figure of the same hierarchy
+    asf = data / "cmu-asf-amc" / "01.asf";  // the angles of another figure with the same hierarchy
   return retarget(read_amc(file, read_asf(asf)));
 }
 

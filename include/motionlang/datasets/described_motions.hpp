@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Motions with texts or labels as rows of features, split into training, validation and test, for ACTOR, TEMOS and
-/// TMR. They come from a folder of clips with a table, from folders in the form of HumanML3D or KIT-ML, or from the
-/// unified annotation file and the motions that it names.
+/// TMR. There are three sources: a folder of clips with a table, folders in the form of HumanML3D or KIT-ML, or the
+/// unified
+/// annotation file with its motions.
 ///
 ///     const auto data = read_described_motions({.data = "clips", .captions = "captions.tsv"}, DataConfig{},
 ///                                              row_maker("guoh3d"));

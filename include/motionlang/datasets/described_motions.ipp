@@ -37,18 +37,18 @@ inline std::vector<float> made_rows(const RowMaker& maker, const Motion& motion)
   return {values.begin(), values.end()};
 }
 
-/// Ready-made features of the published sets have clips with NaN, of which nothing can be learnt.
+/// The published ready-made features have clips with NaN, which cannot be used for training.
 inline bool all_finite(std::span<const float> rows) {
   return std::all_of(rows.begin(), rows.end(), [](float x) { return std::isfinite(x); });
 }
 
-/// By what a line is split: an id where there are lists, else the clip, mirrored or not.
+/// The key by which a line is split: an id if there are lists, else the clip, mirrored or not.
 inline std::string split_key(const DataSources& sources, const std::string& id, const std::string& clip) {
   if (!sources.splits.empty()) return id;
   return clip.starts_with("M/") ? clip.substr(2) : clip;
 }
 
-// Why something is left out.
+// The reason for leaving something out.
 inline constexpr const char* why_not_finite = "with numbers that are not finite";
 inline constexpr const char* why_few_frames = "of too few frames";
 inline std::string why_other_length(const DataConfig& c) {
@@ -57,7 +57,7 @@ inline std::string why_other_length(const DataConfig& c) {
   return text;
 }
 
-/// Lines with one of the labels that are wanted, or with one label where all are.
+/// Keeps lines with one of the wanted labels; if all are wanted, lines with one label.
 inline void keep_actions(std::vector<ClipLine>& lines, const std::vector<std::string>& actions, LeftOut& left_out) {
   for (ClipLine& line : lines) {
     std::erase_if(line.texts, [&](const std::string& label) {
@@ -71,12 +71,12 @@ inline void keep_actions(std::vector<ClipLine>& lines, const std::vector<std::st
   });
 }
 
-/// False for features with numbers that are not finite. A missing clip is reported by its reader.
+/// False for features with values that are not finite. A missing clip is reported by its reader.
 inline bool is_readable_clip(const ClipLine& line) {
   return file_kind(line.file) != ".npy" || all_finite(read_npy(line.file).to<float>());
 }
 
-/// Captions of one segment on several lines, of different body parts say, belong to one motion.
+/// Several lines with captions of one segment, such as those of different body parts, become one motion.
 inline std::vector<ClipLine> one_per_segment(std::vector<ClipLine> lines) {
   std::vector<ClipLine> out;
   std::map<std::tuple<std::string, double, double>, std::size_t> place;
@@ -90,7 +90,7 @@ inline std::vector<ClipLine> one_per_segment(std::vector<ClipLine> lines) {
   return out;
 }
 
-/// "clip@start-end", which tells segments of one clip apart; "clip": all of it.
+/// "clip@start-end", which distinguishes segments of one clip; "clip" for the whole clip.
 inline std::string segment_id(const ClipLine& line) {
   return std::isinf(line.end) ? line.id : concat_text(line.id, "@", line.start, "-", line.end);
 }
@@ -119,7 +119,7 @@ inline void add_clip_lines(DescribedMotions& out, std::vector<ClipLine> lines, c
   }
   const ClipSplit split(sources.splits, config, keys);
   std::vector<std::vector<DescribedMotion>> found(lines.size());
-  std::vector<std::string> why(lines.size(), why_not_finite);  // is left out, if it is
+  std::vector<std::string> why(lines.size(), why_not_finite);  // the reason for leaving a line out
   std::mutex mutex;
   Index done = 0;
   parallel_for(std::ssize(clips), [&](Index c) {
@@ -309,7 +309,7 @@ MOTIONLANG_BODY DescribedMotions read_described_motions(const DataSources& sourc
     raise<config_error>(102, "actions need labels: `labels` names a table of them, `annotations` a file that has some");
   if (!config.actions.empty() && !sources.labelled())
     raise<config_error>(102, "data.actions selects labels, but this training learns texts");
-  DataSources listed = sources;  // a data set has lists of its own
+  DataSources listed = sources;  // a data set has its own lists
   if (listed.splits.empty() && is_data_set(sources.data) && std::filesystem::exists(sources.data / "train.txt"))
     listed.splits = sources.data;
   if (captions)

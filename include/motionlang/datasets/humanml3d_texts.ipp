@@ -40,7 +40,7 @@ inline std::vector<TaggedWord> tagged_words(std::string_view field) {
   return words;
 }
 
-/// As Python prints it: "0.0", "2.5".
+/// The time in Python's notation: "0.0", "2.5".
 inline std::string time_text(double seconds) {
   const std::string text = concat_text(seconds);
   return text.find_first_of(".e") == text.npos ? text + ".0" : text;

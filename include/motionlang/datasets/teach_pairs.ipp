@@ -29,7 +29,7 @@ inline bool is_after(const BabelSegment& x, const BabelSegment& s) {
   return s.start < x.start && x.start <= s.end && x.end > s.end;
 }
 
-/// Sorted by start and end, without poses at rest. Of several with the same times the last text counts.
+/// Sorted by start and end, without poses at rest. If several have the same times, the last text counts.
 inline std::vector<BabelSegment> actions_and_transitions(std::span<const BabelSegment> segments) {
   std::map<std::pair<Index, Index>, std::string_view> texts;
   for (const BabelSegment& s : segments) {

@@ -21,7 +21,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The caption word by word, each replaced by what `other` makes of it.
+/// The caption word by word; `other` replaces each word.
 template <class Other>
 std::string word_by_word(const std::string& caption, Other other) {
   std::string out, word;
@@ -271,7 +271,7 @@ MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index fra
 
 MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions& options) const {
   const Index range = options.longest - options.shortest;
-  // short lengths more often than long ones: most texts of a timeline last a few seconds
+  // Short lengths are more frequent than long ones, because most texts of a timeline last a few seconds.
   const Index frames = options.shortest + static_cast<Index>(static_cast<double>(range) * std::pow(rng.uniform(), 3));
   const bool mirrored = rng.uniform() < options.mirror;
   auto one_of = [&](const std::vector<std::string>& captions) -> std::string {

@@ -54,7 +54,7 @@ MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_rifke(std::span<const double
   return turned_up(rifke_joints(tmr_rifke(22), rows), false);
 }
 
-/// MMM's joints of every frame as KIT has them and TEMOS makes them: reflected, Y up.
+/// MMM's joints of every frame in the form of KIT and TEMOS: reflected, Y up.
 inline std::vector<Vec3<double>> mmm_joints_of(const Motion& motion) {
   const bool own =
       motion.skeleton.names == kit21_skeleton().names && motion.skeleton.parents == kit21_skeleton().parents;

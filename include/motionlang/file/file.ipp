@@ -19,7 +19,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 inline std::mutex mapped_mutex;
-inline MappedFile* first_mapped = nullptr;  // all that are mapped
+inline MappedFile* first_mapped = nullptr;  // the list of all mapped files
 
 /// A file descriptor that is closed at the end of its scope.
 class Descriptor {
@@ -35,7 +35,7 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
-  /// True if all bytes could be written; errno says why not.
+  /// True if all bytes were written; otherwise errno gives the reason.
   bool write(std::span<const std::byte> bytes) const {
     while (!bytes.empty()) {
       const auto n = ::write(fd_, bytes.data(), static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1u << 30)));

@@ -37,7 +37,7 @@ inline std::size_t json_members(const nlohmann::json& document) {
 
 /// Throws io_error 403 for a name that is duplicated in an object of the well-formed document in a part of the text.
 inline void refuse_json_repetition(std::string_view text, std::size_t begin, std::size_t size, std::string_view name) {
-  std::vector<std::map<std::string, std::size_t>> objects;  // around the place: names and where they are
+  std::vector<std::map<std::string, std::size_t>> objects;  // around the place, with their names
   const std::size_t end = begin + size;
   for (std::size_t at = begin; at < end;) {
     const std::size_t start = at++;

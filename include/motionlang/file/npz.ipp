@@ -22,7 +22,7 @@ MOTIONLANG_BODY NpyArray NpzArchive::read(std::string_view name) const {
   const ZipEntry* entry = zip_.find(concat_text(name, suffix));
   if (entry == nullptr) raise<io_error>(406, zip_.name(), ": no array '", name, "' in the archive");
   const std::string where = concat_text(zip_.name(), "/", name);
-  constexpr std::uint64_t large = 1 << 20;  // then it is not unpacked before its header is known to want so much
+  constexpr std::uint64_t large = 1 << 20;  // a larger entry is unpacked only after its header has asked for so much
   if (entry->deflated && entry->size > large)
     detail::check_npy_size(zip_.head(*entry, detail::longest_npy_header + 12), entry->size, where);
   return parse_npy(zip_.read(*entry), where);

@@ -19,8 +19,8 @@ inline std::string below(const std::string& path, std::string_view key) {
   return path.empty() ? std::string(key) : concat_text(path, "/", key);
 }
 
-/// Values as they are found. A text of options is small: a large one, or one whose paths or values take much memory, is
-/// refused.
+/// Collects values. A text of options is small; it is refused if it is large, or if its paths or values take much
+/// memory.
 class OptionValues {
  public:
   OptionValues(std::string_view text, std::string_view file) : file_(file) {
@@ -32,15 +32,15 @@ class OptionValues {
     spend(path);
     values_.push_back({path, std::move(value)});
   }
-  /// Throws io_error 403 if the key at the end of the path stood in a line before.
+  /// Throws io_error 403 if the key at the end of the path was in an earlier line.
   void add_key(const std::string& path, std::size_t line) {
     spend(path);
     const auto [first, is_new] = lines_.emplace(path, line);
     if (!is_new) raise<io_error>(403, file_, ":", line, ": '", path, "' is duplicated, first in line ", first->second);
   }
-  /// A plain or quoted text as what it means; nothing if it means that there is no value.
+  /// Converts a plain or quoted text to its value; nothing if it means that there is no value.
   void add_text(const std::string& path, std::string_view text);
-  /// More of the text that came last. Whether it was a text.
+  /// Appends to the last text. True if it was a text.
   bool append_to_last(std::string_view text);
 
   bool empty() const { return values_.empty(); }
@@ -125,7 +125,7 @@ class YamlReader {
     bool list;
     std::size_t items;
   };
-  struct Folded {  // a text that may go on in the next line: programs fold long ones
+  struct Folded {  // a text that may continue in the next line: programs fold long ones
     std::size_t indent;
     char quote;  // in which it is still; else 0
   };
@@ -141,7 +141,7 @@ class YamlReader {
     const std::size_t first = text.find_first_not_of(" \r"), last = text.find_last_not_of(" \r");
     return first == text.npos ? std::string_view() : text.substr(first, last - first + 1);
   }
-  /// Position behind the quote that ends a quoted text, of which `at` is inside; the size of the text if there is none.
+  /// The position after the quote that ends the quoted text around `at`; the size of the text if there is none.
   static std::size_t quote_end(std::string_view text, char quote, std::size_t at) {
     for (; at < text.size(); ++at) {
       const bool twice = text.substr(at).starts_with("''");
@@ -152,7 +152,7 @@ class YamlReader {
     }
     return text.size();
   }
-  /// open   the quote of a text that began in a line before and goes on; else 0
+  /// open   the quote of a text that continues from an earlier line; else 0
   static std::string_view without_comment(std::string_view line, char open) {
     for (std::size_t i = open == 0 ? 0 : quote_end(line, open, 0); i < line.size();) {
       const bool begins = i == 0 || std::string_view(" [,{").find(line[i - 1]) != std::string_view::npos;
@@ -282,7 +282,7 @@ class YamlReader {
   std::optional<Folded> folded_;
 };
 
-/// A file begins so if it is an opt.txt; of YAML a line of three dashes is part.
+/// The beginning of an opt.txt; in YAML, a line of three dashes may be part of the file.
 inline constexpr std::string_view option_banner = "----";
 
 /// "key: value" on each line; True and False are truth values.

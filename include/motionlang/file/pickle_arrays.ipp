@@ -71,8 +71,7 @@ inline NpyArray numpy_array(const PickleValue& v) {
 }
 
 /// A sparse matrix in full. Compressed by columns (csc) or rows (csr): entries indptr[c] ... indptr[c + 1] - 1 lie in
-/// column (row) c at row (column) indices[k]. As a list (coo): entry k at row[k], col[k], which newer files call
-/// coords.
+/// column (row) c at row (column) indices[k]. As a list (coo): entry k at row[k], col[k], or in newer files at coords.
 inline NpyArray dense_matrix(const PickleValue& v) {
   const std::string name = v.name();
   const std::string_view kind = std::string_view(name).substr(name.rfind('.') + 1);

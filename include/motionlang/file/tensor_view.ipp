@@ -19,7 +19,7 @@ MOTIONLANG_BODY FileShape::FileShape(std::span<const Index> sizes) {
 }
 
 MOTIONLANG_BODY Index FileShape::count() const {
-  // beside a 0 the others may be of any size
+  // If one size is 0, the others may have any value.
   if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;
   Index n = 1;
   for (const Index size : sizes_) n *= size;

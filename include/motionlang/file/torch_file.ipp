@@ -13,7 +13,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// How many bytes at the start of a file are the pickle of that number; 0: it begins otherwise.
+/// The size of the pickle of that number at the start of a file; 0 if the file begins otherwise.
 inline std::size_t torch_legacy_magic(std::string_view file) {
   constexpr std::string_view frame{"\x95\x0d\0\0\0\0\0\0\0", 9};  // around the number from protocol 4 on
   if (file.size() < 2 || file[0] != '\x80' || file[1] < 2 || file[1] > 5) return 0;
@@ -111,8 +111,8 @@ inline std::vector<std::byte> gathered(const StridedTensor& t) {
   return out;
 }
 
-/// Pairs of a size and a stride are in range: every element lies in a storage of `count` elements. Gives back the
-/// reason if not.
+/// Checks that pairs of a size and a stride are in range: every element lies in a storage of `count` elements. Returns
+/// the reason if not.
 inline const char* out_of_range(const StridedTensor& t, std::uint64_t count) {
   constexpr std::uint64_t most_repeated = std::uint64_t{1}
                                           << 20;  // elements of a tensor that repeats those of its storage
@@ -181,10 +181,10 @@ class TorchTensors {
  private:
   struct Storage {
     std::span<const std::byte> bytes;
-    std::optional<DType> dtype;  // none: the tensor knows
+    std::optional<DType> dtype;  // null: the tensor has it
   };
 
-  /// ("storage", class, key, location, number of elements) and, in older files, (key, offset, number) of a part of it.
+  /// ("storage", class, key, location, number of elements) and, in older files, (key, offset, number) for a part of it.
   Storage storage(const PickleValue& v) const {
     if (v.name() == "torch.storage._load_from_bytes") return nested_storage(v);
     if (!v.is(PickleKind::persistent)) v.fail(403, "a tensor without a storage");
@@ -227,7 +227,7 @@ class TorchTensors {
     t.shape = sizes(given[2]);
     t.strides = sizes(given[3]);
     t.swapped = swapped_ && bytes_of(t.dtype) > 1;
-    // of _rebuild_tensor_v2, since PyTorch 2: elements are to be negated or conjugated on reading
+    // The metadata of _rebuild_tensor_v2, since PyTorch 2: elements that must be negated or conjugated on reading.
     constexpr std::size_t metadata = 6;
     if (function.ends_with("_v2") && given.size() > metadata && given[metadata].size() > 0)
       v.fail(404, "a tensor that is negated or conjugated when it is read");
@@ -256,13 +256,13 @@ class TorchTensors {
   bool swapped_ = false;
 };
 
-/// Five pickles in a row and the storages behind them. `Storages` are filled; the pickle of the object is given back.
+/// Five pickles in a row, followed by the storages. Fills `storages`; returns the pickle of the object.
 inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::string& name, TorchTensors& tensors,
                                 const std::shared_ptr<TensorMemory>& memory) {
   const auto part = [&](std::uint64_t start, bool persistent = false, std::uint64_t most = 0) {
     return Pickle(bytes, name, {.persistent_ids = persistent, .max_memory = most}, memory, start);
   };
-  const auto end_of_version = [&] {  // of these two pickles nothing is kept
+  const auto end_of_version = [&] {  // nothing of these two pickles is kept
     const Pickle version = part(torch_legacy_magic(as_text(bytes)));
     if (version.root().integer() != 1001)
       version.root().fail(404, "protocol ", version.root().integer(), " of PyTorch");
@@ -283,7 +283,7 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
     memory->spend(2 * sizeof(std::string) + 6 * sizeof(void*) + id[2].text().size());
     element_size.emplace(id[2].text(), dtype ? bytes_of(*dtype) : 1);
   }
-  // Both are held at the same time: together they may need what one may.
+  // Both are in memory at the same time: together they may need as much as one.
   const Pickle keys = part(object.end(), false, std::max<std::uint64_t>(1, object.memory_left()));
   std::uint64_t at = keys.end();
   for (std::size_t i = 0; i < keys.root().size(); ++i) {
@@ -302,11 +302,11 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
   return object;
 }
 
-/// A storage that was pickled with the object: an older file of its own, in bytes.
+/// A storage that was pickled with the object: an older file inside, as bytes.
 inline TorchTensors::Storage TorchTensors::nested_storage(const PickleValue& v) const {
   const auto bytes = v.arguments()[0].bytes();
   if (torch_legacy_magic(as_text(bytes)) == 0) v.fail(403, "bytes that are not a storage of PyTorch");
-  memory_->spend(bytes.size());  // for the time it takes, too: many tensors may name the same bytes
+  memory_->spend(bytes.size());  // also for the time: many tensors may name the same bytes
   TorchTensors inner(memory_);
   const Pickle object = read_torch_legacy(bytes, v.file(), inner, memory_);
   if (!object.root().is(PickleKind::persistent)) v.fail(403, "bytes that are not a storage of PyTorch");

@@ -14,7 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Names of the arrays of poses that are stored in parts: face and hands need not be there.
+/// Names of the arrays of poses that are stored in parts: face and hands are optional.
 struct PosePartNames {
   std::string_view root, body;
   std::array<std::string_view, 5> more;  // in the order of SMPL-X
@@ -27,7 +27,7 @@ inline constexpr PosePartNames pose_part_names[] = {
      {"jaw_pose", "leye_pose", "reye_pose", "left_hand_pose", "right_hand_pose"},
      "transl"}};
 
-/// The parts side by side. A hand of other than 45 numbers is not of angles but of coefficients, and is left out.
+/// The parts side by side. A hand with a number of values other than 45 has coefficients, not angles, and is left out.
 template <class Matrix>
 void join_pose_parts(const NpzArchive& npz, const PosePartNames& names, const Matrix& matrix, AmassSequence& out) {
   constexpr Index hand = 45;
@@ -54,8 +54,8 @@ void join_pose_parts(const NpzArchive& npz, const PosePartNames& names, const Ma
   }
 }
 
-/// The gender of a file that has one: a text, or an array of one, or either as an object of Python, which is read and
-/// not run. Throws io_error 402 to 407 for anything else.
+/// The gender of a file that has one: a text, an array of one text, or either as an object of Python, which is read and
+/// not executed. Throws io_error 402 to 407 for anything else.
 inline std::string amass_gender(const ZipArchive& zip) {
   const std::vector<std::byte> bytes = zip.read(*zip.find("gender.npy"));
   const std::string where = concat_text(zip.name(), "/gender");
@@ -101,7 +101,7 @@ MOTIONLANG_BODY AmassSequence amass_sequence(const ZipArchive& zip, double fps) 
       raise<io_error>(407, npz.file(), ": '", name, "' has ", counted(array.shape.size(), "axis", "axes"),
                       ", 2 are expected");
     }
-    if (array.shape[1] > most_columns)  // of no rows they could be any number
+    if (array.shape[1] > most_columns)  // without rows, their number could be anything
       raise<io_error>(405, npz.file(), ": '", name, "' has ", counted(array.shape[1], "column"), ", at most ",
                       most_columns, " are expected");
     return array;

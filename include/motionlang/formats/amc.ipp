@@ -21,7 +21,7 @@ MOTIONLANG_BODY AsfSkeleton read_asf(const FilePath& path) { return parse_asf(re
 MOTIONLANG_BODY Skeleton to_skeleton(const AsfSkeleton& asf) {
   Skeleton skeleton;
   for (const AsfBone& bone : asf.bones) {
-    const bool below_root = bone.parent > 0;  // the root itself has no extent: its children start where it stands
+    const bool below_root = bone.parent > 0;  // the root itself has no extent: its children start at its position
     const Vec3<double> start = below_root ? asf.bones[static_cast<std::size_t>(bone.parent)].end : Vec3<double>{};
     skeleton.names.push_back(bone.name);
     skeleton.parents.push_back(bone.parent);
@@ -72,14 +72,14 @@ class AmcParser {
   }
 
  private:
-  /// The values of a bone's degrees of freedom besides rotations, over all frames.
+  /// The values of a bone's degrees of freedom other than rotations, over all frames.
   struct Ways {
     Vec3<double> low{}, high{}, sum{};
     double shortest = 0, longest = 0;  // dof "l"
     bool has_length = false;
   };
 
-  /// A bone that is translated begins where it does in the mean, as a skeleton has constant bones.
+  /// A translated bone starts at its mean position, because a skeleton has constant bones.
   void move_bone(std::size_t bone) {
     const Vec3<double> mean = (1 / static_cast<double>(motion_.root.size())) * ways_[bone].sum;
     Vec3<double>& offset = motion_.skeleton.offsets[bone];
@@ -103,7 +103,7 @@ class AmcParser {
     if (same_word(word, ":radians")) unit_ = 1;
     scan_.rest_of_line();
   }
-  /// Frames are numbered one after the other, from any number on.
+  /// Frames are numbered consecutively, from any number on.
   void new_frame(std::string_view word) {
     std::uint64_t number = 0;
     const bool too_long = std::from_chars(word.data(), word.data() + word.size(), number).ec != std::errc{};
@@ -118,7 +118,7 @@ class AmcParser {
     motion_.root.push_back(motion_.skeleton.offset(0));
     motion_.local.resize(motion_.local.size() + joints, Quaternion<double>::identity());
   }
-  /// A bone that one frame names is named by all; those that none names rest.
+  /// If one frame names a bone, all frames must name it; bones that no frame names are at rest.
   void require_all_bones() const {
     for (std::size_t b = 0; b < named_.size(); ++b) {
       if (named_[b] != 0 && named_[b] != motion_.root.size())
@@ -126,7 +126,7 @@ class AmcParser {
                    "', unlike those before it");
     }
   }
-  /// The numbers of one bone in the current frame.
+  /// The values of one bone in the current frame.
   void values(std::string_view name) {
     const int number = asf_.find(name);
     if (number < 0) scan_.fail(403, "the skeleton has no bone '", TextScanner::shortened(name), "'");
@@ -168,7 +168,7 @@ class AmcParser {
   std::size_t limit_;               // of rotations
   double unit_;                     // radians per unit of the angles
   std::uint64_t number_ = 0;        // of the frame
-  std::vector<std::size_t> named_;  // frames that there were when a bone was named last
+  std::vector<std::size_t> named_;  // the number of frames when a bone was last named
   std::vector<Ways> ways_;          // of each bone
   Motion motion_;
 };

@@ -122,7 +122,7 @@ inline bool moves(const BvhJoint& joint, const BvhTable& table) {
   return false;
 }
 
-/// Across which the positions of a joint go, in units of the file; 0 where they change by no more than rounding.
+/// The extent of a joint's positions, in units of the file; 0 if they change by no more than rounding.
 inline double way_of(const BvhJoint& joint, const BvhTable& table) {
   if (!moves(joint, table)) return 0;
   Vec3<double> low = joint.translation(table[0]), high = low;
@@ -145,11 +145,11 @@ inline bool turns(const BvhJoint& joint, const BvhTable& table) {
   return false;
 }
 
-/// The joints of a tree of the file by what they are to the body in it.
+/// The joints of a tree of the file by their roles in the body.
 struct BvhBody {
   std::vector<BvhJoint> carriers{};  // above the root of the body, from the top: their movement is the root's
   std::vector<BvhJoint> joints{};    // the root and what is below it
-  std::vector<BvhJoint> beside{};    // no part of the body: bones for inverse kinematics, props, cameras
+  std::vector<BvhJoint> beside{};    // outside the body: bones for inverse kinematics, props, cameras
 };
 
 inline BvhBody bvh_body(const Bvh& file, const BvhReadOptions& options, const BvhTable& table) {
@@ -185,7 +185,7 @@ inline BvhBody bvh_body(const Bvh& file, const BvhReadOptions& options, const Bv
   return body;
 }
 
-/// The offset of a joint below the root; position channels replace it, by their mean (a skeleton has constant bones).
+/// The offset of a joint below the root; position channels replace it by their mean (a skeleton has constant bones).
 inline Vec3<double> constant_offset(const BvhJoint& joint, const BvhTable& table) {
   if (!joint.has_positions() || table.rows == 0) return joint.node->offset;
   Vec3<double> sum{};
@@ -193,7 +193,7 @@ inline Vec3<double> constant_offset(const BvhJoint& joint, const BvhTable& table
   return (1.0 / static_cast<double>(table.rows)) * sum;
 }
 
-/// Where the end sites of the joints are: of several at one joint the first; none if the file has none.
+/// The end sites of the joints; the first one if a joint has several; none if the file has none.
 inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJoint> joints, double scale) {
   std::vector<Vec3<double>> ends;
   std::vector<int> joint_of(file.nodes.size(), -1);  // that has no end yet
@@ -226,7 +226,7 @@ MOTIONLANG_BODY Motion to_motion(const Bvh& file, const BvhReadOptions& options)
   motion.fps = detail::frames_per_second(file.frame_time);
   Skeleton& skeleton = motion.skeleton;
   detail::UniqueNames unique;
-  Vec3<double> carried{};  // to where the root of the body is at rest
+  Vec3<double> carried{};  // the position of the body's root at rest
   for (const detail::BvhJoint& carrier : body.carriers) carried = carried + carrier.node->offset;
   for (const detail::BvhJoint& j : joints) {
     skeleton.names.push_back(unique(j.node->name));
@@ -298,7 +298,7 @@ MOTIONLANG_BODY EulerAngles<double> continue_curve(const EulerAngles<double>& an
   return step(twin) < step(same) ? twin : same;
 }
 
-/// A name as a BVH file can hold it: words and braces end one, and no program shows other bytes than UTF-8.
+/// A name that a BVH file can hold: words and braces end a name, and programs show only UTF-8.
 inline std::string bvh_name(std::string_view name) {
   std::string out = is_utf8(name) ? std::string(name) : from_latin1(name);
   for (char& c : out) {
@@ -319,7 +319,7 @@ MOTIONLANG_BODY std::vector<int> depth_first_order(const Skeleton& skeleton) {
   return order;
 }
 
-/// Where a leaf's bone ends: as the skeleton says, else `length` metres along the bone before it, upwards if there is
+/// The end of a leaf's bone: from the skeleton, else `length` metres along the bone before it, or upwards if there is
 /// none.
 inline Vec3<double> end_offset(const Skeleton& skeleton, int joint, double length) {
   if (!skeleton.ends.empty() && norm(skeleton.ends[static_cast<std::size_t>(joint)]) > 0)

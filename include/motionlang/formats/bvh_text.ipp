@@ -36,7 +36,7 @@ class BvhParser {
   }
 
  private:
-  /// One tree, without recursion: `open` holds the node of every brace that is not yet closed.
+  /// Reads one tree, without recursion: `open` holds the node of every open brace.
   void root() {
     scan_.expect("root");
     std::vector<int> open{node(-1, false)};
@@ -62,7 +62,7 @@ class BvhParser {
       }
     }
   }
-  /// Name and opening brace; the number of the new node.
+  /// Reads name and opening brace; returns the number of the new node.
   int node(int parent, bool end_site) {
     std::string name;
     bool several = false;
@@ -132,7 +132,7 @@ class BvhParser {
   void rows(std::size_t frames, std::size_t columns) {
     if (frames != 0 && columns == 0) scan_.fail(403, counted(frames, "frame"), ", but no channels");
     const std::string declared = concat_text(counted(frames, "declared frame"), " of ", counted(columns, "channel"));
-    // each number takes at least two bytes, one of them a blank (which the last may lack)
+    // Each value takes at least two bytes, one of them a blank (which the last may lack).
     if (frames != 0) bvh_.values.reserve(std::min(frames, (scan_.bytes_left() + 1) / 2 / columns) * columns);
     bool are_lines = true, whole = true;
     std::size_t row = 0;
@@ -149,7 +149,7 @@ class BvhParser {
     }
     if (row < frames && (row == 0 || !are_lines) && scan_.at_end())
       scan_.fail(402, "the text is too short for the ", declared, ": it has ", counted(bvh_.values.size(), "number"));
-    if (row == 0 && frames != 0) scan_.number("a value of the motion");  // it is none, which is an error
+    if (row == 0 && frames != 0) scan_.number("a value of the motion");  // throws, because there is none
     if (!scan_.at_end()) {
       const std::string_view extra = scan_.word("the end");
       if (!are_lines || !scan_.began_line())
@@ -189,7 +189,7 @@ class BvhParser {
     note(counted(gaps_.size(), "value"), gaps_.size() == 1 ? " is" : " are",
          " not a number: that of the frame before stands in");
   }
-  /// True if the text ends with the word that follows, which may be half a number; moves behind it then.
+  /// True if the text ends with the next word, which may be half a number; then moves past it.
   bool is_cut_off() {
     constexpr std::size_t longest = 64;
     if (scan_.bytes_left() > longest) return false;
@@ -198,7 +198,7 @@ class BvhParser {
     scan_.word("a value of the motion");
     return true;
   }
-  /// True if a number follows, or the word for one that is not finite.
+  /// True if the next word is a number, or stands for one that is not finite.
   bool at_number() {
     const std::string_view w = scan_.peek();
     return !w.empty() && (std::string_view("0123456789.,+-").find(w[0]) != w.npos || same_word(w.substr(0, 3), "nan") ||

@@ -16,7 +16,7 @@ namespace detail {
 struct Anatomy {
   std::vector<Vec3<double>> rest;
   std::vector<double> reach;  // length of the longest chain of bones below the joint
-  std::vector<bool> trunk;    // several limbs hang on it: from the pelvis to the shoulders
+  std::vector<bool> trunk;    // joints with several limbs: from the pelvis to the shoulders
   std::vector<bool> hidden;   // the bone to it is not drawn: above the pelvis, or inside the head
   std::vector<Side> side;     // from the names; if they tell nothing, from the rest pose
   int head = -1;
@@ -38,9 +38,11 @@ struct Anatomy {
   }
 
  private:
-  /// The measure of a body is a leg: the longest chain that has one as long beside it. Limbs are chains of a third of
-  /// it; joints on which two of them hang, and all above these, are the trunk. Bones that lead to the first such joint
-  /// (from a root on the floor, say) are hidden.
+  /// A leg measures the body: it is the longest chain beside an equally long one. Limbs are chains of at least a third
+  /// of
+  /// it. Joints with two limbs, and all joints above these, are the trunk. Bones that lead to the first such joint
+  /// (from a
+  /// root on the floor, for example) are hidden.
   void find_trunk(const Skeleton& s) {
     std::vector<double> second(reach.size(), 0.0);  // length of the second longest chain below the joint
     for (std::size_t j = reach.size(); j-- > 1;) {
@@ -59,7 +61,7 @@ struct Anatomy {
     for (std::size_t j = 1; j <= first; ++j) hidden[j] = trunk[j];
   }
 
-  /// The first joint with "head" in its name, else the highest joint that is not part of the trunk, if it is above it.
+  /// The first joint with "head" in its name, else the highest joint outside the trunk, if it is above the trunk.
   void find_head(const Skeleton& s) {
     auto is_named = [](std::string name) {
       for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -79,8 +81,7 @@ struct Anatomy {
   }
 };
 
-/// A foot is a bone near the floor that ends there and goes forward: it gets a sole from the heel to the tip of the
-/// toes.
+/// A foot is a leaf bone near the floor that points forward: it gets a sole from the heel to the tip of the toes.
 inline std::optional<RoundCone> sole(const Anatomy& anatomy, const RoundCone& bone, double reach) {
   const double unit = anatomy.size / 1.6, start = anatomy.rest[static_cast<std::size_t>(bone.joint)].y;
   const auto lower = [](const Vec3<double>& a, const Vec3<double>& b) { return a.y < b.y; };
@@ -96,7 +97,7 @@ inline std::optional<RoundCone> sole(const Anatomy& anatomy, const RoundCone& bo
 
 MOTIONLANG_BODY Figure make_figure(const Skeleton& skeleton) {
   const detail::Anatomy anatomy(skeleton);
-  const double unit = anatomy.size / 1.6;  // 1 for a grown-up: the span of the arms in joints
+  const double unit = anatomy.size / 1.6;  // 1 for an adult: the arm span between joints
   const double trunk_radius = 0.122 * unit;
   auto limb_radius = [&](std::size_t j) { return std::min(0.030 * unit + 0.052 * anatomy.reach[j], 0.078 * unit); };
   auto is_middle = [&](std::size_t j) { return std::abs(anatomy.rest[j].x - anatomy.rest[0].x) < 0.02 * anatomy.size; };
@@ -110,7 +111,7 @@ MOTIONLANG_BODY Figure make_figure(const Skeleton& skeleton) {
     RoundCone cone{skeleton.parents[j], {}, skeleton.offsets[j], limb_radius(p), limb_radius(j), Side::middle};
     if (anatomy.trunk[j]) {
       cone.radius_from = cone.radius_to = trunk_radius;
-    } else if (anatomy.trunk[p]) {  // hips, collars, neck: the ends of the trunk, a little inside the limb that follows
+    } else if (anatomy.trunk[p]) {  // hips, collars, neck: the ends of the trunk, a little inside the next limb
       cone.radius_from = 0.85 * trunk_radius;
       cone.radius_to *= 0.97;
     } else if (anatomy.reach[j] + length < 0.2 * unit && !is_middle(j)) {  // fingers, toes, tips: thinner than long

@@ -71,8 +71,8 @@ class GlbFile {
   /// such animation.
   double duration(Index animation) const;
 
-  /// Names of the joints below the root that an animation moves away from their place at rest, by more than a hundredth
-  /// of the bone, or by the scale of the joint before. motion() leaves this movement out. Throws config_error 103 if
+  /// Names of the joints below the root that an animation moves away from their rest position. The limit is a hundredth
+  /// of the bone, or a changed scale of the joint before. motion() leaves this movement out. Throws config_error 103 if
   /// there is no such animation.
   std::vector<std::string> stretched_joints(Index animation, Index figure = 0) const;
   /// Names of nodes outside all figures that animations move: cameras, props, control bones.

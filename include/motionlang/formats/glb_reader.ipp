@@ -22,7 +22,7 @@ inline std::optional<SkeletonTable> known_table(const Skeleton& skeleton) {
   return table == nullptr ? std::nullopt : std::optional(*table);
 }
 
-/// Takes the frames of one motion, and measures what it lacks.
+/// Takes the frames of one motion, and measures which movement it lacks.
 class GltfSampler {
  public:
   GltfSampler(const GltfSkeleton& figure, const std::vector<GltfNode>& nodes, const GltfAnimation& animation)
@@ -33,7 +33,7 @@ class GltfSampler {
     const auto moved = [&](int n) { return has_other_place(n); };
     const bool other = std::any_of(figure.above.begin(), figure.above.end(), scaled) ||
                        std::any_of(figure.nodes.begin(), figure.nodes.end(), scaled) ||
-                       std::any_of(figure.nodes.begin() + 1, figure.nodes.end(), moved);  // the root is where it is
+                       std::any_of(figure.nodes.begin() + 1, figure.nodes.end(), moved);  // not the root itself
     if (other) offsets_ = leaning_offsets(figure, rest_);
     for (const GltfPlace& joint : rest_) size_ = std::max(size_, 2 * norm(joint.place - rest_.front().place));
   }
@@ -210,7 +210,7 @@ MOTIONLANG_BODY double GlbFile::begin_of(Index animation, Index figure, double f
   const detail::GltfTiming timing = at(animation).timing(moving_of(figure));
   constexpr double same = 0.01;  // of a frame
   const double frames = timing.rate ? fps / *timing.rate : 0, frame = timing.first * fps;
-  if (!(frames > 0.5) || std::abs(frames - std::round(frames)) > same) return 0;  // keys are at no whole frames
+  if (!(frames > 0.5) || std::abs(frames - std::round(frames)) > same) return 0;  // keys are not at whole frames
   const double part = frame - std::floor(frame + same);
   return part < same ? 0 : part / fps;
 }
@@ -219,7 +219,7 @@ MOTIONLANG_BODY double GlbFile::frames_of(Index animation, Index figure, double 
   if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
   if (!moves(animation, figure)) return 1;
   const double last = std::max(0.0, duration(animation) - begin_of(animation, figure, fps)) * fps;
-  // the time of the last key is a float
+  // The time of the last key is a float.
   return std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
 }
 

@@ -31,7 +31,7 @@ MOTIONLANG_BODY GlbRig::GlbRig(std::span<const std::byte> bytes, std::string nam
   };
   std::vector<detail::GltfAnimation> animations;
   detail::SharedAccessors keys(*document_);
-  if (document_->count("skins") == 0) {  // then joints may be what moves
+  if (document_->count("skins") == 0) {  // then joints may be the nodes that move
     for (Index i = 0; i < document_->count("animations"); ++i) animations.emplace_back(keys, i);
   }
   const detail::GltfSkeleton figure = detail::GltfFigures(*document_, animations, {}, find).figures.front();
@@ -80,7 +80,7 @@ MOTIONLANG_BODY SkeletonMap GlbRig::map_from(const Skeleton& source) const {
 MOTIONLANG_BODY std::vector<std::byte> GlbRig::with(std::span<const Motion> motions,
                                                     const GlbRigOptions& options) const {
   if (motions.empty()) raise<config_error>(101, file(), ": no motion to add");
-  for (const char* grows : {"accessors", "bufferViews", "animations"}) document_->count(grows);  // must be an array
+  for (const char* grows : {"accessors", "bufferViews", "animations"}) document_->count(grows);  // they must be arrays
   const detail::GlbChunks chunks = detail::parse_glb_chunks(*bytes_, file());
   detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text),
                          document_->count("buffers") > 0 ? document_->buffer(0) : std::span<const std::byte>());

@@ -13,14 +13,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A dictionary or another object that numpy.save was given: an array of objects without sizes.
+/// A dictionary or another object that numpy.save wrote: an array of objects without sizes.
 inline bool is_single_object(const NpyHeader& header) { return header.descr == "|O" && header.shape.empty(); }
 
 inline bool is_mdm_shape(std::span<const Index> shape) {
   return shape.size() == 4 && shape[2] == 3 && is_joint_count(shape[1]);
 }
 
-/// lengths  frames of each motion; none: all of them. One beyond the frames cuts nothing, as in MDM's own pictures
+/// lengths  frames of each motion; none: all frames. A length beyond the frames cuts nothing, as in MDM's own pictures
 inline std::vector<Motion> mdm_motions(const NpyArray& array, std::span<const std::int64_t> lengths,
                                        MotionArrayOptions options, const std::string& name) {
   const auto& shape = array.shape;
@@ -46,7 +46,7 @@ inline std::vector<Motion> mdm_motions(const NpyArray& array, std::span<const st
   return out;
 }
 
-/// The text of a motion, or its texts where they change on the way, cut behind a whole character.
+/// The text of a motion, or its texts if they change within it, cut after a whole character.
 inline std::string mdm_name(const PickleValue& text) {
   constexpr std::size_t longest = 160;
   std::string all;

@@ -25,7 +25,7 @@ MOTIONLANG_BODY void merge_smplh(const FilePath& body, const FilePath& left, con
     for (const auto& [name, shape] :
          {std::pair{"hands_components", std::vector<Index>{-1, 45}}, {"hands_mean", {45}}}) {
       if (!hand.has(name)) raise<io_error>(406, hand.file(), ": no '", name, "'; not a hand of MANO");
-      hand.read<double>(name, shape);  // of that shape, and finite
+      hand.read<double>(name, shape);  // checks that it has that shape, and is finite
       merged.push_back({concat_text(name, side), hand.read(name)});
     }
     if (hand.has("hands_coeffs")) merged.push_back({concat_text("hands_coeffs", side), hand.read("hands_coeffs")});

@@ -62,7 +62,7 @@ MOTIONLANG_BODY FilePath asf_beside(const FilePath& amc) {
 
 MOTIONLANG_BODY std::string unique_name(const std::string& name, std::set<std::string>& taken) {
   const auto numbered = [&](int k) { return k == 1 ? name : name + "_" + std::to_string(k); };
-  int next = 1;  // found by halves: thousands of animations may have one name
+  int next = 1;  // by bisection, because thousands of animations may have one name
   while (taken.contains(numbered(next))) next *= 2;
   for (int last = next / 2; next - last > 1;) {
     const int middle = (last + next) / 2;
@@ -98,7 +98,7 @@ inline void note_stretched(const std::string& file, const std::vector<std::strin
                         " away from the joint before: bones keep their ", kept, "\n");
 }
 
-/// Notes what the motions of a GLB file lack, and how it was read where it is not as glTF wants it.
+/// Notes what the motions of a GLB file lack, and how it was read if it is not valid glTF.
 inline void note_animations(const GlbFile& file, const std::string& name, std::span<const GlbLoss> losses,
                             std::string* notes) {
   if (notes == nullptr) return;
@@ -107,7 +107,7 @@ inline void note_animations(const GlbFile& file, const std::string& name, std::s
     *notes +=
         concat_text(name, ": left out: how ", listed_joints(others),
                     others.size() == 1 ? " moves: it is not a joint" : " move: they are not joints", " of the body\n");
-  std::vector<std::string> stretched, still;  // a joint once, however many animations stretch it
+  std::vector<std::string> stretched, still;  // each joint once, even if several animations stretch it
   std::set<std::string> known;
   bool any = false;
   const std::vector<std::string> animations = file.animation_names();
@@ -251,7 +251,7 @@ inline void refuse_other_content(std::span<const std::byte> bytes, const std::st
   if (text.starts_with("Kaydara FBX")) raise<io_error>(403, name, " is an FBX file", about_fbx(".fbx"));
 }
 
-/// load_bytes()  the bytes of the file, after all that can be refused without them
+/// load_bytes()  reads the bytes of the file, after all checks that do not need them
 template <class Load>
 std::vector<Motion> motions_of_file(const std::string& name, const MotionReadOptions& options, std::string* notes,
                                     Load load_bytes) {

@@ -13,7 +13,8 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The motion files (is_motion_file) in a folder and its subfolders, in order. It leaves out .npy files with one axis,
-/// which are mean and deviation of a data set, and joints if the data set also has features of the same clips.
+/// which are mean and deviation of a data set. It leaves out joints if the data set also has features of the same
+/// clips.
 /// Subfolders that cannot be read, and links that lead in a circle, are skipped.
 /// results  a folder for results; its files are not inputs even if it is inside the other folder
 /// notes    gets a line about each folder and file that was skipped

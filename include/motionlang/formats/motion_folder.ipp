@@ -27,7 +27,7 @@ MOTIONLANG_BODY MotionReadOptions options_for_file(MotionReadOptions options, co
 
 namespace detail {
 
-/// The joints of a data set in HumanML3D's form that has features as well: the same clips once more.
+/// True for the joints of a data set in HumanML3D's form that also has features, which are the same clips.
 inline bool is_second_form(const std::filesystem::path& file) {
   const auto folder = file.parent_path();
   return folder.filename() == "new_joints" && std::filesystem::exists(folder.parent_path() / "new_joint_vecs");

@@ -18,7 +18,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A bone of VRM's humanoid: the joint of SMPL that has its part, and where it hangs.
+/// A bone of VRM's humanoid: the joint of SMPL with the same part, and its parent.
 struct VrmBone {
   std::string_view name, parent, role;
   bool required = false;
@@ -62,7 +62,7 @@ inline std::string vrm_finger(const std::string& finger) {
   return concat_text(finger.substr(0, split), name, (is_thumb ? thumb : other)[number - 1]);
 }
 
-/// Where the joints of a skeleton are while it stands in its T-pose. Limbs that are not straight stay as they are.
+/// The positions of the joints in the skeleton's T-pose. Bent limbs stay bent.
 inline std::vector<Vec3<double>> standing_positions(const StandingSkeleton& s) {
   std::vector<Vec3<double>> out(s.rotation.size());
   for (std::size_t j = 1; j < out.size(); ++j) {

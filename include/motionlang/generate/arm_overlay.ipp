@@ -66,7 +66,7 @@ MOTIONLANG_BODY Motion lay_arm_over(const Motion& motion, const Motion& alone, c
   const auto on = [&](Index f) { return f >= 0 && f < frames && text.on[static_cast<std::size_t>(f)] != 0; };
   for (Index f = 0; f < frames; ++f) {
     if (!on(f)) continue;
-    Index near = blend + 1;  // frames to where the arm is not the text's, which the ends of the motion are not
+    Index near = blend + 1;  // frames to the next one of another text; ends of the motion do not count
     for (Index d = 1; d <= blend; ++d) {
       const bool before = text.start + f - d >= 0 && !on(f - d),
                  behind = text.start + f + d < motion.frames() && !on(f + d);

@@ -74,7 +74,7 @@ class GenerateRun {
  private:
   using Features = std::vector<Tensor<B, 2>>;
 
-  /// The sampling of a run. A run that is reused has it in its record.
+  /// The sampling of a run. A reused run has it in its record.
   struct Sampling {
     Philox rng{};
     StmcOptions options{};
@@ -92,7 +92,7 @@ class GenerateRun {
     bool operator()(Index done, Index total) const { return (*caller)(run * total + done, runs * total), true; }
   };
 
-  /// The texts of arms in the timelines: of which one each is, and what it is alone.
+  /// The texts of arms in the timelines: the timeline of each, and its motion alone.
   struct Arms {
     std::vector<std::pair<std::size_t, ArmText>> texts{};
     std::vector<Timeline> alone{};
@@ -108,7 +108,7 @@ class GenerateRun {
     }
     return out;
   }
-  /// Lays over the motions of the timelines what their texts of arms make alone, where the collage lost it.
+  /// Lays the arms' own motions over the motions of the timelines, at the times where the collage lost their texts.
   void overlay(const Arms& arms, std::vector<Motion>& motions, const Sampling& how) const {
     if (arms.texts.empty()) return;
     const Features features = model_.generate(cut(arms.alone, how.cut), how.rng, how.options);
@@ -119,7 +119,7 @@ class GenerateRun {
     }
   }
 
-  /// (frames, features) of each timeline, not normalised. Sets what a run was sampled with if it is reused.
+  /// (frames, features) of each timeline, not normalised. Sets the sampling of a reused run.
   Features features(std::span<const Timeline> timelines, Sampling& how) const {
     if (!o_.reuse.string().empty()) return reused(timelines, how);
     const std::vector<Timeline> texts = cut(timelines, o_.cut_texts);
@@ -170,7 +170,7 @@ class GenerateRun {
     return generate_around<B>(model_, timelines, how.rng, how.options, std::span<const KeptMotion<B>>(kept));
   }
 
-  /// With what the record of an earlier run says about the part that was not edited.
+  /// Uses the record of an earlier run for the parts that were not edited.
   Features reused(std::span<const Timeline> timelines, Sampling& sampling) const {
     const auto file = SafetensorsFile::open(o_.reuse);
     auto record = load_stmc_record<B>(file, model_);

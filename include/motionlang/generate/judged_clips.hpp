@@ -33,8 +33,8 @@ struct RecordedFigures {
   std::vector<RecordedVerb> verbs{};
 };
 
-/// True if the person stands on the floor. Then no caption names a thing to stand on or to hang from, and the lowest
-/// twentieth of the heights over the floor is within 4 cm of it.
+/// True if the person stands on the floor. Then no caption names a thing to stand on or to hang from. Also, the lowest
+/// twentieth of the heights above the floor is within 4 cm of it.
 bool stands_on_floor(const CaptionedSegment& segment);
 
 /// Judges the segments that are on the floor.

@@ -14,7 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Positions of joints that the features say, as they are, instead of the rotations: bones may change their lengths.
+/// The change of the bones in the positions that the features contain; rotations would keep bones constant.
 inline double bone_change(const std::vector<double>& features) {
   std::vector<Vec3<double>> positions;
   for (std::size_t at = 0; at < features.size(); at += smplrifke_size) {
@@ -146,7 +146,7 @@ inline std::vector<JudgedPrompt> prompts_over_bases(std::initializer_list<Judged
     text.from = 0.25, text.to = 0.9;
     for (const auto& [base, verb] : bases) {
       const bool bends = text.parts.has(BodyPart::spine) && verb == std::string("bend forward");
-      if (!bends) out.push_back({{{base, verb}, text}, seconds});  // the trunk can do one of them
+      if (!bends) out.push_back({{{base, verb}, text}, seconds});  // the trunk can do only one of them
     }
   }
   return out;

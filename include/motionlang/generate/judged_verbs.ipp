@@ -26,7 +26,7 @@ inline double at_end(const MotionTrace& t, const TracedValues& c) {
   return at_start(t, TracedValues(c.rbegin(), c.rend()));
 }
 inline double range(const TracedValues& c) { return highest(c) - lowest(c); }
-/// One number of a curve of points.
+/// One component of a curve of points.
 template <class F>
 TracedValues values_along(const std::vector<Vec3<double>>& points, F f) {
   TracedValues out;
@@ -64,13 +64,13 @@ inline std::string below(const char* what, double value, double high) { return v
 inline double pace(const MotionTrace& t, const TracedValues& way) {
   return t.frames() < 2 ? 0 : (way.back() - way.front()) / t.seconds();
 }
-/// Steps: how often the feet pass each other.
+/// Steps: the number of times that the feet pass each other.
 inline std::size_t strides(const MotionTrace& t) {
   TracedValues apart;
   for (std::size_t f = 0; f < t.frames(); ++f) apart.push_back(t.legs[0].ahead[f] - t.legs[1].ahead[f]);
   return reversals(apart, 0.15);
 }
-/// How many in a second, at least.
+/// At least this many in a second.
 inline std::string steps(const MotionTrace& t, double least) {
   return above("steps/s", (static_cast<double>(strides(t)) + 1) / t.seconds(), least);
 }

@@ -14,7 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The transform that moves a clip over another as a whole: the mean turn between their roots, then the mean way over
+/// The transform that moves a whole clip over another: the mean turn between their roots, then the mean distance over
 /// the floor.
 inline Placement placement_over(const Motion& clip, const Motion& other) {
   const Index frames = std::min(clip.frames(), other.frames());

@@ -15,7 +15,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The system of a folder; "" of one that only has a file of ours in it.
+/// The system of a folder; "" for a folder with nothing but a file of ours.
 inline std::string generating_system(const RunFolder& run) {
   if (is_mdm_action_run(run)) return "mdm of actions";
   if (run.system == "temos") return system_of_run(run.folder);

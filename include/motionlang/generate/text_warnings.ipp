@@ -16,7 +16,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Calls f(piece, owners) for every piece of a timeline that has texts: which of them moves each part.
+/// Calls f(piece, owners) for every piece of a timeline with texts; `owners` gives the text that moves each part.
 template <class F>
 void for_each_owned_piece(const Timeline& timeline, F f) {
   FirstWins ties;

@@ -25,7 +25,7 @@ MOTIONLANG_BODY BodyPartition::BodyPartition(const BodyPartNames& names) {
     raise<config_error>(101, "BodyPartition: ", counted(names.names.size(), "part"), ", expected 1 to ",
                         most_body_parts);
   const auto made = std::make_shared<State>();
-  state_ = made;  // find and parts look at what is there so far
+  state_ = made;  // find and parts read the present state
   const auto check_new = [&](const std::string& name) {
     detail::check_part_name(name);
     if (find(name)) raise<config_error>(102, "BodyPartition: '", name, "' is the name of two body parts");

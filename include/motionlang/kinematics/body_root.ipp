@@ -32,7 +32,7 @@ MOTIONLANG_BODY int moving_root(const Skeleton& skeleton, std::span<const JointM
   const auto joints = static_cast<std::size_t>(skeleton.size());
   std::vector<int> count(joints, 1);        // joints below, with the joint itself
   std::vector<double> reach(joints, 0);     // length of the longest chain of bones below
-  std::vector<bool> lively(joints, false);  // whether it or one below it moves or turns
+  std::vector<bool> lively(joints, false);  // true if it or a joint below it moves or turns
   std::vector<std::vector<int>> children(joints);
   for (int j = skeleton.size() - 1; j >= 0; --j) {
     const auto here = static_cast<std::size_t>(j);

@@ -16,7 +16,7 @@ inline std::span<const Vec3<double>> pose_of(std::span<const Vec3<double>> posit
   return positions.subspan(static_cast<std::size_t>(frame * joints), static_cast<std::size_t>(joints));
 }
 
-/// 0 up to the tolerance, x from twice that on, and steadily between.
+/// 0 up to the tolerance, x from twice the tolerance on, and linear between.
 inline double beyond(double x, double tolerance) { return x >= 2 * tolerance ? x : std::max(0.0, 2 * (x - tolerance)); }
 
 /// The smallest (of larger: largest) value within `reach` frames of each.
@@ -34,9 +34,9 @@ inline std::vector<double> extremes(std::span<const double> values, Index reach,
   return out;
 }
 
-/// By how much each frame of a flight is above the arc of a thrown body with the same peak. The peak is in the middle
-/// of the frames that are nearly as high.
-/// heights  above the floor, no hovering among them
+/// The height of each frame of a flight above the arc of a thrown body with the same peak. The peak is in the middle of
+/// the frames that are nearly as high.
+/// heights  above the floor, without hovering
 inline std::vector<double> above_arcs(std::span<const double> heights, double fps, const FloorFixOptions& options) {
   const Index n = std::ssize(heights);
   std::vector<double> above(heights.size(), 0.0);
@@ -59,7 +59,7 @@ inline std::vector<double> above_arcs(std::span<const double> heights, double fp
   return above;
 }
 
-/// Never below the values, and smooth where they begin and end.
+/// A smooth curve that is never below the values.
 inline std::vector<double> smooth_above(std::span<const double> values, double sigma) {
   const auto wide = extremes(values, 1, true);
   return gaussian_smooth(std::span<const double>(wide), 1, sigma);

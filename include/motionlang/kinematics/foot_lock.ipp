@@ -54,7 +54,7 @@ MOTIONLANG_BODY Motion turn_from_feet(const Motion& motion, std::span<const Leg>
     });
   };
   const double pivot = options.pivot * std::numbers::pi / 180 / motion.fps;
-  std::vector<double> turned(static_cast<std::size_t>(motion.frames()), 0.0);  // to each frame, too much
+  std::vector<double> turned(static_cast<std::size_t>(motion.frames()), 0.0);  // the excess turn up to each frame
   for (Index f = 0; f + 1 < motion.frames(); ++f) {
     if (!down(f) || !down(f + 1)) continue;
     std::array<double, 2> turn{};
@@ -117,8 +117,9 @@ MOTIONLANG_BODY Motion path_from_feet(const Motion& motion, std::span<const Leg>
 
 namespace detail {
 
-/// (frames): how far a foot that stands slides to the next frame, on its toe or its ankle, whichever carries it.
-/// Nothing for a foot that swings, and in the last frame.
+/// (frames): the slide of a standing foot to the next frame, on its toe or its ankle, whichever carries it. Nothing for
+/// a
+/// foot that swings, and in the last frame.
 inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& motion,
                                                                std::span<const Vec3<double>> positions, const Leg& leg,
                                                                const FootFixOptions& options) {
@@ -133,8 +134,9 @@ inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& mot
   return steps;
 }
 
-/// Where the knee of a straight leg goes, seen from the thigh: where the toes point in the rest pose, whatever that
-/// faces. +Z for a foot that does not tell.
+/// The direction in which the knee of a straight leg bends, seen from the thigh: that of the toes in the rest pose. +Z
+/// if
+/// the foot does not show it.
 inline Vec3<double> forward_of(const Skeleton& skeleton, const Leg& leg) {
   const auto rest = skeleton.rest_positions();
   const auto at = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
@@ -157,9 +159,10 @@ MOTIONLANG_BODY void move_foot(Motion& motion, const Leg& leg, std::span<const V
   }
 }
 
-/// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights
-/// where it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of
-/// its way: a foot that only jitters is left alone.
+/// (frames): the lift of a foot whose toe would otherwise swing too low. It must be `clearance` above the lower of the
+/// heights at which it leaves the floor and returns. There is one bump sin^2 for each swing, at most `clearance` or a
+/// tenth
+/// of its distance high, so that jitter is not lifted.
 inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
                                              const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames(), joints = motion.skeleton.size();
@@ -192,8 +195,8 @@ inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<con
   return lift;
 }
 
-/// (frames): by how much a foot has to be moved to stay where it stands. During a contact the offset undoes the slide;
-/// its mean is zero, so that the foot stands where it was on average. Between contacts it fades out and in.
+/// (frames): the offset that keeps a standing foot in its place. During a contact the offset undoes the slide; its mean
+/// is zero, so that the foot stands at its average place. Between contacts it fades out and in.
 inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<const Vec3<double>> positions,
                                               const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames();
@@ -226,7 +229,7 @@ inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<co
       return Vec3<double>{};
     };
     const Vec3<double> both = fade(-1) + fade(1);
-    offset[static_cast<std::size_t>(f)] = (1 / std::max(share, 1.0)) * both;  // contacts that are near: their mean
+    offset[static_cast<std::size_t>(f)] = (1 / std::max(share, 1.0)) * both;  // near contacts: their mean
   }
   return offset;
 }

@@ -16,7 +16,7 @@ namespace detail {
 /// The characters that separate the words of a name.
 inline bool is_separator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
 
-/// Where a letter stands alone inside of a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
+/// The place of a single letter inside a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
 inline std::size_t lone_letter(std::string_view name, char letter) {
   for (std::size_t at = 1; at + 1 < name.size(); ++at) {
     if (name[at] == letter && is_separator(name[at - 1]) && is_separator(name[at + 1])) return at;
@@ -41,7 +41,8 @@ MOTIONLANG_BODY Side side_of_name(std::string_view name) {
   return Side::middle;
 }
 
-/// How names mark their side: words anywhere, single letters at either end or alone (lThigh, UpperArm_L, J_Bip_L_Hand).
+/// Marks of the side in names: words anywhere, single letters at either end or alone (lThigh, UpperArm_L,
+/// J_Bip_L_Hand).
 inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
 
 inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};

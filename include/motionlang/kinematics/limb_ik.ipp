@@ -35,7 +35,7 @@ MOTIONLANG_BODY void reach(const Skeleton& skeleton, std::span<Quaternion<double
              end = static_cast<std::size_t>(limb.end);
   const Vec3<double> a = world.position[upper], b = world.position[middle], c = world.position[end];
   const double l1 = norm(b - a), l2 = norm(c - b);
-  constexpr double slack = 1e-4;  // a limb never gets quite straight, where its plane would be lost
+  constexpr double slack = 1e-4;  // a limb never becomes quite straight, because its plane would be lost
   if (std::min(l1, l2) < slack) raise<numeric_error>(302, "reach: bones of ", l1, " m and ", l2, " m");
   const double r = std::clamp(norm(target - a), std::abs(l1 - l2) + slack, l1 + l2 - slack);
   auto angle = [](const Vec3<double>& u, const Vec3<double>& v) {

@@ -58,7 +58,7 @@ MOTIONLANG_BODY Motion go_round(const Motion& motion, const Loop& loop, Index fr
   Index since = blend;  // frames since the last seam
   for (Index from = 0; out.frames() < frames; ++from, ++since) {
     if (from == loop.last) {
-      // The frame that is due (last, in the present round) and the one that comes instead (first).
+      // The frame that is due (last, in the present round) and the frame that replaces it (first).
       const auto due = motion.rotations(loop.last), comes = motion.rotations(loop.first);
       const Vec3<double> at = place + rotate(turned, motion.root_at(loop.last));
       const auto spin = detail::turn(detail::heading(due[0]) - detail::heading(comes[0]));

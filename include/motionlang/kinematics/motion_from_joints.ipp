@@ -39,7 +39,7 @@ inline double misfit(std::span<const SeenVector> vectors, const Quaternion<doubl
   return sum;
 }
 
-/// Bones that begin at one joint as they lie to one another in the clip, turned as at rest. They keep their lengths.
+/// The bones that begin at one joint, in the mean arrangement of the clip, turned as at rest. They keep their lengths.
 /// Each round turns the bones of every frame onto those at rest and takes the means.
 /// rest   (bones); seen (frames, bones)
 inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> rest,
@@ -114,7 +114,7 @@ MOTIONLANG_BODY Motion motion_from_joints(const Skeleton& skeleton, std::span<co
         for (const std::size_t c : children[j]) bones.push_back({out.skeleton.offsets[c], frame[c] - frame[j]});
       }
       world[j] = fit_rotation(bones, up);
-      for (int quarter = 1; parent < 0 && quarter < 4; ++quarter) {  // whatever it faces
+      for (int quarter = 1; parent < 0 && quarter < 4; ++quarter) {  // for any heading
         const auto start = from_axis_angle(Vec3<double>{0, 1, 0}, quarter * std::numbers::pi / 2);
         const auto other = fit_rotation(bones, start);
         if (detail::misfit(bones, other) < detail::misfit(bones, world[j]) - 1e-12) world[j] = other;

@@ -13,9 +13,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them
-/// best, errors weighted by exp(-k^2 / (2 sigma^2)). They sum to 1, and a parabola is its own fit: so peaks are not
-/// blunted and ends are not pulled. Fewer than three values: the frame itself.
+/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the best parabola, with errors
+/// weighted by exp(-k^2 / (2 sigma^2)). They sum to 1. A parabola is its own fit, so peaks stay sharp and ends stay in
+/// place. With fewer than three values: the frame itself.
 ///     c_k = w_k (1 0 0) M^-1 (1, k, k^2)^T,   M_ab = sum_k w_k k^(a + b)
 /// Source  Savitzky and Golay (1964); with Gaussian weights local regression, Cleveland (1979)
 inline std::vector<double> parabola_weights(Index first, Index last, double sigma) {

@@ -68,7 +68,7 @@ MOTIONLANG_BODY std::optional<StandingAxis> find_up_axis(const BodyTrack& track,
     legs = legs + normalized(hips - middle(f, body.ankle));
     if (body.wrist.known()) arms = arms + (shoulders - middle(f, body.wrist));
   }
-  const auto off_floor = [&](const Vec& up) {  // of the soles: 5 % of the frames have a foot lower than this
+  const auto off_floor = [&](const Vec& up) {  // the height of the soles: 5 % of the frames have a foot lower than this
     constexpr double toe_height = 0.02, ankle_height = 0.08;  // m above the sole
     std::vector<double> lowest;
     for (Index f = 0; f < frames; ++f) {
@@ -93,7 +93,7 @@ MOTIONLANG_BODY std::optional<StandingAxis> find_up_axis(const BodyTrack& track,
 }  // namespace detail
 
 MOTIONLANG_BODY std::optional<StandingAxis> find_up_axis(const Motion& motion) {
-  constexpr Index most = 300;  // frames that are looked at
+  constexpr Index most = 300;  // frames to check
   const auto body = find_body_joints(motion.skeleton);
   if (!body || motion.frames() == 0) return std::nullopt;
   std::vector<Vec3<double>> positions;

@@ -52,7 +52,7 @@ inline std::vector<std::string> blank_pieces(std::string_view text) {
 
 using NGrams = std::map<std::string, Index>;
 
-/// How often each run of n words is there.
+/// The number of times that each run of n words occurs.
 inline NGrams n_grams(std::span<const std::string> words, std::size_t n) {
   NGrams out;
   for (std::size_t first = 0; first + n <= words.size(); ++first) {
@@ -129,7 +129,7 @@ MOTIONLANG_BODY double rouge_l(const CaptionPair& pair, double beta) {
   double precision = 0, recall = 0;
   for (const std::string& reference : pair.references) {
     const auto other = detail::blank_pieces(detail::trim(reference));
-    std::vector<Index> longest(other.size() + 1, 0);  // with the candidate up to this word
+    std::vector<Index> longest(other.size() + 1, 0);  // for the candidate up to this word
     for (const std::string& word : words) {
       Index diagonal = 0;
       for (std::size_t j = 0; j < other.size(); ++j) {

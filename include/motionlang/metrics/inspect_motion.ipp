@@ -17,7 +17,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Units of files by the factor from what was read to metres.
+/// Units of files by the factor from the values in the file to metres.
 struct UnitFactor {
   double factor;
   std::string_view unit;
@@ -36,15 +36,15 @@ inline constexpr std::array<UnitFactor, 10> unit_factors{{
     {1000, "metres where millimetres were expected"},
 }};
 
-/// Units of a root by those of its bones, over metres: centimetres, millimetres, inches, feet and so on.
+/// Units of a root relative to those of its bones: centimetres, millimetres, inches, feet and so on.
 inline constexpr std::array<double, 16> root_factors{100,    0.01,       1000,        0.001,      10,    0.1,
                                                      2.54,   1 / 2.54,   25.4,        1 / 25.4,   30.48, 1 / 30.48,
                                                      0.0254, 1 / 0.0254, 2.54 / 0.45, 0.45 / 2.54};
 
 inline double hundredths(double x) { return std::round(x * 100) / 100; }
 
-/// The second derivative of the parabola through values at whole steps, by least squares, and how far they are off it,
-/// as the root of the mean square. At least three.
+/// A parabola through values at whole steps, by least squares: its second derivative, and the root mean square of its
+/// errors. At least three values.
 struct ParabolaFit {
   double bend, off;
 };
@@ -67,7 +67,7 @@ inline ParabolaFit fit_parabola(std::span<const double> values) {
   return {2 * c2, std::sqrt(off)};
 }
 
-/// One clip under inspection: its joints in the world, corrected as far as causes are known.
+/// One clip under inspection: its joints in the world, corrected for the causes found so far.
 class MotionInspector {
  public:
   MotionInspector(const Motion& motion, const InspectionLimits& limits) : motion_(motion), limits_(limits) {}
@@ -108,7 +108,7 @@ class MotionInspector {
     out_.findings.push_back({fault, concat_text(text...), seconds(frame)});
   }
 
-  /// False if nothing else can be said.
+  /// False if no further check is possible.
   bool check_values() {
     for (Index f = 0; f < frames(); ++f) {
       const Vec& r = motion_.root_at(f);
@@ -137,7 +137,7 @@ class MotionInspector {
     if (!usual_rate(motion_.fps)) add(Fault::frame_rate, 0, hundredths(motion_.fps), " frames per second");
   }
 
-  /// The ends of feet without toe joints, which BVH files have as End Site, stand in for them behind the joints.
+  /// The ends of feet without toe joints, which BVH files have as End Site, are added after the joints as toes.
   void place_joints() {
     const auto& ends = motion_.skeleton.ends;
     auto end = [&](int joint) { return ends.empty() ? Vec{} : ends[static_cast<std::size_t>(joint)]; };
@@ -170,8 +170,7 @@ class MotionInspector {
   double leg_length() const {
     return 0.5 * (chain(body_->ankle.left, body_->hip.left) + chain(body_->ankle.right, body_->hip.right));
   }
-  /// A person is about 1.2 times as tall as the bones from an ankle to the hip and from the pelvis to the head are
-  /// long.
+  /// A person is about 1.2 times as tall as the bones from an ankle to the hip and from the pelvis to the head.
   void check_scale() {
     const double legs = leg_length();
     const double height = 1.2 * (legs + chain(body_->head, body_->pelvis));
@@ -198,8 +197,9 @@ class MotionInspector {
     for (Vec& p : positions_) p = best.factor * p;
   }
 
-  /// Trunk and legs point up in most clips. Of those that lie, swim or crawl all the time, the feet would not be on the
-  /// floor along the other axis, and their rest pose stands.
+  /// Trunk and legs point up in most clips. The check also respects clips in which a person lies, swims or crawls all
+  /// the
+  /// time: their feet would not be on the floor along the other axis, and their rest pose stands.
   void check_up_axis() {
     const auto seen = std::span<const Vec>(positions_).subspan(static_cast<std::size_t>(first_ * columns_));
     const auto stands = find_up_axis({seen, columns_, *body_, standing_direction(motion_.skeleton, *body_)},
@@ -211,9 +211,11 @@ class MotionInspector {
     for (Vec& p : positions_) p = rotate(out_.cure.upright, p);
   }
 
-  /// The bones are a person's by now. A root in another unit holds the feet far off the floor, and they slide; by the
-  /// right factor they come to the floor and stand there. Both must be so: feet that are far off may hang, and those
-  /// that slide tread on the spot.
+  /// The bones now have the size of a person. A root in another unit holds the feet far off the floor, and they slide;
+  /// with
+  /// the right factor they come to the floor and stand there. Both must be true, because feet far off the floor may
+  /// hang, and
+  /// feet that slide may tread on the spot.
   void check_root_unit() {
     constexpr std::size_t fewest = 2;  // contacts
     const double off = sole_height({0, 1, 0});
@@ -238,8 +240,9 @@ class MotionInspector {
     }
   }
 
-  /// Left is where up x forward points. Toes point forward while a foot stands flat, and knees bend forward; both,
-  /// where there is anything to see of them, must speak against the names.
+  /// Left is in the direction of up x forward. Toes point forward while a foot stands flat, and knees bend forward.
+  /// Both, as
+  /// far as they are visible, must contradict the names.
   void check_sides() {
     struct Witness {
       double legs = 0, arms = 0, weight = 0;
@@ -298,8 +301,8 @@ class MotionInspector {
     std::vector<double> all;
   };
   Arcs arcs() {
-    constexpr std::size_t fewest = 6;  // frames: any few lie on a parabola
-    // Bends are seen over this many frames, against noise.
+    constexpr std::size_t fewest = 6;  // frames, because any few lie on a parabola
+    // The length of the intervals over which bends are measured, against noise.
     const auto lag = 1 + static_cast<std::size_t>(std::min(motion_.fps / 60, static_cast<double>(frames())));
     std::vector<double> y;
     for (Index f = first_; f < frames(); ++f) y.push_back(mass_height(f));
@@ -320,8 +323,9 @@ class MotionInspector {
     }
     return out;
   }
-  /// True if both feet leave the floor and come back to it, with hands above the knees: nothing else carries the body.
-  /// `feet` is the height of the lower one above where it stands, from frame `start` after the lead-in on.
+  /// True if both feet leave the floor and return to it, with hands above the knees, so that nothing else carries the
+  /// body.
+  /// `feet` is the height of the lower foot above its standing height, from frame `start` after the lead-in on.
   bool is_flight(std::size_t start, std::span<const double> feet) {
     for (std::size_t i = 0; i < feet.size(); ++i) {
       const Index f = first_ + static_cast<Index>(start + i);
@@ -334,11 +338,11 @@ class MotionInspector {
     return ends < 2 * limits_.off_floor && lowest > std::max(limits_.off_floor, ends + limits_.low);
   }
 
-  /// How fast a body seems to fall goes with the square of the frame rate.
+  /// The apparent acceleration of a fall is proportional to the square of the frame rate.
   void check_falls() {
     constexpr double gravity = 9.81;
     constexpr std::size_t fewest = 3;                            // steps
-    if (out_.has(Fault::scale) && out_.cure.scale == 1) return;  // of a doll nobody knows how it falls
+    if (out_.has(Fault::scale) && out_.cure.scale == 1) return;  // a doll may fall in any way
     const Arcs seen = arcs();
     const bool flies = !seen.flights.empty();
     if (!flies && seen.all.size() < fewest) return;
@@ -400,7 +404,7 @@ class MotionInspector {
   double off_middle(Index f, Index j) {  // of its neighbours in time
     return f <= first_ || f + 1 >= frames() ? 0 : norm(at(f, j) - 0.5 * (at(f - 1, j) + at(f + 1, j)));
   }
-  /// How far a joint is off the middle of its neighbours in time, where that is a spike; else 0.
+  /// The distance of a joint from the middle of its neighbours in time, if that is a spike; else 0.
   double spike_size(Index f, Index j) {
     if (f <= first_ || f + 1 >= frames()) return 0;
     const double off = off_middle(f, j);
@@ -409,8 +413,10 @@ class MotionInspector {
         std::max({norm(at(f + 1, j) - at(f - 1, j)), step(f - 1, j), step(f - 2, j), step(f + 2, j), step(f + 3, j)});
     return off > limits_.isolated * around ? off : 0;
   }
-  /// How far a joint goes from the frame before, if that is part of a jump: of one to a few frames in a row that stand
-  /// out from those around, or of a flicker, in which a known body's joint gets faster or slower as none can.
+  /// The distance of a joint from the frame before, if that is part of a jump; else 0. A jump is one to a few frames in
+  /// a
+  /// row that stand out from the others. It may also be a flicker, in which a known body's joint is impossibly fast or
+  /// slow.
   double jump_size(Index f, Index j) {
     const double s = step(f, j);
     if (s * fps_ < limits_.jump_speed) return 0;
@@ -443,7 +449,7 @@ class MotionInspector {
     }
     return lowest;
   }
-  /// Where the soles stand along a direction: 5 % of the frames have a foot lower than this.
+  /// The height of the soles along a direction: 5 % of the frames have a foot lower than this.
   double sole_height(const Vec& up) {
     constexpr double toe_height = 0.02, ankle_height = 0.08;  // m above the sole
     return quantile(lowest_feet(up), 0.05) - (body_->toe.known() ? toe_height : ankle_height);
@@ -451,11 +457,13 @@ class MotionInspector {
 
   bool on_floor(double sole) const { return sole >= -limits_.below && sole <= limits_.above; }
 
-  /// How fast a leg's foot moves over the floor while it is on it, m/s: of every contact the speed that a quarter of it
-  /// stays below, so that treading on and rolling off do not count.
+  /// The speed of a leg's foot over the floor during contact, m/s. It is the lower quartile of each contact, so that
+  /// treading
+  /// on and rolling off do not count.
   void add_contacts(std::span<const int> feet, std::span<const double> stands, std::vector<double>& speeds) {
     const double carried = limits_.carried * leg_length() * out_.cure.scale;
-    // In steps of about 1/25 s, in which noise of the recording is small against the way of a foot that slides.
+    // In steps of about 1/25 s, so that the noise of the recording is small compared with the distance that a foot
+    // slides.
     const Index stride = std::max<Index>(1, std::lround(std::min(fps_ / 25, static_cast<double>(frames()))));
     std::vector<double> contact;
     for (Index f = first_; f < frames(); f += stride) {
@@ -493,7 +501,7 @@ class MotionInspector {
   std::vector<double> contact_speeds() {
     std::vector<BodyJoints::Pair> joints{body_->ankle};
     if (body_->toe.known()) joints.push_back(body_->toe);
-    std::vector<double> stands;  // at which height the lower of a pair stands: a foot that stays higher hangs
+    std::vector<double> stands;  // the height of each standing pair's lower foot: a foot that stays higher hangs
     for (const BodyJoints::Pair& p : joints) {
       std::vector<double> heights;
       for (Index f = first_; f < frames(); ++f) heights.push_back(std::min(at(f, p.left).y, at(f, p.right).y));
@@ -508,8 +516,9 @@ class MotionInspector {
     }
     return speeds;
   }
-  /// Feet far off y = 0 swim, climb or hang, and carry nothing; in place, where a swimmer treads water, those that are
-  /// off at all.
+  /// Feet far off y = 0 swim, climb or hang, and carry nothing. In place, where a swimmer treads water, this is true
+  /// for
+  /// feet that are off y = 0 at all.
   void check_contacts(bool in_place) {
     if (const double speed = quantile(contact_speeds(), 0.5); speed > limits_.slide) {
       add(Fault::sliding_feet, first_, "standing feet slide at ", hundredths(speed), " m/s",

@@ -28,7 +28,7 @@ inline double angle_at(const Vec3<double>& a, const Vec3<double>& b, const Vec3<
 inline double off_arc(std::span<const double> y, double fps) {
   const auto n = static_cast<double>(y.size());
   if (y.size() < 4) return 0;
-  std::vector<double> rest;  // with gravity taken away: a straight line is left
+  std::vector<double> rest;  // without gravity: a straight line is left
   double mean = 0, slope = 0, spread = 0;
   for (std::size_t i = 0; i < y.size(); ++i) {
     const double t = static_cast<double>(i) / fps;

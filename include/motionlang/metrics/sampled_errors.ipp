@@ -10,7 +10,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The mean of the poses of all motions, as a body that faces ahead is seen.
+/// The mean of the poses of all motions, seen from a body that faces ahead.
 inline JointFrames mean_pose(const RifkeVariant& variant, Index motions, const BlindErrors::Motions& joints_of) {
   const auto n = static_cast<std::size_t>(variant.joints);
   JointFrames sum(n);
@@ -57,7 +57,7 @@ MOTIONLANG_BODY void BlindErrors::add(const JointFrames& truth, Index own) {
   JointFrames standing;
   while (standing.size() < truth.size()) standing.insert(standing.end(), mean_.begin(), mean_.end());
   pose_.add(standing, truth);
-  JointFrames other;  // that is long enough, if one of a hundred is
+  JointFrames other;  // one that is long enough, if there is one among a hundred
   for (int tries = 0; tries < 100 && other.size() < truth.size(); ++tries) {
     const Index any = draws_.below(static_cast<std::uint32_t>(motions_));
     if (any != own || motions_ == 1) other = joints_of_(any);

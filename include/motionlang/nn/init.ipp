@@ -25,7 +25,7 @@ MOTIONLANG_BODY ParameterRoom*& ParameterRoom::innermost() {
 }
 
 MOTIONLANG_BODY void ParameterRoom::take_numbers(const Shape& shape) {
-  double count = 1;  // may be beyond Index
+  double count = 1;  // may be too large for Index
   for (const Index n : shape.sizes()) count *= static_cast<double>(n);
   taken_ += count;
   if (taken_ > 2 * static_cast<double>(numbers_) + (1 << 24))

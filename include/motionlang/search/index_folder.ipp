@@ -111,14 +111,15 @@ MOTIONLANG_BODY void IndexUpdate::take_captions() {
   }
 }
 
-/// Forgets what is gone, renames what has only moved, and finds what is to be read: new and changed files, and those of
-/// which the captions say something new.
+/// Forgets missing files, renames moved ones, and finds the files to read: new and changed files, and those whose
+/// captions
+/// have changed.
 MOTIONLANG_BODY void IndexUpdate::find_changes() {
   std::map<std::string, IndexedClip> known;  // a clip of each file
   std::set<std::string> now;
   for (const IndexedClip& c : index_.clips()) known.emplace(c.path, c);
   for (const FileState& f : files_) now.insert(f.path.string());
-  std::map<std::pair<std::int64_t, std::string>, IndexedClip> moved;  // gone from where they were: time, content
+  std::map<std::pair<std::int64_t, std::string>, IndexedClip> moved;  // missing from their old places: time, content
   for (const auto& [path, c] : known) {
     if (!c.content.empty() && is_below(path, folder_) && !now.contains(path)) moved[{c.modified, c.content}] = c;
   }
@@ -156,7 +157,7 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
   }
 }
 
-/// True if the clips of a file are what the captions say; a file that they do not name stays as it is.
+/// True if the clips of a file agree with the captions; a file that they do not name stays unchanged.
 MOTIONLANG_BODY bool IndexUpdate::has_lines(const IndexedClip& c, const std::string& path) const {
   const auto found = lines_of_.find(path);
   return found == lines_of_.end() || c.lines == detail::checksum_of_lines(found->second);
@@ -170,7 +171,7 @@ MOTIONLANG_BODY void IndexUpdate::keep(const IndexedClip& c, const std::string& 
   ++report_.relicensed;
 }
 
-/// That of the options, otherwise of the LICENSE file, otherwise what the index had.
+/// The licence from the options, else from the LICENSE file, else from the old index.
 MOTIONLANG_BODY std::string IndexUpdate::license_of(const std::filesystem::path& path, const std::string& before) {
   if (!options_.license.empty()) return printable(options_.license);
   const std::string& beside = license_beside(path.parent_path());
@@ -187,7 +188,7 @@ MOTIONLANG_BODY const std::string& IndexUpdate::license_beside(const std::filesy
 }
 
 MOTIONLANG_BODY void IndexUpdate::run(Progress progress) {
-  // A few files at a time: reading is split over threads here, encoding inside the model.
+  // A few files at a time: here threads share the reading, and inside the model the encoding.
   const auto at_once = static_cast<std::size_t>(8 * thread_count());
   const std::vector<FileState> fresh = std::exchange(fresh_, {});
   for (std::size_t begin = 0; begin < fresh.size(); begin += at_once) {

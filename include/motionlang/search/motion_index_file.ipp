@@ -57,7 +57,7 @@ inline IndexedClip indexed_clip(const JsonView& v) {
   return c;
 }
 
-/// The rows of a tensor where they lie, or copied if they are not aligned there.
+/// The rows of a tensor in their place, or a copy if they are not aligned there.
 inline VectorTable index_rows(const SafetensorsFile& file, const std::string& name, Index width) {
   const TensorView& t = file.tensor(name);
   if (t.dtype != DType::F32 || t.shape.rank() != 2 || t.shape[1] != width)

@@ -26,7 +26,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A vector as hnswlib sees it: the number of a row, or -1 and the vector of a query.
+/// A vector in the form of hnswlib: the number of a row, or -1 and the vector of a query.
 struct GraphPoint {
   std::int64_t row = -1;
   const float* vector = nullptr;
@@ -66,7 +66,7 @@ class HnswGraph : public hnswlib::HierarchicalNSW<float> {
   using hnswlib::HierarchicalNSW<float>::HierarchicalNSW;
 };
 
-/// Follows every link of a saved graph, so that hnswlib can do it without looking. Throws io_error 402, 403.
+/// Checks every link of a saved graph, so that hnswlib can follow it without checks. Throws io_error 402, 403.
 inline void check_graph(std::span<const std::byte> bytes, Index vectors, const std::string& name) {
   struct Header {
     std::uint64_t offset_level0, capacity, count, element, label_offset, data_offset;
@@ -120,7 +120,7 @@ inline void check_graph(std::span<const std::byte> bytes, Index vectors, const s
   }
 }
 
-/// A file that nobody else sees, for a library that reads and writes files only.
+/// A file that only we see, for a library that only reads and writes files.
 class ScratchFile {
  public:
   ScratchFile() {
@@ -171,8 +171,8 @@ MOTIONLANG_BODY VectorGraph VectorGraph::extended(std::span<const std::byte> byt
                                                        static_cast<std::size_t>(g.count()));
       },
       [&](const std::exception& e) -> bool { raise<io_error>(403, name, ": ", e.what()); });
-  g.graph_->num_deleted_ = 0;  // hnswlib leaves it open
-  // else every addition draws the same levels
+  g.graph_->num_deleted_ = 0;  // hnswlib does not set it
+  // otherwise every addition draws the same levels
   g.graph_->level_generator_.seed(static_cast<std::uint32_t>(known + 1));
   g.add_from(known, progress);
   return g;
@@ -196,7 +196,7 @@ MOTIONLANG_BODY std::vector<std::vector<Neighbour>> VectorGraph::search(std::spa
   std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(n));
   k = std::min(k, count());
   if (k == 0) return out;
-  // hnswlib follows as many as are asked for
+  // hnswlib follows as many candidates as wanted.
   const auto candidates = static_cast<std::size_t>(std::max<Index>(100, 2 * k));
   parallel_for(n, [&](Index q) {
     const float* query = units.data() + q * width_;

@@ -12,11 +12,11 @@ struct ArrayWriter {
   const Shape& shape;
   const void* numbers;
   std::string (*number)(const void*, Index);
-  std::string indent;  // of the lines behind the first
+  std::string indent;  // of the lines after the first
   bool all;            // nothing is left out
   std::string out{};
 
-  /// The part of the axes axis, axis + 1, ... that begins with number `first`.
+  /// The part of the axes axis, axis + 1, ... that begins with value `first`.
   void write(int axis, Index first) {
     if (axis == shape.rank()) {
       out += number(numbers, first);
@@ -37,7 +37,7 @@ struct ArrayWriter {
     }
     out += ']';
   }
-  /// Between two parts of an axis: a blank in a line, else as many ends of lines as there are axes inside.
+  /// Between two parts of an axis: a blank within a line, else as many line ends as there are axes inside.
   void separate(int axis) {
     const int inside = shape.rank() - 1 - axis;
     out += inside == 0 ? ", " : ",";

@@ -20,8 +20,9 @@ namespace detail {
 /// Byte pair encoding of single words: merges pairs of neighbours in the order of their rank. A constant table.
 class BytePairs {
  public:
-  /// Throws config_error 107, naming `source`, if a byte has no symbol and `unknown` < 0, or a merge names or makes no
-  /// piece.
+  /// Throws config_error 107 with the name `source` if a byte has no symbol and `unknown` < 0, or if a merge has a part
+  /// or a
+  /// result that is not a piece.
   BytePairs(const std::vector<std::string>& pieces, const BytePairMerges& merges, const std::string& word_end,
             Index unknown, std::string_view source) {
     std::unordered_map<std::string_view, Index> ids;
@@ -78,7 +79,7 @@ class BytePairs {
         waiting.push({m->second.rank, at, left, right, m->second.both});
     };
     for (std::size_t i = 0; i < word.size(); ++i) propose(i);
-    // All places of the pair of lowest rank, from left to right, before any pair that they give rise to.
+    // All places of the pair of lowest rank, from left to right, before any new pairs.
     for (std::vector<Candidate> round; !waiting.empty(); round.clear()) {
       for (const std::size_t rank = waiting.top().rank; !waiting.empty() && waiting.top().rank == rank; waiting.pop())
         round.push_back(waiting.top());
@@ -107,11 +108,11 @@ class BytePairs {
   std::unordered_map<std::uint64_t, Merge> merges_;
 };
 
-/// The ids of words that have been seen. Forgets all of them when it is full. One thread at a time.
+/// The ids of words seen so far. It is emptied when full. One thread at a time.
 class WordCache {
  public:
   explicit WordCache(std::size_t most) : most_(most) {}
-  static constexpr std::size_t longest = 64;  // bytes of a word that is kept
+  static constexpr std::size_t longest = 64;  // bytes of a word to keep
 
   const std::vector<Index>* find(std::string_view word) const {
     const auto found = ids_.find(word);
@@ -194,7 +195,7 @@ MOTIONLANG_BODY TokenPair ClipTokenizer::encode_pair(std::string_view a, std::st
 
 MOTIONLANG_BODY std::vector<Index> ClipTokenizer::encode_words(std::string_view text) const {
   std::vector<Index> ids;
-  const std::unique_lock lock(cache_->mutex, std::try_to_lock);  // a second thread does without the cache
+  const std::unique_lock lock(cache_->mutex, std::try_to_lock);  // a second thread works without the cache
   detail::WordCache* cache = lock.owns_lock() ? cache_.get() : nullptr;
   const auto special = [&](Index id) { ids.push_back(id); };
   raw_.split(

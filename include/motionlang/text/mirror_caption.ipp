@@ -12,7 +12,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Letters and digits; bytes of other characters than ASCII belong to words.
+/// Letters and digits; bytes of characters outside ASCII belong to words.
 constexpr bool in_word(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
          static_cast<unsigned char>(c) >= 0x80;
@@ -43,7 +43,7 @@ inline std::string with_capitals(std::string word, std::string_view like) {
   return word;
 }
 
-/// Words and what stands between them, in turns, beginning with a word (perhaps an empty one).
+/// Words and the gaps between them, alternating, beginning with a word (perhaps an empty one).
 inline std::vector<std::string_view> words_and_gaps(std::string_view text) {
   std::vector<std::string_view> out;
   for (bool word = true; !text.empty(); word = !word) {
@@ -55,7 +55,8 @@ inline std::vector<std::string_view> words_and_gaps(std::string_view text) {
   return out;
 }
 
-/// Words `first`, first + 2, ... of `count` in small letters as one; empty if more than a hyphen or a blank parts them.
+/// Words `first`, first + 2, ... of `count` in small letters as one; empty if more than a hyphen or a blank is between
+/// them.
 inline std::string joined_words(const std::vector<std::string_view>& pieces, std::size_t first, std::size_t count) {
   std::string out;
   for (std::size_t i = 0; i < 2 * count - 1; ++i) {

@@ -55,7 +55,7 @@ inline const std::unordered_map<std::string_view, HtmlEntity>& html_entity_table
   return table;
 }
 
-/// A numeric character reference at text[at] == '&': its text, and the place behind it. None if there is no digit.
+/// A numeric character reference at text[at] == '&': its text, and the place after it. Nothing if there is no digit.
 struct Reference {
   std::string text;
   std::size_t end = 0;
@@ -109,7 +109,7 @@ std::string replace_references(std::string_view text, F reference) {
   return out;
 }
 
-/// The stricter reading of entities in the repair: they end in ';', and a numeric one is nothing but digits.
+/// The stricter reading of entities in the repair: they end in ';', and a numeric one has only digits.
 inline std::string unescape_closed_references(std::string_view text) {
   return replace_references(text, [](std::string_view t, std::size_t at) -> std::optional<Reference> {
     const bool numeric = t.substr(at + 1).starts_with('#');
@@ -196,7 +196,7 @@ constexpr bool is_removed_control(char32_t c) {
          (c >= 0xFFF9 && c <= 0xFFFC);
 }
 
-/// The place behind a terminal escape (ESC [ digits and semicolons, a letter) at text[at], `at` if there is none.
+/// The place after a terminal escape (ESC [ digits and semicolons, a letter) at text[at]; `at` if there is none.
 inline std::size_t escape_end(std::u32string_view text, std::size_t at) {
   if (text[at] != 0x1B || at + 1 >= text.size() || text[at + 1] != U'[') return at;
   std::size_t end = at + 2;

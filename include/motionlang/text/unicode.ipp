@@ -142,7 +142,7 @@ MOTIONLANG_BODY std::u32string nfc(std::u32string_view text) {
   unsigned last = 0;  // class of the last character kept behind the starter; 0: none, or another starter
   for (const char32_t c : out) {
     const unsigned combining = combining_class(c);
-    // c can be reached from the starter if nothing between them has its class or is a starter itself
+    // c can be reached from the starter if no character between them has its class or is a starter itself.
     const bool adjacent = size == starter + 1;
     if (has_starter && (adjacent || (last != 0 && last < combining))) {
       if (const char32_t both = detail::composed(out[starter], c); both != 0) {

@@ -19,7 +19,7 @@ MOTIONLANG_BODY MeasuredItems::MeasuredItems(const BabelSources& sources, std::s
         return reader(s, frames, spelling, false);
       },
       progress);
-  data_.part(part_);  // of this name there is one
+  data_.part(part_);  // throws for an unknown part
 }
 
 MOTIONLANG_BODY void MeasuredItems::choose(const std::function<bool(const DescribedMotion&)>& wanted,

@@ -12,7 +12,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The mean of tables of latents that know nothing.
+/// The mean of tables of random latents.
 inline RetrievalTable chance_table(RetrievalProtocol protocol, std::size_t texts, const Rows<float>& sentences,
                                    const RetrievalOptions& options) {
   constexpr Index width = 8;

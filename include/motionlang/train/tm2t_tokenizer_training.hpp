@@ -47,7 +47,7 @@ std::vector<double> tm2t_training_deviation(std::vector<double> std, double bias
 }  // namespace detail
 
 /// Mean and deviation as the tokenizer uses them. They are those of the features, but each deviation is the mean of its
-/// group, as in HumanML3D, and is then reduced for root and contacts.
+/// group, as in HumanML3D. It is then reduced for root and contacts.
 /// folder   with Mean.npy and Std.npy, already averaged by group; empty: those of these motions
 template <Backend B>
 Normalizer<B> tm2t_statistics(const DescribedMotions& data, const std::filesystem::path& folder, double bias) {

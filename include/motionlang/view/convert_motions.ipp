@@ -29,7 +29,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk".
+/// The file for one of several motions: out_walk.bvh, and out_walk_2.bvh for another "walk".
 inline std::filesystem::path several_name(std::filesystem::path out, const std::string& name,
                                           std::set<std::string>& taken) {
   const std::string extension = out.extension().string();
@@ -45,7 +45,7 @@ inline double reach_of(const Skeleton& skeleton) {
   return std::max({size.x, size.y, size.z});
 }
 
-/// Rates and times as people read them: "20 per second, 3.00 s".
+/// Rates and times for readers: "20 per second, 3.00 s".
 inline std::string rate_and_time(double fps, double seconds) {
   char text[96];
   std::snprintf(text, sizeof text, "%g per second, %.2f s", fps, seconds);
@@ -103,7 +103,7 @@ class OneConversion {
   }
 
  private:
-  /// Notes about a motion for the person who converts it.
+  /// Notes about a motion for the user who converts it.
   void note(const Motion& m) {
     const std::string where = in_.string() + (motions_.size() == 1 ? "" : " " + m.name) + ": ";
     char text[160];
@@ -127,7 +127,7 @@ class OneConversion {
       notes_.input += where + text + "\n";
     }
   }
-  /// Whose motion it is stays with AMASS files; joints and features do not have it, nor hands.
+  /// Shape and gender are kept for AMASS files; joints and features do not have them, nor hands.
   void read_amass_file() {
     AmassSequence sequence = read_amass_sequence(in_, how_.read.rate);
     motions_.push_back(amass_motion(sequence, in_.stem().string()));
@@ -156,8 +156,9 @@ class OneConversion {
       notes_.input += in_.string() + ": what `denoise` makes is without hands and face\n";
   }
 
-  /// Features that are not on the clip's own joints, arrays of positions and AMASS are on SMPL's joints, feet are fixed
-  /// there, and the user's body has these or its own.
+  /// True if the motion must be on SMPL's joints: for features that are not on the clip's own joints, arrays of
+  /// positions
+  /// and AMASS files. Feet are fixed there. The user's body has these joints or its own.
   bool wants_smpl(const Motion& m) const {
     if (how_.body != nullptr && !how_.body->has_joints_of(m)) return true;
     if (how_.body != nullptr && !how_.body->takes_any_joints()) return false;
@@ -167,7 +168,7 @@ class OneConversion {
     const bool unknown_order = features.empty() && kind == ".npy" && !has_joints_of_arrays(m);
     return how_.edits.smpl || how_.edits.fix_feet || others || unknown_order || kind == ".npz";
   }
-  /// `report` is set if the joints were others than SMPL's and had to become these.
+  /// `report` is set if the joints were other than SMPL's and had to become SMPL's.
   Motion edited(Motion m, RetargetReport& report) const {
     m = edit_time(std::move(m), how_.time);
     if (how_.denoise) m = how_.denoise(m);
@@ -178,7 +179,7 @@ class OneConversion {
     return m;
   }
 
-  /// If one of several motions fails, it is reported, and the others go on.
+  /// If one of several motions fails, it is reported, and the others continue.
   template <class Work>
   void attempt(const std::string& name, Work work) {
     guard<error>(work, [&](const error& e) {
@@ -270,8 +271,9 @@ MOTIONLANG_BODY void convert_motions(const std::filesystem::path& in, const std:
       .run();
 }
 
-// Written motions must not be among the originals: they could take the place of a file that is still to be read. In a
-// folder below them they are not read by the next run.
+// Written motions must not be among the originals: they could replace a file that is still to be read. In a folder
+// below
+// the originals, the next run would not read them.
 MOTIONLANG_BODY std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in,
                                                                     const std::filesystem::path& out,
                                                                     const std::string& extension,

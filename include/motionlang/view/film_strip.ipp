@@ -25,8 +25,9 @@ struct ObliqueView {
   double sine = std::sin(elevation), cosine = std::cos(elevation);
   static constexpr double elevation = 14 * degree;
 
-  /// The way of the root goes to the right and a little towards the viewer. Without a way worth the name, the figure
-  /// faces the viewer, half turned to the right.
+  /// The path of the root goes to the right and a little towards the viewer. Without a noticeable path, the figure
+  /// faces the
+  /// viewer, half turned to the right.
   static ObliqueView of(const Motion& motion) {
     const Vec3<double> way = main_direction(motion);
     const Vec3<double> facing = rotate(motion.rotations(0)[0], Vec3<double>{0, 0, 1});
@@ -53,7 +54,7 @@ struct ObliqueView {
   }
 };
 
-/// How far the joints come, seen from the root, and the root up and down: metres, a mean over the joints.
+/// The extent of the joints' movement, seen from the root, and of the root's height: metres, a mean over the joints.
 inline double way_of_joints(const Motion& motion) {
   const auto positions = motion.positions();
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
@@ -159,7 +160,7 @@ class FilmStrip {
     }
   }
 
-  /// Where the root goes over the floor; its shadow line.
+  /// The path of the root over the floor, as its shadow line.
   template <class Surface>
   void path(Surface& on) const {
     std::vector<Point2> points;

@@ -61,7 +61,7 @@ class FolderInspection {
     }
     return wanted;
   }
-  /// A copy as BVH, a.npz.bvh of a.npz, unless there is nothing that could be written.
+  /// Writes a copy as BVH, a.npz.bvh for a.npz, unless there is nothing to write.
   void clean(const Motion& motion, const Inspection& seen, const std::string& name) {
     if (seen.has(Fault::not_finite) || seen.has(Fault::empty)) return;
     const std::string stem =

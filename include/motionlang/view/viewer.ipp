@@ -30,7 +30,7 @@ inline std::string pack_motion(const Motion& motion) {
   return to_base64(bytes);
 }
 
-/// Lengths to the hundredth of a millimetre: short in text.
+/// Rounds lengths to the hundredth of a millimetre, which gives short text.
 inline double rounded(double x) { return std::round(x * 1e5) / 1e5; }
 inline nlohmann::ordered_json rounded(const Vec3<double>& v) {
   return nlohmann::ordered_json::array({rounded(v.x), rounded(v.y), rounded(v.z)});

@@ -8,7 +8,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The repository's name for a pair of networks; empty for a pair that it does not have.
+/// The repository's name for a pair of networks; empty for a pair that it lacks.
 inline std::string_view actor_archiname(const ActorConfig& c) {
   const bool transformer = c.encoder == ActorEncoderKind::tokens || c.encoder == ActorEncoderKind::average;
   switch (c.decoder) {

@@ -104,7 +104,7 @@ MOTIONLANG_BODY RunReader reader_of(const RunFolder& run, const TensorSet& weigh
                                          : "joint_embed.weight");
 }
 
-/// Where a text encoder is looked for, relative to the folder of the model and to the one around it.
+/// The places of a text encoder, relative to the folder of the model and to its parent.
 inline constexpr const char* clip_places[] = {"text_encoder", "clip", "ViT-B-32.pt", "clip-vit-base-patch32"};
 
 inline constexpr const char* bert_places[] = {"text_encoder", "distilbert-base-uncased"};
@@ -138,7 +138,7 @@ MOTIONLANG_BODY std::filesystem::path clip_vocabulary_of(const std::filesystem::
 }
 
 MOTIONLANG_BODY WeightFile run_weights(const RunFolder& run) {
-  if (run.weights.extension() == ".safetensors") return open_weights(run.weights);  // of ours
+  if (run.weights.extension() == ".safetensors") return open_weights(run.weights);  // one of ours
   if (run.system == "motiondiffuse") return open_weights(run.weights, {.path = "encoder"});
   const FileValue* average = run.option("use_ema");
   if (run.system == "mdm" && average != nullptr && std::get_if<bool>(&average->value) &&

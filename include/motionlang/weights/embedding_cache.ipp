@@ -78,7 +78,7 @@ MOTIONLANG_BODY void EmbeddingCache::write(const FilePath& folder, const std::st
   if (with_slices)
     write_npy(base + "_slice.npy", NpyArray::of(std::span<const std::int64_t>(bounds), {count(), 2}));
   else
-    std::remove((base + "_slice.npy").c_str());  // of a cache that stood here before
+    std::remove((base + "_slice.npy").c_str());  // of an earlier cache in this place
   write_file(base + "_index.json", std::string_view(index));
 }
 

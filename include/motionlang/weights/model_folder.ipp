@@ -82,7 +82,7 @@ MOTIONLANG_BODY void write_model_folder(const FilePath& path, const ModelFolder&
     raise<io_error>(401, path.string(), " exists already; remove it or choose another name");
   const fs::path part = target.string() + ".part-" + std::to_string(::getpid());
   std::error_code problem;
-  fs::remove_all(part, problem);  // of a run that was killed and had the same number
+  fs::remove_all(part, problem);  // of a killed run with the same number
   problem.clear();
   const auto check = [&](const char* what) {
     if (!problem) return;

@@ -58,7 +58,7 @@ inline ModelSummary tmr_summary(const RunFolder& run, const WeightFile& weights)
           {"networks", concat_text(transformer_sizes(c), c.vae ? "" : ", deterministic")}};
 }
 
-/// A folder of TM2T holds one of its models; packed, and of our training, what that one was made with, too.
+/// A folder of TM2T holds one of its models. A packed folder, and one of our trainings, also has the models behind it.
 inline ModelSummary tm2t_summary(const RunFolder& run) {
   const WeightFile weights = tm2t_weights(run);
   ModelSummary out;
@@ -164,7 +164,7 @@ MOTIONLANG_BODY std::string describe_folder(const FilePath& folder) {
       for (const auto& [key, value] : model_summary(run)) say(key, value);
     };
     detail::guard<error>(summary,
-                         [&](const error& e) {  // tensors are missing: what there is can be looked at all the same
+                         [&](const error& e) {  // tensors are missing: the rest can still be shown
                            say("not a whole model", e.what());
                            return true;
                          });

@@ -11,7 +11,7 @@ namespace detail {
 
 MOTIONLANG_BODY bool before_by_number(std::string_view a, std::string_view b) {
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  const auto number = [&](std::string_view& text) {  // without zeros in front; takes it off
+  const auto number = [&](std::string_view& text) {  // without leading zeros; removes it from the text
     std::size_t end = 0;
     while (end < text.size() && digit(text[end])) ++end;
     const std::string_view whole = text.substr(0, end);
@@ -40,7 +40,7 @@ MOTIONLANG_BODY std::vector<std::filesystem::path> listed(const std::filesystem:
   return out;
 }
 
-/// The file of a folder that comes first in `names`, else the last one whose name begins and ends so; empty if there is
+/// The first of `names` in a folder, else the last file whose name begins and ends with these texts; empty if there is
 /// none.
 inline std::filesystem::path best_file(const std::filesystem::path& folder, std::initializer_list<const char*> names,
                                        std::string_view begin, std::string_view end) {
@@ -98,7 +98,7 @@ inline void unpack(RunFolder& run) {
   if (run.system != "motionlang" || system == nullptr) return;
   if ((published == nullptr || to_string(*published) != "true") && to_string(*system) != "tm2t") return;
   run.system = to_string(*system);
-  if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // whose folders look alike
+  if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // their folders look alike
   run.options = options_of_config(run);
   run.packed = true;
 }
@@ -170,7 +170,7 @@ inline void find_weights(RunFolder& run) {
     run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
   }
   add_statistics(run);
-  if (run.weights.empty() && split.empty()) add_parts(folder);  // of a system that nobody knows: every file is a part
+  if (run.weights.empty() && split.empty()) add_parts(folder);  // unknown system: every file is a part
 }
 
 }  // namespace detail

@@ -11,7 +11,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 MOTIONLANG_BODY RenamedTensors::RenamedTensors(const TensorSet& file) : TensorSet(file.name(), nullptr) {
-  if (file.owner() == nullptr) return;  // bytes that nobody keeps: tensors will be copies
+  if (file.owner() == nullptr) return;  // the bytes have no owner: tensors will be copies
   memory_->file = file.owner();
   owner_ = memory_;
 }
@@ -110,7 +110,7 @@ inline RenamedTensors clip_tensors_of_hugging_face(const TensorSet& file, const 
     for (const auto& [from, to] : table) {
       if (name.starts_with(from)) return std::string(to).append(name.substr(from.size()));
     }
-    return std::string(name);  // to be reported
+    return std::string(name);  // for the report
   };
   RenamedTensors out(file);
   const std::string model = prefix + "text_model.";

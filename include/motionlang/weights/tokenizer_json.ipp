@@ -11,7 +11,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Throws io_error 404: the file asks for a kind of thing that is not known here.
+/// Throws io_error 404: the file asks for an unsupported kind.
 [[noreturn]] inline void unknown_kind(const JsonView& view, std::string_view wanted) {
   const std::string found = view.contains("type") && view["type"].is_string() ? view["type"].as<std::string>() : "none";
   raise<io_error>(404, view.path(), ": type ", utf8_head(found, 40), ", expected ", wanted);
@@ -21,7 +21,7 @@ inline bool has_type(const JsonView& view, std::string_view type) {
   return view.contains("type") && view["type"].is_string() && view["type"].as<std::string>() == type;
 }
 
-/// Throws io_error 404 unless the member is missing or has the only value that is known here.
+/// Throws io_error 404 unless the member is missing or has the only supported value.
 template <class T>
 void require_value(const JsonView& view, const std::string& key, const T& value) {
   if (view.value_or(key, value) != value) raise<io_error>(404, view.path(), ": '", key, "' has an unsupported value");
@@ -150,7 +150,7 @@ inline BertTokenizer bert_from_json(const JsonView& document, const TokenizerLim
   return out;
 }
 
-/// The patterns by which CLIP's words are found.
+/// The patterns by which CLIP finds words.
 inline bool is_clip_pattern(std::string_view pattern) {
   constexpr std::string_view marks = R"(<\|startoftext\|>|<\|endoftext\|>|)";
   if (pattern.starts_with(marks)) pattern.remove_prefix(marks.size());
@@ -273,7 +273,7 @@ inline BertTokenizer bert_from_folder(const std::string& folder, const Tokenizer
   for (const auto& [key, name] : names) {
     if (const auto found = config.tokens.find(key); found != config.tokens.end()) *name = found->second;
   }
-  // MPNet's own unknown token is not that of its words.
+  // MPNet's own unknown token differs from that of its words.
   if (const auto found = config.tokens.find("unk_token"); !mpnet && found != config.tokens.end())
     o.unknown = found->second;
   for (const auto& [key, token] : config.tokens) {

@@ -95,8 +95,8 @@ class WeightFile : public TensorSet {
   std::vector<std::filesystem::path> files_;
 };
 
-/// True for a folder, for a file that begins as open_weights expects, and for any file that is not text, for which
-/// open_weights gives the best error. Older pickles are text and are not recognised.
+/// True for a folder and for a file that begins as open_weights expects. Also true for any other file that is not text,
+/// because open_weights gives the best error for it. Older pickles are text and are not recognised.
 bool may_be_weights(const FilePath& path);
 
 /// Opens a file, the index.json of weights in shards, or the folder of a training run (weights/run_folder.hpp).

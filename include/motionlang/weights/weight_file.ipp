@@ -29,7 +29,7 @@ namespace detail {
 /// Fills a WeightFile.
 class WeightReader {
  public:
-  /// file_size   an honest file has no more values to look at than bytes
+  /// file_size   a valid file has no more values to visit than bytes
   WeightReader(WeightFile& out, TensorMemory& memory, const WeightOptions& options, std::uint64_t file_size)
       : out_(out),
         memory_(memory),
@@ -105,7 +105,7 @@ class WeightReader {
 
   // Walking through a pickle.
 
-  /// An account of time: as many values as the file justifies. What takes longer than looking at one counts as more.
+  /// A budget of time: as many values as the file justifies. Slow visits count as more than one.
   void spend_visits(const PickleValue& v, std::uint64_t count = 1) {
     if (visits_left_ < count) v.fail(405, "more values to look at than the file justifies");
     visits_left_ -= count;
@@ -165,7 +165,7 @@ class WeightReader {
     spend_visits(dict, dict.size() / 8);
     return dict.find(key);
   }
-  /// The value of an object of omegaconf, or of a class that is made like it.
+  /// The value of an object of omegaconf, or of a class with the same form.
   std::optional<PickleValue> content(const PickleValue& state) {
     const auto inner = find_counted(state, "_content");
     return inner ? inner : find_counted(state, "_val");
@@ -201,9 +201,11 @@ class WeightReader {
     }
   }
 
-  /// The fields of an object whose class nobody knows, as values. Its tensors are skipped: the class may mean
-  /// anything by them. Objects may share others and lead back to themselves, so each is looked into a few times at
-  /// most, and all of them together leave enough visits for what is known.
+  /// Reads the fields of an object of an unknown class as values. Its tensors are skipped, because the class may give
+  /// them
+  /// any meaning. Objects may share others and refer back to themselves. So each is visited a few times at most, and
+  /// all of
+  /// them together leave enough visits for known objects.
   void visit_unknown(const PickleValue& v) {
     constexpr int most_looks = 4;
     const bool inside = std::find(unknown_.begin(), unknown_.end(), v.id()) != unknown_.end();
@@ -214,14 +216,16 @@ class WeightReader {
     unknown_.push_back(v.id());
     const std::size_t keys = path_.size(), depth = depth_;
     guard<io_error>([&] { visit_fields(v); }, [](const io_error&) { return true; });
-    path_.resize(keys);  // where there were too many
+    path_.resize(keys);  // if there were too many
     depth_ = depth;
     unknown_.pop_back();
     visits_left_ += kept;
   }
-  /// Fields are the entries of dictionaries: of the state, of several in the state (attributes and slots, the keywords
-  /// of functools.partial), and among the arguments of the call that made the object. An object that was made from one
-  /// other value only stands for that value, as an Enum does.
+  /// Fields are the entries of dictionaries: of the state, of several dictionaries in the state (attributes and slots,
+  /// the
+  /// keywords of functools.partial), and among the arguments of the call that made the object. An object that was made
+  /// from
+  /// one other value, as an Enum is, stands for that value.
   void visit_fields(const PickleValue& v) {
     constexpr std::size_t most_dictionaries = 8;
     std::vector<PickleValue> fields;
@@ -255,7 +259,7 @@ class WeightReader {
 
   // The results.
 
-  /// Runs `read`; what is not supported is skipped, and so is whatever is wrong where no tensors are wanted.
+  /// Calls `read`. It skips values that are not supported, and all errors if no tensors are wanted.
   template <class F>
   void attempt(const std::string& name, F read) {
     constexpr std::uint64_t visits_of_a_failure = 50;
@@ -367,7 +371,7 @@ class WeightReader {
     const NpyParts npy = npy_parts(bytes, file);
     add_array({npy.header.descr, npy.header.fortran_order, npy.header.shape, npy.raw, npy.where}, true);
   }
-  /// A list of nothing but numbers, as a tensor; false if it is none.
+  /// A list of numbers only, as a tensor; false for any other list.
   bool add_numbers(const PickleValue& list) {
     bool real = false;
     for (std::size_t i = 0; i < list.size(); ++i) {
@@ -395,11 +399,11 @@ class WeightReader {
   const TorchFile* torch_ = nullptr;
   char separator_ = '/';
   std::vector<std::string> selection_;
-  std::vector<std::string_view> path_;  // keys from the root to the value that is looked at
+  std::vector<std::string_view> path_;  // keys from the root to the current value
   std::uint64_t visits_left_, visits_for_known_;
-  std::vector<std::uint32_t> unknown_;              // objects around the value whose classes nobody knows
-  std::unordered_map<std::uint32_t, int> looks_{};  // how often such objects were looked into
-  std::size_t depth_ = 0;  // values around the one that is looked at; objects that stand for another one add no key
+  std::vector<std::uint32_t> unknown_;              // objects of unknown classes around the value
+  std::unordered_map<std::uint32_t, int> looks_{};  // number of visits to such objects
+  std::size_t depth_ = 0;  // values around the current one; objects that stand for another one add no key
   bool joblib_ = false;
 };
 
@@ -450,7 +454,7 @@ inline bool is_safetensors(std::span<const std::byte> bytes) {
   return text.size() > 8 && text[8] == '{' && load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
 }
 
-/// True if the first number is the length of a header that the file holds, and which is no longer than one may be.
+/// True if the first value is the length of a header that the file holds, and is not too long.
 inline bool has_header_length(std::span<const std::byte> bytes) {
   if (bytes.size() < sizeof(std::uint64_t)) return false;
   const auto length = load<std::uint64_t>(bytes, 0, "", "");
@@ -521,7 +525,7 @@ MOTIONLANG_BODY WeightFile WeightFile::from_bytes(std::span<const std::byte> byt
         raise<io_error>(403, name, ": a zip archive without data.pkl (PyTorch) and .npy (NumPy)");
       refuse_keys("npz");
       out.format_ = "npz";
-      memory->allow(bytes.size() + (std::uint64_t{28} << 20));  // what a pickle would need
+      memory->allow(bytes.size() + (std::uint64_t{28} << 20));  // the needs of a pickle
       reader.read(npz, zip);
     }
   } else if (TorchFile::is_legacy(bytes)) {
@@ -535,8 +539,9 @@ MOTIONLANG_BODY WeightFile WeightFile::from_bytes(std::span<const std::byte> byt
   } else if (const auto packed = detail::unread_packing(text); !packed.empty()) {
     raise<io_error>(404, name, ": packed with ", packed, ", which is not read: unpack it first");
   } else if (detail::is_zlib(bytes) || is_gzip(bytes)) {
-    // The memory that any pickle may need for its values; with it, and 10 MiB that are not counted, twice the size and
-    // 64 MiB.
+    // The memory that any pickle may need for its values. With it, and 10 MiB that are not counted, the limit is twice
+    // the
+    // size and 64 MiB.
     constexpr std::uint64_t values = std::uint64_t{24} << 20;
     memory->allow(bytes.size() + (std::uint64_t{18} << 20));
     const std::vector<std::byte>& unpacked =
@@ -549,7 +554,7 @@ MOTIONLANG_BODY WeightFile WeightFile::from_bytes(std::span<const std::byte> byt
     read_torch(TorchFile::from_pickle(std::move(pickle), memory));
   } else if (detail::begins_pickle(text)) {
     Pickle pickle(bytes, name, {.inline_bytes = joblib_array_bytes});
-    // of 8 bytes, or more
+    // of 8 bytes or more
     const bool number = pickle.root().is(PickleKind::integer) || pickle.root().is(PickleKind::bytes);
     if (number && pickle.end() < bytes.size() && bytes[static_cast<std::size_t>(pickle.end())] == std::byte{0x80})
       pickle.root().fail(404, "not the magic number of PyTorch's older files, although pickles follow it,");
@@ -581,7 +586,7 @@ MOTIONLANG_BODY void WeightFile::add(const WeightFile& file, const std::string& 
     skipped_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.type});
 }
 
-/// The files that "weight_map" of an index.json names, each with the tensors that are said to be in it.
+/// The files that "weight_map" of an index.json names, each with its listed tensors.
 MOTIONLANG_BODY WeightFile WeightFile::from_shards(const FilePath& index, const WeightOptions& options) {
   const auto document = read_json(index);
   const auto map = JsonView(document, index.string())["weight_map"].as<std::map<std::string, std::string>>();

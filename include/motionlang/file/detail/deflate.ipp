@@ -47,8 +47,8 @@ class FixedCodes {
     if (symbol < 280) return bits_.put_code(symbol - 256, 7);
     bits_.put_code(0xC0 + symbol - 280, 8);
   }
-  /// length  3 ... 258; distance 1 ... 32768. Both in groups that double in size, lengths four to a size, distances
-  ///         two.
+  /// length  3 ... 258; distance 1 ... 32768. Both have groups that double in size: four groups for each size of
+  ///         lengths, two for each size of distances.
   void match(std::uint32_t length, std::uint32_t distance) {
     if (length == 258) {
       literal(285);
@@ -84,7 +84,7 @@ class FixedCodes {
 
 MOTIONLANG_BODY std::string deflate(std::span<const std::byte> bytes) {
   constexpr std::size_t shortest = 3, longest = 258, farthest = 32768;
-  std::vector<std::size_t> places(1 << 15, ~std::size_t{0});  // where three bytes stood last, by their hash
+  std::vector<std::size_t> places(1 << 15, ~std::size_t{0});  // the last place of three bytes, by their hash
   const auto at = [&](std::size_t i) { return std::to_integer<std::uint32_t>(bytes[i]); };
   const auto hash = [&](std::size_t i) { return ((at(i) << 16 | at(i + 1) << 8 | at(i + 2)) * 2654435761u) >> 17; };
   FixedCodes out;

@@ -191,7 +191,7 @@ struct BlockCodes {
 
 inline void append_bytes(ByteCount& out, std::span<const std::byte> bytes) { out.bytes += bytes.size(); }
 
-/// Appends `length` bytes, each the one that stands `distance` before it.
+/// Appends `length` bytes, each a copy of the byte `distance` before it.
 inline void repeat(ByteCount& out, std::size_t, std::size_t length) { out.bytes += length; }
 
 inline void repeat(std::vector<std::byte>& out, std::size_t distance, std::size_t length) {

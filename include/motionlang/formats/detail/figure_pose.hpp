@@ -21,7 +21,8 @@ inline ConeEnds cone_ends(const JointTransforms<double>& world, const RoundCone&
 }
 
 /// The floor under a body, and its highest point in all frames. The floor is the height of the lowest point in most
-/// frames (the lower quartile), because the tip of a foot that pushes off dips below it for a moment.
+/// frames (the lower quartile). The minimum would be too low, because the tip of a foot that pushes off dips for a
+/// moment.
 struct Heights {
   double floor = 0, high = std::numeric_limits<double>::lowest();
 };

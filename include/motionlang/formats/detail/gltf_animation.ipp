@@ -84,7 +84,7 @@ MOTIONLANG_BODY GltfAnimation::GltfAnimation(SharedAccessors& keys, Index number
   begin_at_0();
 }
 
-/// Finds the rate at which keys are.
+/// Finds the frame rate of keys.
 class KeyGrid {
  public:
   using Times = const std::vector<double>*;
@@ -97,13 +97,13 @@ class KeyGrid {
     }
   }
 
-  /// Seconds of a frame where the list with most keys has one in each.
+  /// Seconds of a frame if the list with most keys has one in each.
   std::optional<double> dense_step() const {
     if (most_->size() < 2) return std::nullopt;
     const double step = (most_->back() - most_->front()) / static_cast<double>(most_->size() - 1);
     return fits(step) ? std::optional(step) : std::nullopt;
   }
-  /// Seconds of a frame where no list has a key in each: the shortest time between two keys is one or a few frames.
+  /// Seconds of a frame if no list has a key in each: the shortest time between two keys is one or a few frames.
   std::optional<double> sparse_step() const {
     std::vector<double> all;
     for (const Times t : lists_) all.insert(all.end(), t->begin(), t->end());
@@ -115,7 +115,7 @@ class KeyGrid {
     }
     for (int frames = 1; frames <= 8 && shortest / frames > 1e-3; ++frames) {
       double step = shortest / frames;
-      for (const double t : all) {  // later keys tell more exactly how long a frame is
+      for (const double t : all) {  // later keys give the length of a frame more exactly
         const double n = std::round((t - first_) / step);
         if (n > 0 && std::abs(t - first_ - n * step) < 0.25 * step) step = (t - first_) / n;
       }
@@ -128,7 +128,7 @@ class KeyGrid {
     const double rate = 1 / step, round = std::round(1000 * rate) / 1000;
     return std::abs(rate - round) <= rounding * rate * last_ / (last_ - first_) ? round : rate;
   }
-  /// The median time between two keys of the list that has most.
+  /// The median time between two keys of the longest list.
   double usual() const {
     std::vector<double> gaps;
     for (std::size_t i = 1; i < most_->size(); ++i) {
@@ -162,13 +162,13 @@ class KeyGrid {
 
 MOTIONLANG_BODY GltfTiming GltfAnimation::timing(std::span<const int> nodes) const {
   GltfTiming out;
-  std::set<const std::vector<double>*> moving, all;  // channels may share them: each once
+  std::set<const std::vector<double>*> moving, all;  // channels may share them: count each once
   for (const Channels* channels : {&translations_, &rotations_, &scales_}) {
     for (const auto& [node, c] : *channels) {
       if (!std::binary_search(nodes.begin(), nodes.end(), node)) continue;
       out.keys += c.times->size();
       all.insert(c.times.get());
-      if (c.times->size() > 2 || !c.constant()) moving.insert(c.times.get());  // a pose that is held has any two times
+      if (c.times->size() > 2 || !c.constant()) moving.insert(c.times.get());  // a constant pose has any two times
       if (c.mode == GltfChannel::cubic && !c.constant()) out.cubic = true;
     }
   }

@@ -60,7 +60,7 @@ MOTIONLANG_BODY GltfFigures::GltfFigures(const GltfDocument& document, std::span
     if (!skin && nodes[slot(n)].is_bone) add(n);
   }
   if (place > 0) find_known(declared, find_table);
-  if (!skin && figures.empty()) {  // joints that move no vertex may be in no skin; things are rarely joints
+  if (!skin && figures.empty()) {  // joints that move no vertex may be in no skin; objects are rarely joints
     const auto animated = [&](int n) {
       return std::any_of(animations.begin(), animations.end(), [n](const auto& a) { return a.animates(n); });
     };
@@ -79,7 +79,7 @@ MOTIONLANG_BODY GltfFigures::GltfFigures(const GltfDocument& document, std::span
   }
   for (GltfSkeleton& figure : figures) {
     choose_rest(figure, skin);
-    if (auto table = find_table(figure.skeleton)) figure.table = std::move(table);  // by which it stands now
+    if (auto table = find_table(figure.skeleton)) figure.table = std::move(table);  // the table for its present pose
   }
   if (figures.empty()) find_unknown(animations, skin);
 }
@@ -122,7 +122,7 @@ MOTIONLANG_BODY void GltfFigures::find_known(std::vector<int> own_place, const F
     open.pop_back();
     GltfSkeleton all;
     if (marks.below[slot(top)] <= static_cast<int>(max_joints) / 2) all = build(marks, top);
-    if (all.nodes.empty()) {  // a crowd: what hangs on the node one by one
+    if (all.nodes.empty()) {  // a crowd: the children of the node, one by one
       for (const int c : document_.node(top).children) open.push_back(c);
       continue;
     }
@@ -152,7 +152,7 @@ MOTIONLANG_BODY void GltfFigures::find_unknown(std::span<const GltfAnimation> an
   };
   if (skins == 0) {
     std::vector<int> own_place = none;
-    for (const int n : document_.depth_first()) {  // what is animated, and what hangs on it
+    for (const int n : document_.depth_first()) {  // the animated nodes and everything below them
       const int p = document_.node(n).parent;
       const bool animated =
           std::any_of(animations.begin(), animations.end(), [n](const auto& a) { return a.animates(n); });
@@ -244,7 +244,7 @@ MOTIONLANG_BODY int GltfFigures::moving_hips(const Marks& marks, int root, std::
 
 MOTIONLANG_BODY GltfSkeleton GltfFigures::build(const Marks& marks, int root) const {
   GltfSkeleton out;
-  std::unordered_map<std::string, int> copies;  // how often a name was made unique
+  std::unordered_map<std::string, int> copies;  // the number of copies of each name
   std::unordered_set<std::string> taken;
   const auto add = [&](int node, int parent, const std::string& name, const Vec3<double>& offset) {
     std::string unique = name;
@@ -298,7 +298,7 @@ MOTIONLANG_BODY void GltfFigures::finish(GltfSkeleton& figure) const {
     figure.above.insert(figure.above.begin(), n);
 }
 
-/// The mean angle by which trunk, arms and legs leave a T-pose, radians. Nothing of a skeleton without them.
+/// The mean angle between trunk, arms and legs and a T-pose, radians. Nothing for a skeleton without them.
 inline std::optional<double> distance_from_t_pose(std::span<const Vec3<double>> joints, const Skeleton& skeleton,
                                                   const SkeletonTable& table) {
   const auto between = [&](std::string_view from, std::string_view to) {
@@ -333,7 +333,7 @@ MOTIONLANG_BODY void GltfFigures::choose_rest(GltfSkeleton& figure, std::optiona
   const std::size_t joints = figure.nodes.size();
   std::unordered_map<int, std::size_t> number;  // of a node among the joints
   for (std::size_t j = 0; j < joints; ++j) number.emplace(figure.nodes[j], j);
-  // the skin with most joints of the figure
+  // the skin with the most joints of the figure
   Index best = -1;
   std::size_t most = 0;
   constexpr Index most_skins = 256;
@@ -350,7 +350,7 @@ MOTIONLANG_BODY void GltfFigures::choose_rest(GltfSkeleton& figure, std::optiona
     }
     if (best >= 0) values = document_.values(document_.element("skins", best)["inverseBindMatrices"].as<Index>(), 16);
   };
-  // a motion can do without them: damaged ones leave the rest pose to the nodes
+  // The matrices are optional: if they are damaged, the nodes give the rest pose.
   if (!guard<error>(find_matrices, [](const error&) { return true; }) || best < 0) return;
   const std::vector<int> bound = joints_of_skin(best);
   std::vector<std::optional<GltfPlace>> bind(joints);  // in the space of the mesh
@@ -370,7 +370,7 @@ MOTIONLANG_BODY void GltfFigures::choose_rest(GltfSkeleton& figure, std::optiona
 
   std::vector<GltfPlace> rest;
   figure.place([&](int n) { return document_.node(n).rest; }, rest);
-  // bones must be as long as at rest, in some unit
+  // Bones must be as long as at rest, in some unit.
   std::vector<double> ratios;
   for (std::size_t j = 1; j < joints; ++j) {
     const auto p = static_cast<std::size_t>(figure.skeleton.parents[j]);
@@ -383,7 +383,7 @@ MOTIONLANG_BODY void GltfFigures::choose_rest(GltfSkeleton& figure, std::optiona
   const auto fits = [unit](double r) { return std::abs(r - unit) < 0.05 * unit; };
   if (!(unit > 0) || 10 * std::count_if(ratios.begin(), ratios.end(), fits) < 9 * std::ssize(ratios)) return;
 
-  // from the space of the mesh to the world: as the armature, as the mesh, as it is, or so that the root stays
+  // From the space of the mesh to the world: with the armature's turn, the mesh's, none, or one that keeps the root.
   std::vector<Matrix3<double>> turns;
   if (!figure.above.empty()) turns.push_back(world_[slot(figure.above.back())].axes());
   for (Index n = 0; n < document_.count("nodes"); ++n) {

@@ -36,7 +36,7 @@ MOTIONLANG_BODY std::vector<double> semidefinite_factor(std::vector<double> a, s
   return factor;
 }
 
-/// A tridiagonal matrix with the eigenvalues of A: its diagonal, and what stands beside it.
+/// A tridiagonal matrix with the eigenvalues of A: its diagonal and the secondary diagonal.
 struct Tridiagonal {
   std::vector<double> diagonal, beside;
 };
@@ -81,7 +81,7 @@ MOTIONLANG_BODY std::vector<double> symmetric_eigenvalues(const std::vector<doub
   double size = 0;
   for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::abs(d[i]) + std::abs(e[i]));
   for (std::size_t first = 0; first < n;) {
-    std::size_t last = first;  // of the block that does not fall apart
+    std::size_t last = first;  // of the block that does not split
     while (last + 1 < n && std::abs(e[last]) > eps * (std::abs(d[last]) + std::abs(d[last + 1])) + eps * eps * size)
       ++last;
     if (last == first) {

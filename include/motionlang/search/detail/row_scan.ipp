@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bodies of row_scan.hpp: the split of the work over threads, and who is compared exactly.
+// Bodies of row_scan.hpp: the split of the work over threads, and the choice of vectors to compare exactly.
 #pragma once
 
 #include <algorithm>  // max_element
@@ -16,7 +16,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// The nearest so far to a group of queries, as one thread has seen them.
+/// The nearest rows so far for a group of queries, found by one thread.
 template <class S>
 class Candidates {
  public:
@@ -27,7 +27,7 @@ class Candidates {
         best_(queries.size() / static_cast<std::size_t>(scan.width), NearestK(k)),
         limits_(best_.size(), -std::numeric_limits<S>::infinity()) {}
 
-  /// A fast score that is not above the limit of its query is not worth an exact one.
+  /// A fast score that is not above the limit of its query does not need an exact one.
   S limit(Index query) const { return limits_[static_cast<std::size_t>(query)]; }
   void compare(Index query, Index row) {
     const auto q = static_cast<std::size_t>(query);
@@ -50,7 +50,7 @@ class Candidates {
   std::vector<S> limits_;
 };
 
-/// Few queries: the gallery is read once, each row by all of them.
+/// Few queries: the gallery is read once, and each row is compared with all of them.
 template <class S>
 void scan_with_few(const RowScan<S>& scan, const ScanKernels<S>& kernel, std::span<const S> queries, Index first,
                    Index last, Candidates<S>& candidates) {
@@ -88,16 +88,16 @@ struct ScoreBlock {
   /// Whole tiles, few enough to stay in the second-level cache beside a panel.
   static Index rows_of(const Kernels<S>& kernel) { return 8 * kernel.tile_rows; }
   Index columns() const { return panels * panel_width; }
-  /// Distance of rows: of those that are a power of two apart, few fit into a cache.
+  /// The distance of rows. Few rows with a distance of a power of two fit into a cache.
   Index pitch() const { return panels == 1 ? panel_width : columns() + 16; }
   static Index gallery_pitch(Index width) { return (width + 15) / 16 * 16 + 16; }
-  /// Numbers that scan_with_panels needs.
+  /// The number of values that scan_with_panels needs.
   Index scratch(Index width) const {
     return product_scratch + rows * pitch() + columns() + rows * gallery_pitch(width);
   }
 };
 
-/// Many queries, in panels: a matrix product whose scores are looked at while they lie in a cache.
+/// Many queries, in panels: a matrix product whose scores are checked while they are in a cache.
 template <class S>
 void scan_with_panels(const RowScan<S>& scan, const Panels<S>& queries, Index first, Index last, S* scratch,
                       Candidates<S>& candidates) {
@@ -155,7 +155,7 @@ double rounding_of(std::span<const S> queries, Index width) {
 
 template <std::same_as<float> S>
 std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queries, Index k) const {
-  constexpr Index group = 1024, few = 8;  // queries: those that share a cache, and those that are not worth a product
+  constexpr Index group = 1024, few = 8;  // queries: a group that shares a cache, and a number too small for a product
   const Kernels<S>& kernel = kernels<S>();
   const Index total = std::ssize(queries) / width, threads = thread_count();
   std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(total));
@@ -166,7 +166,7 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
     const Index n = std::min(group, total - begin);
     const auto mine = queries.subspan(static_cast<std::size_t>(begin * width), static_cast<std::size_t>(n * width));
     const bool product = n > few, rounded = product && !halves.empty();
-    // Errors of float sums, and 1 % for what lies below: lengths of 1.001, the rounding of the exact score and of the
+    // Errors of float sums, and 1 % for smaller effects: lengths of 1.001, the rounding of the exact score and of the
     // limit.
     const double error =
         1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error + (rounded ? rounding_of(mine, width) : 0));
