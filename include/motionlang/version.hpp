@@ -26,8 +26,7 @@
 
 /// Stands before every definition in a file *.ipp, which has the bodies of the header of the same name. Without
 /// motionlang::instantiated, the header includes that file and all functions are inline. With it, units see
-/// declarations
-/// only, and the library's own units (instantiated/*.cpp) include the files *.ipp.
+/// declarations only, and the library's own units (instantiated/*.cpp) include the files *.ipp.
 #ifdef MOTIONLANG_INSTANTIATED
 #define MOTIONLANG_BODY
 #else

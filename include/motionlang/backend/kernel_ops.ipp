@@ -61,8 +61,7 @@ struct Panels {
 };
 
 /// The panels of a prepared weight, and those of the weight prepared after it, which is probably multiplied next. For
-/// the
-/// latter only the address is known, for prefetching: they may have been freed.
+/// the latter only the address is known, for prefetching: they may have been freed.
 template <class S>
 struct PreparedPanels {
   PreparedPanels(Panels<S> p, Index t) : panels(std::move(p)), taps(t) {}
@@ -165,10 +164,8 @@ Scratch<S> gemm_scratch(const Panels<S>& p) {
 }
 /// True if every thread takes its own rows of A and multiplies them with all panels. Otherwise threads share rows and
 /// split the panels. A thread finds its own rows in its cache, where it wrote them. The rows of others come slowly:
-/// with 16
-/// threads a byte of them costs about as much as five bytes of panels, which are prefetched. False if there are few
-/// rows
-/// and many panels, or if the rows do not fill tiles.
+/// with 16 threads a byte of them costs about as much as five bytes of panels, which are prefetched. False if there are
+/// few rows and many panels, or if the rows do not fill tiles.
 inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index rows_at_once, Index tile_rows) {
   const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
   return each >= std::max(tile_rows, rows_at_once / 4) || (fills_tiles && 5 * a_bytes >= panel_bytes);
@@ -349,10 +346,8 @@ void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, co
 }
 
 /// `linear` with exchanged sides, y^T = weight x^T: the weight is read in its place, and only x is packed. The sums are
-/// the
-/// same in the same order as with panels of the weight, so the results have the same bits (for multiply-adds; tiles do
-/// not
-/// treat both sides alike).
+/// the same in the same order as with panels of the weight, so the results have the same bits (for multiply-adds; tiles
+/// do not treat both sides alike).
 template <class S>
 Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bias, Activation act, const S* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];

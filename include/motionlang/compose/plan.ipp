@@ -52,8 +52,7 @@ inline void merge_pieces(TimelinePlan& plan) {
 }
 
 /// The cuts with a transition, ascending: all except the first and the last. At a cut where no part changes its owner,
-/// it
-/// throws timeline_error 506 or leaves the cut out.
+/// it throws timeline_error 506 or leaves the cut out.
 inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts hidden) {
   std::vector<Index> cuts;
   for (std::size_t k = 1; k < plan.pieces.size(); ++k) {
@@ -95,8 +94,7 @@ inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const
 }
 
 /// For each stretch of a part, its extended frames are added from the crop of its owner. At its start, the window of
-/// the
-/// transition, which both neighbours have added, is subtracted once.
+/// the transition, which both neighbours have added, is subtracted once.
 inline void make_slices(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
                         const PlanOptions& options) {
   const auto texts = static_cast<Index>(plan.timeline.intervals.size());

@@ -75,8 +75,7 @@ class ThreadPool {
   static constexpr int spins_before_sleep = 20000;
 
   /// The tasks that a thread takes first; a thread without tasks helps the others. If consecutive regions split the
-  /// same
-  /// rows alike, each thread finds its rows in its caches.
+  /// same rows alike, each thread finds its rows in its caches.
   struct alignas(64) Share {
     std::atomic<Index> next{0};
     Index end = 0;
@@ -109,9 +108,8 @@ class ThreadPool {
   }
 
   /// The work of a thread. It is a function, because std::thread takes its address. The code of a lambda would be a
-  /// part
-  /// of std::thread's. A program and a shared library share that code, but each has its own copy of this pool and of
-  /// `inside_`.
+  /// part of std::thread's. A program and a shared library share that code, but each has its own copy of this pool and
+  /// of `inside_`.
   static void start(ThreadPool* pool, int number, unsigned seen) {
     number_ = number;
     pool->work(seen);

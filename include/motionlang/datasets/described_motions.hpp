@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Motions with texts or labels as rows of features, split into training, validation and test, for ACTOR, TEMOS and
 /// TMR. There are three sources: a folder of clips with a table, folders in the form of HumanML3D or KIT-ML, or the
-/// unified
-/// annotation file with its motions.
+/// unified annotation file with its motions.
 ///
 ///     const auto data = read_described_motions({.data = "clips", .captions = "captions.tsv"}, DataConfig{},
 ///                                              row_maker("guoh3d"));

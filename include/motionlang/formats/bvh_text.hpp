@@ -52,12 +52,9 @@ struct Bvh {
 
 /// Reads the text of a BVH file. Accepts any order and number of channels, positions on every joint, keywords in any
 /// case, and any line ends. Frames may be broken over lines; names may have blanks or stand after "End Site"; there may
-/// be
-/// several ROOTs, joints without channels, UTF-16 and decimal commas. If every frame is a line, there may be more or
-/// fewer
-/// frames than declared, and other text after them; `notes` report it. Throws io_error 402 (too short), 403 (malformed,
-/// or
-/// values left over), 405 (too many joints). Messages give file, line and column.
+/// be several ROOTs, joints without channels, UTF-16 and decimal commas. If every frame is a line, there may be more or
+/// fewer frames than declared, and other text after them; `notes` report it. Throws io_error 402 (too short), 403
+/// (malformed, or values left over), 405 (too many joints). Messages give file, line and column.
 Bvh parse_bvh(std::string_view text, std::string_view name = "BVH text");
 /// Throws io_error 401 and as parse_bvh.
 Bvh read_bvh(const FilePath& path);

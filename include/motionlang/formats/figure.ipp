@@ -39,10 +39,8 @@ struct Anatomy {
 
  private:
   /// A leg measures the body: it is the longest chain beside an equally long one. Limbs are chains of at least a third
-  /// of
-  /// it. Joints with two limbs, and all joints above these, are the trunk. Bones that lead to the first such joint
-  /// (from a
-  /// root on the floor, for example) are hidden.
+  /// of it. Joints with two limbs, and all joints above these, are the trunk. Bones that lead to the first such joint
+  /// (from a root on the floor, for example) are hidden.
   void find_trunk(const Skeleton& s) {
     std::vector<double> second(reach.size(), 0.0);  // length of the second longest chain below the joint
     for (std::size_t j = reach.size(); j-- > 1;) {

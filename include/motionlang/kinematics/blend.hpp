@@ -13,10 +13,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// `second` after `first`. The first clip blends into the second over `frames` frames. The second clip is turned and
 /// moved over the floor until both roots have the same place and heading in the middle of these frames. Heights are
-/// only
-/// blended. The result has frames(first) + frames(second) - frames frames. Throws config_error 102 if skeletons or
-/// frame
-/// rates differ, and 101 unless 1 <= frames <= those of each clip.
+/// only blended. The result has frames(first) + frames(second) - frames frames. Throws config_error 102 if skeletons or
+/// frame rates differ, and 101 unless 1 <= frames <= those of each clip.
 Motion blend_into(const Motion& first, const Motion& second, Index frames);
 
 /// The clip without the jump into frame `from`. That frame moves to where the frames before it lead, and the correction

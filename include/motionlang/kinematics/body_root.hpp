@@ -24,8 +24,7 @@ struct JointMovement {
 /// The root of a body if names do not help. From the root down it follows the only child that moves, or the moving
 /// child that has most of the joints below it. Below a moving joint, and beside joints that turn (as legs do beside a
 /// spine), only a large movement counts: more than the length of its longest chain of bones. A bone that stretches is
-/// not
-/// a root.
+/// not a root.
 /// movements  of each joint
 int moving_root(const Skeleton& skeleton, std::span<const JointMovement> movements);
 

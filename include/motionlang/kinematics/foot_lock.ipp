@@ -118,8 +118,7 @@ MOTIONLANG_BODY Motion path_from_feet(const Motion& motion, std::span<const Leg>
 namespace detail {
 
 /// (frames): the slide of a standing foot to the next frame, on its toe or its ankle, whichever carries it. Nothing for
-/// a
-/// foot that swings, and in the last frame.
+/// a foot that swings, and in the last frame.
 inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& motion,
                                                                std::span<const Vec3<double>> positions, const Leg& leg,
                                                                const FootFixOptions& options) {
@@ -135,8 +134,7 @@ inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& mot
 }
 
 /// The direction in which the knee of a straight leg bends, seen from the thigh: that of the toes in the rest pose. +Z
-/// if
-/// the foot does not show it.
+/// if the foot does not show it.
 inline Vec3<double> forward_of(const Skeleton& skeleton, const Leg& leg) {
   const auto rest = skeleton.rest_positions();
   const auto at = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
@@ -161,8 +159,7 @@ MOTIONLANG_BODY void move_foot(Motion& motion, const Leg& leg, std::span<const V
 
 /// (frames): the lift of a foot whose toe would otherwise swing too low. It must be `clearance` above the lower of the
 /// heights at which it leaves the floor and returns. There is one bump sin^2 for each swing, at most `clearance` or a
-/// tenth
-/// of its distance high, so that jitter is not lifted.
+/// tenth of its distance high, so that jitter is not lifted.
 inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
                                              const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames(), joints = motion.skeleton.size();

@@ -114,10 +114,8 @@ inline constexpr KnownTable known_tables[] = {
       {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}},
      true, true},
     // Ubisoft's LaFAN1 has Mixamo's names, but in its zero pose all bones lie along x. In a T-pose x runs along the
-    // bone
-    // and y to the front (for feet up); z mirrors the sides. Offsets show this for the trunk. Limbs are assumed to be
-    // alike,
-    // which was not compared with recordings. Feet are turned by the slope of SMPL's.
+    // bone and y to the front (for feet up); z mirrors the sides. Offsets show this for the trunk. Limbs are assumed to
+    // be alike, which was not compared with recordings. Feet are turned by the slope of SMPL's.
     {"LaFAN1",
      {{"pelvis", "Hips", "+z+x"}, {"spine1", "Spine", "+z+x"}, {"spine2", "Spine1", "+z+x"}, {"spine3", "Spine2", "+z+x"}, {"neck", "Neck", "+z+x"}, {"head", "Head", "+z+x"},
       {"left_hip", "LeftUpLeg", "-z-x"}, {"left_knee", "LeftLeg", "-z-x"}, {"left_ankle", "LeftFoot", "-z+y", {23, 0, 0}}, {"left_foot", "LeftToe", "-z+y"},

@@ -198,8 +198,7 @@ class MotionInspector {
   }
 
   /// Trunk and legs point up in most clips. The check also respects clips in which a person lies, swims or crawls all
-  /// the
-  /// time: their feet would not be on the floor along the other axis, and their rest pose stands.
+  /// the time: their feet would not be on the floor along the other axis, and their rest pose stands.
   void check_up_axis() {
     const auto seen = std::span<const Vec>(positions_).subspan(static_cast<std::size_t>(first_ * columns_));
     const auto stands = find_up_axis({seen, columns_, *body_, standing_direction(motion_.skeleton, *body_)},
@@ -212,10 +211,8 @@ class MotionInspector {
   }
 
   /// The bones now have the size of a person. A root in another unit holds the feet far off the floor, and they slide;
-  /// with
-  /// the right factor they come to the floor and stand there. Both must be true, because feet far off the floor may
-  /// hang, and
-  /// feet that slide may tread on the spot.
+  /// with the right factor they come to the floor and stand there. Both must be true, because feet far off the floor
+  /// may hang, and feet that slide may tread on the spot.
   void check_root_unit() {
     constexpr std::size_t fewest = 2;  // contacts
     const double off = sole_height({0, 1, 0});
@@ -241,8 +238,7 @@ class MotionInspector {
   }
 
   /// Left is in the direction of up x forward. Toes point forward while a foot stands flat, and knees bend forward.
-  /// Both, as
-  /// far as they are visible, must contradict the names.
+  /// Both, as far as they are visible, must contradict the names.
   void check_sides() {
     struct Witness {
       double legs = 0, arms = 0, weight = 0;
@@ -414,9 +410,8 @@ class MotionInspector {
     return off > limits_.isolated * around ? off : 0;
   }
   /// The distance of a joint from the frame before, if that is part of a jump; else 0. A jump is one to a few frames in
-  /// a
-  /// row that stand out from the others. It may also be a flicker, in which a known body's joint is impossibly fast or
-  /// slow.
+  /// a row that stand out from the others. It may also be a flicker, in which a known body's joint is impossibly fast
+  /// or slow.
   double jump_size(Index f, Index j) {
     const double s = step(f, j);
     if (s * fps_ < limits_.jump_speed) return 0;
@@ -458,8 +453,7 @@ class MotionInspector {
   bool on_floor(double sole) const { return sole >= -limits_.below && sole <= limits_.above; }
 
   /// The speed of a leg's foot over the floor during contact, m/s. It is the lower quartile of each contact, so that
-  /// treading
-  /// on and rolling off do not count.
+  /// treading on and rolling off do not count.
   void add_contacts(std::span<const int> feet, std::span<const double> stands, std::vector<double>& speeds) {
     const double carried = limits_.carried * leg_length() * out_.cure.scale;
     // In steps of about 1/25 s, so that the noise of the recording is small compared with the distance that a foot
@@ -517,8 +511,7 @@ class MotionInspector {
     return speeds;
   }
   /// Feet far off y = 0 swim, climb or hang, and carry nothing. In place, where a swimmer treads water, this is true
-  /// for
-  /// feet that are off y = 0 at all.
+  /// for feet that are off y = 0 at all.
   void check_contacts(bool in_place) {
     if (const double speed = quantile(contact_speeds(), 0.5); speed > limits_.slide) {
       add(Fault::sliding_feet, first_, "standing feet slide at ", hundredths(speed), " m/s",

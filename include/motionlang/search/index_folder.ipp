@@ -112,8 +112,7 @@ MOTIONLANG_BODY void IndexUpdate::take_captions() {
 }
 
 /// Forgets missing files, renames moved ones, and finds the files to read: new and changed files, and those whose
-/// captions
-/// have changed.
+/// captions have changed.
 MOTIONLANG_BODY void IndexUpdate::find_changes() {
   std::map<std::string, IndexedClip> known;  // a clip of each file
   std::set<std::string> now;

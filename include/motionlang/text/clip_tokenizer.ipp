@@ -21,8 +21,7 @@ namespace detail {
 class BytePairs {
  public:
   /// Throws config_error 107 with the name `source` if a byte has no symbol and `unknown` < 0, or if a merge has a part
-  /// or a
-  /// result that is not a piece.
+  /// or a result that is not a piece.
   BytePairs(const std::vector<std::string>& pieces, const BytePairMerges& merges, const std::string& word_end,
             Index unknown, std::string_view source) {
     std::unordered_map<std::string_view, Index> ids;

@@ -59,8 +59,8 @@ namespace detail {
 std::vector<TrainingSample> draw_batch(const TrainingSet& data, const StmcTrainingConfig& config, Philox rng,
                                        Index count);
 
-/// Mean and deviation of every feature over samples as training sees them. A feature that never changes gets
-/// deviation 1.
+/// Mean and deviation of every feature over samples as training sees them. A feature that never changes gets deviation
+/// 1.
 template <Backend B>
 Normalizer<B> measure(const TrainingSet& data, const StmcTrainingConfig& config) {
   FeatureStatistics statistics;
@@ -90,10 +90,8 @@ Tensor<B, 1> feature_weights(double root_weight) {
 
 /// The diffusion step of a sample. What all frames have in common (where the figure goes, when it sits down) is visible
 /// through much more noise than any single frame: with 60 frames and features that move together, its signal is still
-/// as
-/// strong as the noise when alpha_bar is about 1e-3. The first few of a hundred steps decide it. So the share `focus`
-/// of
-/// the samples comes from the noisiest fifth, with more samples the noisier the step.
+/// as strong as the noise when alpha_bar is about 1e-3. The first few of a hundred steps decide it. So the share
+/// `focus` of the samples comes from the noisiest fifth, with more samples the noisier the step.
 Index draw_t(Philox& rng, Index steps, double focus);
 
 /// Fills in the sizes that follow from other sizes.

@@ -24,8 +24,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// How joints are measured. MMM's 21 joints as in TEMOS: Y up, 640 units per metre taken for millimetres, in the
-/// heading
-/// of knees and elbows. SMPL's 22 joints: in metres, Z up.
+/// heading of knees and elbows. SMPL's 22 joints: in metres, Z up.
 struct TemosJoints {
   const MotionFeatures& features;
   bool mmm;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The training of TEMOS: motions from texts. `motionlang train-temos` calls it; train/tmr_training.hpp shows how to
-/// use
-/// it.
+/// use it.
 ///
 /// Source   TEMOS (Petrovich, Black, Varol, ECCV 2022), section 3.3; thesis 4.2.3
 #pragma once

@@ -31,8 +31,7 @@ using TokenizedMotions = std::vector<std::vector<TokenizedText>>;  // texts of e
 
 /// The tokens of every text's frames, and its words. There is a line of tokens from each of the first four frames on
 /// that leaves as many whole tokens. Frames after the 196th are cut. Differs from the published program, which draws
-/// the
-/// first frame five times for the whole clip.
+/// the first frame five times for the whole clip.
 template <Backend B>
 TokenizedMotions tokenized(const std::vector<DescribedMotion>& motions, const Tm2t<B>& model, const GloVe& words,
                            Progress progress) {

@@ -30,10 +30,8 @@ class Tm2tWriterTraining : public TokenTask<Seq2SeqGru<A>, Seq2SeqGru<typename A
   Tm2tWriterTraining(const Tm2tTrainingConfig& config, const DescribedMotions& data, const TokenizedData<B>& tokens);
 
   /// As published, a step has two updates. The first, made here, uses the true tokens. The second uses the describer's
-  /// loss
-  /// on the tokens that the writer predicts. The terms are those of both; the gradient is that of the second. The
-  /// describer
-  /// has dropout and is not trained.
+  /// loss on the tokens that the writer predicts. The terms are those of both; the gradient is that of the second. The
+  /// describer has dropout and is not trained.
   LossTerms<A> loss(const Philox& rng, Index step, const Context& context);
   /// The model reads its own output.
   std::vector<Measure> validate() {

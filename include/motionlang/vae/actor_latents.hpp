@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The latents of generated motions. Motions may share their noise, so that they differ only in the action, or share
-/// the
-/// action, so that they differ only in the noise.
+/// the action, so that they differ only in the noise.
 #pragma once
 
 #include <motionlang/tensor/index.hpp>

@@ -15,8 +15,7 @@ struct ActorLossWeights {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
 };
 /// The points that rcxyz and velxyz compare: `actor_points` of the motions, and of those that the model wrote.
-/// Published
-/// models take vertices without the translation.
+/// Published models take vertices without the translation.
 template <Backend B>
 struct ActorLossPoints {
   Sequences<B> wanted, written;

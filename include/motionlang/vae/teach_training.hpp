@@ -55,8 +55,7 @@ LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const 
 }
 
 /// The terms of temos_losses (and velocities, if they have a weight): for the first action with names that end in _0,
-/// for
-/// the second in _1.
+/// for the second in _1.
 /// Source  thesis A.2.3: thesis eq. A.1 (recons_*) and thesis eq. A.2 (kl_text, kl_motion), with the other terms of
 ///         TEMOS; TEACH teach/model/losses/compute_teach.py
 template <Backend B>

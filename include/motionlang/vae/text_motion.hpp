@@ -89,9 +89,10 @@ LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const 
   return out;
 }
 
-///     recons_text2F, recons_F2F     smooth_l1, averaged over the padded batch or over sequences
-///     kl_text2motion, kl_motion2text, kl_text, kl_motion KL(T || M), KL(M || T), KL(T || N(0, 1)), KL(M || N(0, 1))
-///     latent_manifold               smooth_l1(z_T, z_M)
+///     recons_text2F, recons_F2F          smooth_l1, averaged over the padded batch or over sequences
+///     kl_text2motion, kl_motion2text     KL(T || M), KL(M || T)
+///     kl_text, kl_motion                 KL(T || N(0, 1)), KL(M || N(0, 1))
+///     latent_manifold                    smooth_l1(z_T, z_M)
 /// Only the terms that the model and the options have; the names are the published ones.
 /// Source  TEMOS, section 3.3; thesis 4.2.3: the sum of thesis eq. 4.1, thesis eq. 4.2 and thesis eq. 4.3, weighted;
 ///         TEMOS temos/model/losses/compute.py
@@ -121,8 +122,7 @@ LossTerms<B> temos_losses(const TextMotionBranches<B>& branches, const Sequences
 enum class ContrastiveLoss { none, info_nce, margin };
 
 /// Weights of TMR's loss. Table 5.3 of the thesis varies `contrastive_loss`, and sets `recons` to 0 with a
-/// deterministic
-/// model.
+/// deterministic model.
 struct TmrLossOptions {
   double recons = 1, kl = 1e-5, latent = 1e-5, contrastive = 0.1;
   ContrastiveLoss contrastive_loss = ContrastiveLoss::info_nce;
@@ -192,8 +192,7 @@ std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>&
 }
 
 /// Motions between two texts: `steps` latents on the line between the latents of both, all of `length` frames. The
-/// first
-/// and the last are those of text_to_motion. Throws what interpolate_rows throws.
+/// first and the last are those of text_to_motion. Throws what interpolate_rows throws.
 template <Backend B, class Model>
 Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length,
                                const Philox& rng, const LatentSampling& sampling = {}) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Converts files of motion to other files, with edits: motions, features, clips of a data set, characters, bodies,
-/// pages
-/// and pictures.
+/// pages and pictures.
 ///
 ///     convert_motions("dance.bvh", "dance.glb", {.edits = {.mirror = true}});
 ///     FolderConversion done;

@@ -157,8 +157,7 @@ class OneConversion {
   }
 
   /// True if the motion must be on SMPL's joints: for features that are not on the clip's own joints, arrays of
-  /// positions
-  /// and AMASS files. Feet are fixed there. The user's body has these joints or its own.
+  /// positions and AMASS files. Feet are fixed there. The user's body has these joints or its own.
   bool wants_smpl(const Motion& m) const {
     if (how_.body != nullptr && !how_.body->has_joints_of(m)) return true;
     if (how_.body != nullptr && !how_.body->takes_any_joints()) return false;
@@ -272,8 +271,7 @@ MOTIONLANG_BODY void convert_motions(const std::filesystem::path& in, const std:
 }
 
 // Written motions must not be among the originals: they could replace a file that is still to be read. In a folder
-// below
-// the originals, the next run would not read them.
+// below the originals, the next run would not read them.
 MOTIONLANG_BODY std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in,
                                                                     const std::filesystem::path& out,
                                                                     const std::string& extension,

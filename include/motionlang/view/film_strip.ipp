@@ -26,8 +26,7 @@ struct ObliqueView {
   static constexpr double elevation = 14 * degree;
 
   /// The path of the root goes to the right and a little towards the viewer. Without a noticeable path, the figure
-  /// faces the
-  /// viewer, half turned to the right.
+  /// faces the viewer, half turned to the right.
   static ObliqueView of(const Motion& motion) {
     const Vec3<double> way = main_direction(motion);
     const Vec3<double> facing = rotate(motion.rotations(0)[0], Vec3<double>{0, 0, 1});

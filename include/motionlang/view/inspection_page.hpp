@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The findings of a folder of motions as one self-contained HTML page: a table that counts the faults, then every
-/// motion
-/// with its findings and, for some of each kind, a film strip.
+/// motion with its findings and, for some of each kind, a film strip.
 #pragma once
 
 #include <array>        // counts

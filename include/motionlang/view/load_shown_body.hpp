@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Bodies that show motions: the user's own of the SMPL family, or the free one of capsules. A body is read once, for
-/// all
-/// motions.
+/// all motions.
 ///
 ///     const auto body = load_shown_body<B>({.file = "SMPLH_NEUTRAL.npz"});
 ///     const BodyClip clip = body->read("amass/walk.npz");

@@ -16,8 +16,7 @@ struct Curve {
   std::vector<double> steps, values;
 };
 /// Curves over the same steps. Heights are logarithmic if no value is negative and the largest is more than ten times
-/// the
-/// smallest that is not 0; zeros then lie at the bottom.
+/// the smallest that is not 0; zeros then lie at the bottom.
 struct CurvePanel {
   std::string title;
   std::vector<Curve> curves;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Search results as one self-contained HTML page: for each clip or moment its score, its place, its captions, and a
-/// film
-/// strip.
+/// film strip.
 #pragma once
 
 #include <span>         // hits

@@ -39,8 +39,7 @@ class ShownBody {
   /// fps: for a file without a frame rate; 0: none. Throws what read_amass_sequence throws.
   virtual BodyClip read(const std::filesystem::path& npz, double fps = 0) const = 0;
   /// Writes motions on the body: .glb (all motions, with a skin), .html (all motions), .obj (one motion, a file for
-  /// each
-  /// frame).
+  /// each frame).
   /// betas   the shape, unless the options gave one; none: 0
   /// Throws  config_error 101 without a motion, option_error 103 for another extension, and what the writers throw
   virtual BodyFiles write(const std::filesystem::path& path, std::vector<Motion> motions,

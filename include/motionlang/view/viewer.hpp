@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// A page that plays motions: one self-contained HTML file, drawn with WebGL (without it, on a 2D canvas), with the
-/// texts
-/// of a timeline below the figure.
+/// texts of a timeline below the figure.
 #pragma once
 
 #include <cstdint>  // weights

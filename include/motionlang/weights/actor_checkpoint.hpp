@@ -14,8 +14,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The network with its actions and with the settings of its training clips. Throws what the readers throw: io_error
-/// 401
-/// for a missing file, 403 to 407; config_error 101, 102, 103, 107.
+/// 401 for a missing file, 403 to 407; config_error 101, 102, 103, 107.
 template <Backend B>
 ActorModel<B> load_actor(const FilePath& path) {
   return ActorModel<B>(found_model_folder(path));

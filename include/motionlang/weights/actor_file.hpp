@@ -32,8 +32,7 @@ StGcnConfig stgcn_config(const TensorSet& file);
 }  // namespace detail
 
 /// The frames of the longest motions in the training of a run: num_frames. If that is -1 (whole clips) or -2 (windows
-/// of
-/// any length), it is max_len. If this is -1 as well, it is the size of the table of positions without two tokens.
+/// of any length), it is max_len. If this is -1 as well, it is the size of the table of positions without two tokens.
 /// Source  ACTOR src/datasets/dataset.py _get_item_data_index
 Index actor_longest(const RunFolder& run, const TensorSet& weights, const ActorConfig& config);
 

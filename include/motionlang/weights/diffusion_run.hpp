@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The published diffusion models from the folders of their repositories: STMC's MDM-SMPL, MDM, MotionDiffuse. Also
-/// from
-/// model folders made of them (weights/diffusion_folder.hpp).
+/// from model folders made of them (weights/diffusion_folder.hpp).
 ///
 ///     const auto stmc = load_diffusion_run<B>("models/mdm-smpl_clip_smplrifke_humanml3d",
 ///                                             {.text_encoder = "ViT-B-32.pt"});

@@ -51,8 +51,7 @@ class EmbeddingCache {
   /// throw.
   static EmbeddingCache read(const FilePath& folder, const std::string& model);
   /// The same from files in memory; `base` appears in messages. The bytes of the rows must outlive the cache unless
-  /// `owner`
-  /// keeps them.
+  /// `owner` keeps them.
   static EmbeddingCache from_bytes(std::span<const std::byte> row_file,
                                    std::optional<std::span<const std::byte>> slice_file, std::string_view index_text,
                                    const std::string& base, std::shared_ptr<const void> owner = nullptr);
@@ -69,12 +68,10 @@ class EmbeddingCache {
   std::span<const float> find(const std::string& text) const;
   /// Adds a text; `values` are not rows of this cache itself. Throws shape_error 204 unless they are whole rows,
   /// config_error 102 for a text that the cache has already, io_error 403 for one that is not UTF-8, because the index
-  /// could
-  /// not be written.
+  /// could not be written.
   void add(const std::string& text, std::span<const float> values);
   /// Adds the texts that are missing. Throws shape_error 204 if the encoder gives rows of another width, and io_error
-  /// 403
-  /// for a text that is not UTF-8, before it encodes anything.
+  /// 403 for a text that is not UTF-8, before it encodes anything.
   template <Backend B, TextEncoder<B> E>
   void add(const E& encoder, std::span<const std::string> texts) {
     std::vector<std::string> missing;

@@ -52,8 +52,7 @@ bool all_finite(std::span<const S> numbers) {
 }  // namespace detail
 
 /// Gives a tensor the values of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A
-/// variable stays the same variable. NaN is accepted. Throws io_error 407 for another shape.
+/// A variable stays the same variable. NaN is accepted. Throws io_error 407 for another shape.
 template <Backend B>
 void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
                    const std::string& where) {
@@ -76,8 +75,7 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
   }
 }
 /// The purpose of loading a module. For inference, prepare_loaded makes it ready in the same pass over the file: all
-/// its
-/// matrices are weights, and it is not trained or changed afterwards.
+/// its matrices are weights, and it is not trained or changed afterwards.
 enum class LoadFor { any_use, inference };
 
 namespace detail {
@@ -246,8 +244,7 @@ bool prepare_loaded_tensor(const ModuleTensor<B>& t, bool looked_at) {
   return finite;
 }
 /// For large networks: a converted weight is moved to a file, so that it is not in memory twice. If it cannot be moved,
-/// it
-/// is not packed.
+/// it is not packed.
 template <Backend B>
 void prepare_loaded_once(const ModuleTensor<B>& t) {
   if constexpr (PackingBackend<B>) {
@@ -275,8 +272,7 @@ void prepare_in_shares(const std::vector<ModuleTensor<B>>& tensors, std::atomic<
 
 /// `prepare` for networks all of whose matrices are weights, straight from a file. The memory of a mapped file is
 /// released as soon as a weight is packed, so that none is in memory twice. Small tensors become copies. A later reader
-/// of
-/// the file loads it from the disk. Converted weights are packed beside their values.
+/// of the file loads it from the disk. Converted weights are packed beside their values.
 template <Module M>
 void prepare_loaded(M& model) {
   detail::prepare_in_shares(tensors_of(model), nullptr);
@@ -284,8 +280,7 @@ void prepare_loaded(M& model) {
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
 /// Returns the names that did not match (then the module is not made ready). Throws io_error 407 for a tensor of
-/// another
-/// shape, numeric_error 301 for NaN and infinity. A module may declare (`copy_of`) further names for one of its
+/// another shape, numeric_error 301 for NaN and infinity. A module may declare (`copy_of`) further names for one of its
 /// tensors;
 /// io_error 407 if such a tensor differs.
 template <Module M>

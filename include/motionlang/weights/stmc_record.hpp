@@ -74,8 +74,8 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   write_safetensors(path, views, metadata);
 }
 
-/// Reads a record and compares it with the model that the edit will use. Throws io_error 401 ... 407, config_error
-/// 101, 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
+/// Reads a record and compares it with the model that the edit will use. Throws io_error 401 ... 407, config_error 101,
+/// 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
   detail::RecordAbout run = detail::read_record(file, detail::record_model(stmc), stmc.diffusion.steps());

@@ -105,8 +105,7 @@ struct TextMotionModel {
   /// True if it needs no states of a language model.
   bool reads_texts() const { return words || language; }
   /// The input of the text encoder: rows of word pieces, or the states of a language model. They come from its own one,
-  /// or
-  /// from `states`, which has all texts.
+  /// or from `states`, which has all texts.
   Sequences<B> tokens(std::span<const std::string> texts, const EmbeddingCache* states,
                       const Context& context = {}) const {
     if (words) return (*words)(texts).tokens;
@@ -199,8 +198,8 @@ struct TextModelFile {
 };
 using TextMotionFile = TextModelFile<TextMotionConfig>;
 
-/// Reads the contents of an open config.json; `path` appears in messages. Throws config_error 101, 103, 107,
-/// io_error 403.
+/// Reads the contents of an open config.json; `path` appears in messages. Throws config_error 101, 103, 107, io_error
+/// 403.
 template <class Config>
 TextModelFile<Config> text_model_file(const ModelFolder& model, const std::string& path) {
   TextModelFile<Config> file{model.system, model.fps, {}, {}};

@@ -86,8 +86,7 @@ EmbeddingCache token_states(const std::filesystem::path& from, std::span<const s
 }
 
 /// A unit vector for each text of the data. `from`: a sentence encoder (a folder of MPNet) or a cache as above. With
-/// "",
-/// the vector is the bag of words of all texts about the same frames, so that different wordings are alike.
+/// "", the vector is the bag of words of all texts about the same frames, so that different wordings are alike.
 template <Backend B>
 EmbeddingCache sentence_vectors(const std::filesystem::path& from, const DescribedMotions& data) {
   const auto texts = all_texts(data);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// TMR from one folder: the model that comes with motionlang (examples/models/tmr_free), one that train-tmr wrote, or
-/// the
-/// run folder of the published one (config.json, last_weights/*.pt, stats/mean.pt, stats/std.pt).
+/// the run folder of the published one (config.json, last_weights/*.pt, stats/mean.pt, stats/std.pt).
 ///
 ///     const auto tmr = load_tmr<EigenBackend<float>>("examples/models/tmr_free");
 ///     const auto text = tmr.encode_text("a person jumps");                                       // (1, 256)

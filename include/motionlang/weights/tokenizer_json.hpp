@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. Only the kinds
 /// that BERT, MPNet and CLIP use. Any other normaliser, splitter or template is refused by its name, because ids
-/// without
-/// it would be wrong and look right.
+/// without it would be wrong and look right.
 ///
 ///     const AnyTokenizer tokenizer = read_tokenizer("all-mpnet-base-v2");   // a folder
 ///
@@ -58,8 +57,7 @@ struct TokenizerLimits {
 namespace detail {
 
 /// Pieces by id, from an object of ids and the added tokens that it lacks. Throws io_error 403 unless every id from 0
-/// on
-/// has one.
+/// on has one.
 std::vector<std::string> pieces_by_id(const JsonView& vocabulary, std::span<const AddedToken> added = {});
 
 std::vector<AddedToken> added_tokens(const JsonView& document);
@@ -94,10 +92,8 @@ inline bool file_exists(const FilePath& path) { return ::access(path.c_str(), R_
 }  // namespace detail
 
 /// The tokenizer in the folder of a model: its tokenizer.json, else vocab.txt (BERT, MPNet) or vocab.json and
-/// merges.txt
-/// (CLIP), with its tokenizer_config.json. model_max_length is not applied, as in the published systems. Throws
-/// io_error
-/// 401 if all of these files are missing, and as their readers
+/// merges.txt (CLIP), with its tokenizer_config.json. model_max_length is not applied, as in the published systems.
+/// Throws io_error 401 if all of these files are missing, and as their readers
 AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits& limits = {});
 
 MOTIONLANG_NAMESPACE_END

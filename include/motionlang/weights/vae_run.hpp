@@ -108,8 +108,7 @@ ActorRun<B> load_actor_run(const FilePath& folder) {
 /// "temos", "teach" or "sinc", by the token between texts.
 std::string lightning_system(const TensorSet& weights);
 /// The system of a folder. Runs of TEACH and SINC look like those of TEMOS to weights/run_folder.hpp and differ in
-/// their
-/// weights. Throws what find_run and open_weights throw.
+/// their weights. Throws what find_run and open_weights throw.
 std::string system_of_run(const FilePath& folder);
 
 namespace detail {

@@ -24,8 +24,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct WeightOptions {
   /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. The default
-  /// is
-  /// the root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
+  /// is the root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
   std::optional<std::string> path{};
   bool strict = false;     // refuse values that are otherwise skipped
   bool checksums = false;  // also compare PyTorch's checksums of storages, which reads the whole file

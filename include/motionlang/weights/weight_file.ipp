@@ -202,10 +202,8 @@ class WeightReader {
   }
 
   /// Reads the fields of an object of an unknown class as values. Its tensors are skipped, because the class may give
-  /// them
-  /// any meaning. Objects may share others and refer back to themselves. So each is visited a few times at most, and
-  /// all of
-  /// them together leave enough visits for known objects.
+  /// them any meaning. Objects may share others and refer back to themselves. So each is visited a few times at most,
+  /// and all of them together leave enough visits for known objects.
   void visit_unknown(const PickleValue& v) {
     constexpr int most_looks = 4;
     const bool inside = std::find(unknown_.begin(), unknown_.end(), v.id()) != unknown_.end();
@@ -222,10 +220,8 @@ class WeightReader {
     visits_left_ += kept;
   }
   /// Fields are the entries of dictionaries: of the state, of several dictionaries in the state (attributes and slots,
-  /// the
-  /// keywords of functools.partial), and among the arguments of the call that made the object. An object that was made
-  /// from
-  /// one other value, as an Enum is, stands for that value.
+  /// the keywords of functools.partial), and among the arguments of the call that made the object. An object that was
+  /// made from one other value, as an Enum is, stands for that value.
   void visit_fields(const PickleValue& v) {
     constexpr std::size_t most_dictionaries = 8;
     std::vector<PickleValue> fields;
@@ -540,8 +536,7 @@ MOTIONLANG_BODY WeightFile WeightFile::from_bytes(std::span<const std::byte> byt
     raise<io_error>(404, name, ": packed with ", packed, ", which is not read: unpack it first");
   } else if (detail::is_zlib(bytes) || is_gzip(bytes)) {
     // The memory that any pickle may need for its values. With it, and 10 MiB that are not counted, the limit is twice
-    // the
-    // size and 64 MiB.
+    // the size and 64 MiB.
     constexpr std::uint64_t values = std::uint64_t{24} << 20;
     memory->allow(bytes.size() + (std::uint64_t{18} << 20));
     const std::vector<std::byte>& unpacked =

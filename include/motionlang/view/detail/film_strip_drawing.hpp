@@ -319,8 +319,7 @@ class PixelSurface {
     layers(cones, {{{0, ink}, {0, {ink.colour, 0}}}});
   }
   /// Paints the first layer, then the second. The distance to the nearest cone is computed once, and only near the edge
-  /// of
-  /// a cone, because thousands of cones overlap in a piece.
+  /// of a cone, because thousands of cones overlap in a piece.
   void layers(std::span<const RoundCone2> cones, const std::array<Layer, 2>& both) {
     constexpr double far = 1e9;
     const double widest = std::max(both[0].wider, both[1].wider), pixel = 1 / scale_;

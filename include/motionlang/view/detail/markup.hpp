@@ -12,8 +12,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 /// Escapes UTF-8 so that nothing in it is markup: & < > " ' become entities; bytes that are not UTF-8 and characters
-/// that
-/// XML forbids become U+FFFD.
+/// that XML forbids become U+FFFD.
 std::string escape_markup(std::string_view text);
 
 /// A number with a fixed count of decimals, without zeros at the end.
