@@ -1,4 +1,4 @@
-// A leg of three joints: where is the ankle when the knee bends, and which way must the knee turn to lift it?
+// A leg of three joints: the place of the ankle when the knee bends, and the direction in which the knee lifts it.
 #include <cmath>
 #include <cstdio>
 #include <vector>

@@ -1,4 +1,4 @@
-// Text in, motion out: the bundled model walks a timeline, and the result is written for other programs.
+// Text in, motion out: the bundled model turns a timeline into motion, and the result is written for other programs.
 //   usage: 04_text_to_motion [model.safetensors [folder]]
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ int main(int argc, char** argv) try {
   const auto height = [&](ml::Index frame, const char* joint) {
     return joints[static_cast<std::size_t>(frame * motion.skeleton.size() + motion.skeleton[joint])].y;
   };
-  double highest = -9;  // of the lower of both wrists above its shoulder, metres
+  double highest = -9;  // of the lower wrist above its shoulder, metres
   for (ml::Index f = 0; f < motion.frames(); ++f)
     highest = std::max(highest, std::min(height(f, "left_wrist") - height(f, "left_shoulder"),
                                          height(f, "right_wrist") - height(f, "right_shoulder")));
@@ -36,7 +36,7 @@ int main(int argc, char** argv) try {
   ml::write_bvh(folder + "/text_to_motion.bvh", motion);
   ml::write_viewer(folder + "/text_to_motion.html", motion, {}, {.title = "walk forward, raise both arms"});
   std::printf("wrote text_to_motion.bvh and text_to_motion.html\n");
-} catch (const ml::error& e) {  // a file that is not there, ...
+} catch (const ml::error& e) {  // a missing file, ...
   std::fprintf(stderr, "%s\n", e.what());
   return 1;
 }

@@ -1,4 +1,4 @@
-// A denoiser of your own: a model is a struct that lists its fields, and every backend runs it.
+// A denoiser of your own: a model is a struct that lists its fields, and it runs on every backend.
 #include <cstdio>
 #include <span>
 #include <vector>
@@ -33,7 +33,7 @@ struct TinyDenoiser {
         mix({.d_model = width, .heads = 4, .d_ff = 2 * width, .layers = 2}, rng),
         positions(200, width) {}
 
-  /// Sequences are packed: x.rows holds the frames of all of them, and there is no padding to mask.
+  /// Sequences are packed: x.rows holds the frames of all sequences, and there is no padding to mask.
   ml::Sequences<B> operator()(const ml::Sequences<B>& x, std::span<const ml::Index> t,
                               const ml::TextFeatures<B>& c) const {
     const ml::Sequences<B> step(time(positions.rows(), t), ml::Offsets::equal(x.count(), 1));

@@ -1,5 +1,4 @@
-// Trains a small text-conditioned diffusion model from nothing: "left" and "right" are slopes of a line. Then samples
-// both.
+// Trains a small text-conditioned diffusion model: "left" and "right" are slopes of a line. Then samples both.
 #include <cstdio>
 #include <vector>
 
@@ -61,8 +60,8 @@ int main() {
   std::printf("the loss fell to less than a tenth: %s\n", last < first / 10 ? "yes" : "no");
 
   ml::save_module("lines.safetensors", model);
-  ml::NoInit no_numbers;                               // they come from the file
-  ml::MdmSmplDenoiser<B> trained(config, no_numbers);  // no tape any more
+  ml::NoInit no_numbers;                               // the values come from the file
+  ml::MdmSmplDenoiser<B> trained(config, no_numbers);  // without a tape
   ml::load_module(trained, "lines.safetensors");
   const auto x = ml::Tensor<B, 2>::randn({sequences * frames, 1}, rng);
   const auto sample = ml::sample_ancestral(

@@ -35,7 +35,7 @@ static_assert(ml::TextEncoder<BagOfWords, B>);
 int main() {
   ml::Philox rng{.seed = 1};
   const ml::Stmc<B, ml::MdmSmplDenoiser<B>, BagOfWords> stmc{
-      // untrained: it shows the assembly, not a motion
+      // Untrained: it shows how the parts fit together, not a motion.
       .denoiser = {{.tx_dim = 64, .latent_dim = 32, .ff_size = 64, .num_layers = 2, .num_heads = 4}, rng},
       .text_encoder = {},
       .motion_normalizer = ml::Normalizer<B>::identity(205),

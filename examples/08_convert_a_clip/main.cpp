@@ -1,4 +1,4 @@
-// A clip through every file format and back: what is lost?   usage: 08_convert_a_clip [folder]
+// A clip through every file format and back: shows what is lost.   usage: 08_convert_a_clip [folder]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,7 +13,7 @@
 
 namespace ml = motionlang;
 
-/// A figure that walks straight on while its left arm swings.
+/// A figure that walks straight ahead while its left arm swings.
 ml::Motion swinging() {
   ml::Motion m{ml::smpl24_skeleton(), 20, {}, {}, "swinging"};
   const auto shoulder = static_cast<std::size_t>(m.skeleton["left_shoulder"]);
@@ -26,8 +26,8 @@ ml::Motion swinging() {
   return m;
 }
 
-/// Largest distance between joints of the same name, metres, once both clips start at the same place. Files may order
-/// joints otherwise (BVH writes a limb to its end before the next begins).
+/// The largest distance between joints of the same name, metres, after both clips are moved to the same start. Files
+/// may order joints differently (BVH writes a limb to its end before the next begins).
 double difference(const ml::Motion& a, const ml::Motion& b) {
   if (a.frames() != b.frames()) return INFINITY;
   ml::JointTransforms<double> p, q;
@@ -58,7 +58,7 @@ int main(int argc, char** argv) try {
   report("GLB", ml::read_glb(base + ".glb", {.fps = 20}), 1e-4);
   report("AMASS npz", ml::read_amass(base + ".npz").motion, 1e-4);
   report("205-vector", ml::smplrifke_to_motion<double>(features), 1e-4);
-} catch (const ml::error& e) {  // a file that is not there, ...
+} catch (const ml::error& e) {  // a missing file, ...
   std::fprintf(stderr, "%s\n", e.what());
   return 1;
 }

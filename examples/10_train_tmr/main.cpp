@@ -1,5 +1,5 @@
 // Trains TMR on a folder of BVH files with a table of captions, then finds clips by texts.
-//     10_train_tmr [FOLDER]     with FOLDER/captions.tsv; without one it makes up twelve clips
+//     10_train_tmr [FOLDER]     with FOLDER/captions.tsv; the default is twelve generated clips
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -19,7 +19,7 @@ namespace ml = motionlang;
 using B = ml::EigenBackend<float>;
 using A = ml::Autodiff<B>;  // the same with a tape
 
-/// Three seconds of somebody who walks ahead, or who stands and raises both arms; `i` makes clips differ.
+/// Three seconds of a person who walks ahead, or who stands and raises both arms; `i` makes clips differ.
 ml::Motion clip(bool walks, int i) {
   ml::Motion m{ml::smpl24_skeleton(), 20, {}, {}, walks ? "walk" : "arms"};
   for (int f = 0; f < 60; ++f) {
@@ -36,7 +36,7 @@ ml::Motion clip(bool walks, int i) {
 }
 std::filesystem::path made_up_clips() {
   std::filesystem::create_directories("clips");
-  std::string table;  // clip, captions: all of the clip
+  std::string table;  // clip, captions: of the whole clip
   for (int i = 0; i < 12; ++i) {
     const bool walks = i % 2 == 0;
     const std::string name = (walks ? "walk" : "arms") + std::to_string(i);
@@ -53,13 +53,13 @@ int main(int argc, char** argv) {
   config.network = {.latent_dim = 32, .ff_size = 32, .num_layers = 1, .num_heads = 2};
   config.text.width = 32, config.text.vocabulary = 60;
   config.optimiser.lr = 2e-3, config.optimiser.warmup = 5, config.optimiser.epochs = 40, config.optimiser.batch = 8;
-  config.validation.keep_best = false;  // one clip to validate with is too few to choose weights by
+  config.validation.keep_best = false;  // one validation clip is too few to choose weights
   const auto data = ml::read_described_motions({.data = folder, .captions = folder / "captions.tsv"}, config.data,
                                                ml::row_maker(config.features));
   double first = 0, last = 0;
   const auto watch = [&](const ml::TrainingProgress& p) {
     (p.step == 1 ? first : last) = p.loss;
-    return true;  // false: it is saved and stops; a run that is not .fresh goes on from there
+    return true;  // false: saves and stops; a run without .fresh continues from there
   };
   ml::train(ml::TmrTraining<A>(config, data), {.out = "run", .fresh = true},
             {{"license", "as the clips"}, {"provenance", "example 10"}}, {.progress = watch});

@@ -1,4 +1,4 @@
-// A backend of one's own: it counts operations, and another backend calculates.
+// A backend of your own: it counts operations, and another backend computes.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 #include <motionlang/core/concepts.hpp>
 
-/// `Inner` calculates. Only the operations of the concept Backend are here: softmax, attention, linear layers, ... are
-/// calculated by their definitions in these, so each of their parts is counted.
+/// `Inner` computes. Only the operations of the concept Backend are here. Softmax, attention, linear layers, ... are
+/// computed from them by their definitions, so each of their parts is counted.
 template <motionlang::Backend Inner>
 struct CountingBackend {
   using Index = motionlang::Index;
@@ -20,12 +20,12 @@ struct CountingBackend {
   using scalar = typename Inner::scalar;
   using tensor = typename Inner::tensor;
 
-  /// How often an operation was called, by all threads.
+  /// The number of calls of an operation, by all threads.
   struct Count {
     std::string_view operation;
     Index times;
   };
-  /// Operations that were called, in the order of the concept.
+  /// The called operations, in the order of the concept.
   static std::vector<Count> counts() {
     std::vector<Count> out;
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -37,13 +37,13 @@ struct CountingBackend {
     for (auto& t : times_) t = 0;
   }
 
-  // Data: not counted.
+  // Data, which are not counted.
   static tensor full(const Shape& s, scalar value) { return Inner::full(s, value); }
   static tensor from_span(std::span<const scalar> values, const Shape& s) { return Inner::from_span(values, s); }
   static std::span<const scalar> to_span(const tensor& a) { return Inner::to_span(a); }
   static Shape shape(const tensor& a) { return Inner::shape(a); }
 
-  // Operands come by value and are moved on: the inner backend may reuse the memory of one that nobody else holds.
+  // Operands come by value and are passed on: the inner backend may reuse their memory if nobody else holds it.
   static tensor add(tensor a, tensor b) { return count("add"), Inner::add(std::move(a), std::move(b)); }
   static tensor sub(tensor a, tensor b) { return count("sub"), Inner::sub(std::move(a), std::move(b)); }
   static tensor mul(tensor a, tensor b) { return count("mul"), Inner::mul(std::move(a), std::move(b)); }

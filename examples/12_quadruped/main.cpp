@@ -1,4 +1,4 @@
-// A quadruped of five parts: a body, features and a denoiser of your own, composed by STMC.
+// A quadruped of five parts: a body, features and a denoiser of your own, which STMC composes.
 #include <array>
 #include <cstdio>
 #include <span>
@@ -27,7 +27,7 @@ constexpr std::array known{
     KnownText{"kick back", {0, 0, 0, 0, 0.9f, 0.5f, 0.9f, 0.5f, 0, -0.3f}},
 };
 
-/// 1 in the place of the text, which is known.
+/// The number 1 instead of the text, which is known.
 struct Numbered {
   template <ml::Backend T>
   ml::TextFeatures<T> encode(std::span<const std::string> texts) const {
@@ -39,7 +39,7 @@ struct Numbered {
   }
 };
 
-/// Cleans any sequence to what its text looks like on the whole body; without a text the dog stands still.
+/// Turns any sequence into the motion of its text on the whole body; without a text the dog stands still.
 template <ml::Backend T>
 struct Remembering {
   ml::Tensor<T, 2> frames;  // (texts, features)

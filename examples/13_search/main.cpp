@@ -1,4 +1,4 @@
-// Motions found by words: the model of searches that comes with motionlang makes an index of a folder, and answers.
+// Finds motions by words: the search model that comes with motionlang makes an index of a folder, and answers.
 //   usage: 13_search [folder of motions [words]]
 #include <cstdio>
 #include <filesystem>
@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   const ml::TmrSearchEncoder<B> tmr(ml::load_tmr<B>(models / "tmr_free"));
   ml::MotionIndex index(ml::index_model(tmr));
   const ml::IndexReport report = ml::update_index(index, folder, tmr);
-  ml::write_motion_index("moves.index", index);  // to be opened again: MotionIndexFile::open("moves.index")
+  ml::write_motion_index("moves.index", index);  // opens again with MotionIndexFile::open("moves.index")
 
   std::printf("%td clips, %zu left out; \"%s\":\n", index.count(), report.skipped.size(), words.c_str());
   for (const ml::MotionHit& hit : ml::search(ml::MotionSearch(index), tmr.encode_text(words), {.top = 3}))

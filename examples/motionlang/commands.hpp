@@ -1,4 +1,4 @@
-// The commands of the motionlang program. Each fills a CLI11 subcommand with its options and says what to run.
+// The commands of the motionlang program. Each fills a CLI11 subcommand with its options and a function to run.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -48,7 +48,7 @@ inline std::filesystem::path default_model() {
   if (const char* named = std::getenv("MOTIONLANG_MODEL")) return named;
   return MOTIONLANG_DEFAULT_MODEL;
 }
-/// The model of searches that comes with the repository.
+/// The search model that comes with the repository.
 inline std::filesystem::path default_search_model() {
   return std::filesystem::path(MOTIONLANG_DEFAULT_MODEL).parent_path() / "tmr_free";
 }

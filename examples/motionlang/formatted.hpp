@@ -1,4 +1,4 @@
-// std::printf into a string, and numbers of things in words.
+// std::printf into a string, and counts in words.
 #pragma once
 
 #include <cstdarg>

@@ -1,4 +1,4 @@
-// How --help looks: the same text with every version of CLI11, wrapped, so that OPTIONS.md can be compared with it.
+// The format of --help: the same text with every version of CLI11, wrapped, so that OPTIONS.md can be compared with it.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,7 +10,7 @@
 
 namespace program {
 
-/// Descriptions are wrapped at 100 columns. What an option needs or excludes is said in words.
+/// Descriptions are wrapped at 100 columns. They say in words what an option needs or excludes.
 class HelpFormatter : public CLI::FormatterBase {
  public:
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
@@ -36,7 +36,7 @@ class HelpFormatter : public CLI::FormatterBase {
  private:
   static constexpr std::size_t columns = 100, description_at = 30;
 
-  /// Lines of whole words, each behind `indent` spaces but the first one.
+  /// Lines of whole words. All but the first begin with `indent` spaces.
   static std::string wrapped(const std::string& text, std::size_t indent) {
     std::string out;
     std::size_t column = indent;
@@ -68,8 +68,8 @@ class HelpFormatter : public CLI::FormatterBase {
     const std::string name = o.get_name(true) + (o.get_expected_max() > 1 ? "..." : "");
     return o.get_required() ? name : "[" + name + "]";
   }
-  /// CLI11 prints such as "FLOAT:0 to 100" or "TEXT:FILE" behind a name. This splits it: a word for the value, and the
-  /// rest.
+  /// CLI11 prints such as "FLOAT:0 to 100" or "TEXT:FILE" after a name. This splits it into a word for the value, and
+  /// the rest.
   struct Value {
     std::string word, about;
   };
@@ -108,7 +108,7 @@ class HelpFormatter : public CLI::FormatterBase {
     if (!o.get_excludes().empty()) more.push_back("not with " + names_of(o.get_excludes()));
     return o.get_description() + (more.empty() ? "" : " (" + CLI::detail::join(more, "; ") + ")");
   }
-  /// In the order of the alphabet: a set of pointers has another order in every run.
+  /// Alphabetical, because a set of pointers has another order in every run.
   static std::string names_of(const std::set<CLI::Option*>& options) {
     std::vector<std::string> names;
     for (const CLI::Option* o : options) names.push_back(o->get_name());

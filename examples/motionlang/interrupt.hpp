@@ -1,11 +1,11 @@
-// Ctrl-C, as work sees it.
+// The flag that Ctrl-C sets.
 #pragma once
 
 #include <atomic>
 
 namespace program {
 
-/// Set by Ctrl-C. Long work looks at it between steps, ends cleanly, and leaves nothing half written.
+/// True after Ctrl-C. Long work checks it between steps, ends cleanly, and leaves nothing half written.
 inline std::atomic<bool> interrupted{false};
 
 }  // namespace program

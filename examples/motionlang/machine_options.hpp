@@ -1,4 +1,4 @@
-// How the machine is used: the options that every command with a model has.
+// The options for the use of the machine, which every command with a model has.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -30,7 +30,7 @@ struct MachineOptions {
         ->check(CLI::IsMember({"fp32", "bf16", "bf16x3"}))
         ->capture_default_str();
   }
-  /// Before a model is loaded.
+  /// Call it before a model is loaded.
   void apply() const {
     if (threads > 0) motionlang::set_thread_count(threads);
     motionlang::set_product_precision(motionlang::precision_named(precision).value());

@@ -1,4 +1,4 @@
-// motionlang: timelines of texts to 3D human motion, and what belongs to it. See README.md.
+// motionlang: timelines of texts to 3D human motion, and related tools. See README.md.
 #include <csignal>
 #include <cstdio>
 #include <new>
@@ -14,10 +14,10 @@
 namespace {
 
 void on_interrupt(int) {
-  if (program::interrupted.exchange(true)) std::_Exit(program::stopped);  // twice: at once
+  if (program::interrupted.exchange(true)) std::_Exit(program::stopped);  // the second time: at once
 }
 
-/// CLI11 itself says no more of an unknown subcommand than that one is required.
+/// For an unknown subcommand, CLI11 itself only says that one is required.
 void require_known_subcommand(const CLI::App& app, int argc, char** argv) {
   const auto meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(meant).empty())

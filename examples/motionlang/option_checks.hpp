@@ -18,8 +18,8 @@
 namespace program {
 
 /// A finite number for which `fits` holds.
-/// kind    what --help says about the option
-/// wanted  what the message says: "'-1' is not <wanted>"
+/// kind    the description of the option in --help
+/// wanted  the end of the message: "'-1' is not <wanted>"
 template <class Fits>
 CLI::Validator number_that(const std::string& kind, const std::string& wanted, Fits fits) {
   return CLI::Validator(
@@ -44,7 +44,7 @@ inline CLI::Validator in_range(double low, double high) {
                      [low, high](double x) { return low <= x && x <= high; });
 }
 
-/// CLI11 takes -1 for the largest number.
+/// CLI11 reads -1 as the largest number.
 inline CLI::Validator seed_number() {
   return CLI::Validator(
       [](const std::string& text) {
@@ -62,7 +62,7 @@ inline CLI::Validator utf8() {
       [](const std::string& text) { return std::string(motionlang::is_utf8(text) ? "" : "is not UTF-8"); }, "");
 }
 
-/// A text that is not there, "$TEXT" of a shell for instance, is not a text without words.
+/// Refuses a missing text, for instance "$TEXT" of a shell without that variable.
 inline CLI::Validator not_empty() {
   return CLI::Validator([](const std::string& text) { return std::string(text.empty() ? "is empty" : ""); }, "");
 }

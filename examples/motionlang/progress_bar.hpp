@@ -1,4 +1,4 @@
-// One line that shows how far long work is and how long it will still take.
+// A line that shows the progress of long work and its remaining time.
 #pragma once
 
 #include <unistd.h>
@@ -11,8 +11,8 @@
 
 namespace program {
 
-/// On a terminal a bar that is redrawn; elsewhere a line now and then. Answers false once Ctrl-C was pressed, so that
-/// it can be handed to anything that takes a motionlang::Progress.
+/// On a terminal a bar that is redrawn; elsewhere a line from time to time. Returns false after Ctrl-C, so that it can
+/// be passed to anything that takes a motionlang::Progress.
 class ProgressBar {
  public:
   explicit ProgressBar(std::string what, std::ptrdiff_t already_done = 0)
@@ -21,7 +21,7 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Text behind the bar, such as the loss.
+  /// Text after the bar, such as the loss.
   void note(std::string text) { note_ = std::move(text); }
 
   bool operator()(std::ptrdiff_t done, std::ptrdiff_t total) {

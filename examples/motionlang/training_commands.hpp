@@ -1,4 +1,4 @@
-// The subcommands that need a build with training, and what is said of them in a build without.
+// The subcommands that need a build with training, and the message about them in a build without.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ inline constexpr std::array<std::string_view, 8> training_commands{"train-tmr", 
 inline constexpr const char* build_with_training =
     "cmake --preset release -DMOTIONLANG_TRAINING=ON && cmake --build build/release --target motionlang_program";
 
-/// The message for a subcommand that this program does not have.
+/// The message for a subcommand that this program lacks.
 inline std::string no_subcommand(const std::string& name) {
   if (std::ranges::find(training_commands, name) == training_commands.end())
     return "there is no subcommand '" + name + "'";

@@ -1,4 +1,4 @@
-// A command line that asks for what this program or this model cannot do.
+// The error for a command line that this program or this model cannot execute.
 #pragma once
 
 #include <string>
@@ -33,7 +33,7 @@ inline std::string with_options(std::string message) {
   return message;
 }
 
-/// Calls f. A config_error of the library is about the command line here.
+/// Calls f. A config_error of the library becomes one about the command line.
 template <class F>
 auto as_usage(F f) {
   try {
@@ -42,8 +42,9 @@ auto as_usage(F f) {
     throw usage_error(e.id(), e.what());
   }
 }
-/// Calls f. A config_error of the library is about an option: its message gets `begin`, "--temos " for instance.
-/// Error  what is thrown then: usage_error has another exit code
+/// Calls f. A config_error of the library becomes one about an option: its message starts with `begin`, such as
+/// "--temos ".
+/// Error  the type to throw: usage_error has another exit code
 template <class Error = motionlang::config_error, class F>
 auto of_option(const std::string& begin, F f) {
   try {
@@ -53,7 +54,7 @@ auto of_option(const std::string& begin, F f) {
     motionlang::raise<Error>(e.id(), begin, message.substr(message.find("] ") + 2));
   }
 }
-/// The preset of a name.
+/// The preset with this name.
 template <class F>
 auto named_preset(F preset) {
   return of_option<usage_error>("--", preset);

@@ -1,4 +1,4 @@
-// Motions on a body. Apart from motion_files.cpp, for its backend takes time to compile.
+// Motions on a body. A unit of its own, because its backend takes time to compile.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/view/load_shown_body.hpp>
 

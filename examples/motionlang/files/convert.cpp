@@ -21,14 +21,14 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ConvertOptions {
-  std::string in, out;  // out: "" of a folder: beside each motion
+  std::string in, out;  // out: "" for a folder: beside each motion
   std::string tensors, store, features;
   std::string denoise, action;            // a model, and the action that the motion shows
   ml::ModelSources sources;               // of this model
-  std::string as;                         // of a folder: extension of what its files become
-  std::string skeleton;                   // a motion on the skeleton that the result takes
-  std::vector<std::string> hands;         // left, right: files of MANO that go into a file of SMPL-H
-  const DataSetForm* data_set = nullptr;  // clips go into a folder of this form
+  std::string as;                         // for a folder: the extension of the results
+  std::string skeleton;                   // a motion whose skeleton the result takes
+  std::vector<std::string> hands;         // left, right: files of MANO to merge into a file of SMPL-H
+  const DataSetForm* data_set = nullptr;  // form of the folder for the clips
   MotionReadOptions read;
   RigOptions rig;
   ml::ShownBodyOptions body;
@@ -50,11 +50,11 @@ std::function<ml::Motion(const ml::Motion&)> denoiser_of(const ConvertOptions& o
   return [generator, &model, action = o.action](const ml::Motion& m) { return model.denoised(m, action); };
 }
 
-/// The files that the options name besides motions.
+/// The files that the options name, other than motions.
 ml::InputFiles inputs_of(const ConvertOptions& o) {
   return {o.rig.file, o.rig.joints, o.body.file == "free" ? "" : o.body.file, o.skeleton, o.read.joints, o.read.asf};
 }
-/// The files that the options name are read at once. body: stays the caller's.
+/// Reads the files that the options name. `body` must outlive the result.
 ml::MotionConversion conversion_of(const ConvertOptions& o, const ml::ShownBody* body) {
   ml::MotionConversion out{.read = o.read,
                            .time = o.time,
@@ -116,7 +116,7 @@ void convert_file(const ConvertOptions& o) {
   tell();
 }
 
-/// SMPL-H and MANO are downloads apart.
+/// SMPL-H and MANO are separate downloads.
 void merge_hands(const ConvertOptions& o) {
   if (kind_of(o.out) != ".npz")
     ml::raise<usage_error>(103, o.out, ": a body is written to .npz, not '", kind_of(o.out), "'");
@@ -153,7 +153,7 @@ void run(ConvertOptions o) {
   convert_file(o);
 }
 
-/// more: what else the input may be.
+/// more: further kinds of input.
 void add_input(CLI::App& c, ConvertOptions& o, const std::string& more = "") {
   c.add_option("input", o.in,
                "Motion file: .bvh (every ROOT), .amc, .npz (AMASS, smplx), .npy (joints, features, or every motion of "
@@ -298,7 +298,7 @@ void add_convert(CLI::App& app) {
           ->check(CLI::ExistingFile);
   c->callback([o, c, hands, tensors, store] {
     const bool weights = kind_of(o->out) == ".safetensors";
-    for (const CLI::Option* option : c->get_options()) {  // not by excludes, which --help would say at every option
+    for (const CLI::Option* option : c->get_options()) {  // not by excludes, which --help would print at every option
       if (!option->nonpositional() || option->count() == 0) continue;
       if (is_texts(o->in) && !weights)
         throw CLI::ValidationError(option->get_name(), "is not for texts of motions, as in " + o->in);
@@ -309,7 +309,7 @@ void add_convert(CLI::App& app) {
                                                    " for weights, written as .safetensors; the result is ", o->out));
     }
     if (!o->rig.file.empty()) o->rig.joints = std::exchange(o->read.joints, {});
-    if (o->time.fps > 0) o->read.fps = o->time.fps;  // GLB keys are sampled where they are wanted
+    if (o->time.fps > 0) o->read.fps = o->time.fps;  // samples GLB keys at the wanted times
     run(*o);
   });
   add_picture(app, "strip", "Draws a film strip (SVG or PNG) of a motion or of a folder of motions", ".svg");

@@ -1,4 +1,4 @@
-// motionlang doctor: what is wrong with the motions of a folder, and a cleaned copy of them.
+// motionlang doctor: finds faults in the motions of a folder, and writes cleaned copies.
 #include <algorithm>
 #include <cstdio>
 

@@ -22,7 +22,7 @@ namespace program {
 
 namespace {
 
-/// Number, name and parent of each.
+/// The number, name and parent of each joint.
 void joints_of(const ml::Skeleton& s) {
   for (int j = 0; j < s.size(); ++j)
     std::printf("  %3d %-24s %s\n", j, ml::printable(s.name(j)).c_str(),
@@ -99,7 +99,7 @@ void features_line(const ml::MotionFeatures& f) {
               f.skeleton().size());
 }
 
-/// "4-66", or "0" where there is but one.
+/// "4-66", or "0" for a single value.
 std::string from_to(const ml::IndexRange& r) {
   return r.size() == 1 ? formatted("%td", r.begin) : formatted("%td-%td", r.begin, r.end - 1);
 }

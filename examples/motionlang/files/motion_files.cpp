@@ -66,7 +66,7 @@ std::string write_motion(const std::filesystem::path& path, const ml::Motion& mo
 }
 
 namespace {
-/// Lines that are printed in the end, also where something is thrown.
+/// Lines that are printed at the end, even after an error.
 struct PrintedNotes {
   std::string lines{};
 

@@ -1,5 +1,5 @@
 // Files of motion as the commands read and write them: their options, checks of paths before long work, and the lines
-// that commands print. Reading and writing itself: motionlang/formats/motion_file.hpp, motionlang/view/view_file.hpp.
+// that commands print. motionlang/formats/motion_file.hpp and motionlang/view/view_file.hpp do the reading and writing.
 #pragma once
 
 #include <filesystem>
@@ -37,7 +37,7 @@ inline constexpr const char* joints_help =
 struct MotionReadOptions : ml::MotionReadOptions {
   /// --scale, --rate, --up, --asf, --joints
   void add_to(CLI::App& command);
-  /// Throws usage_error 102 for an option that says nothing about files of this kind.
+  /// Throws usage_error 102 for an option that does not apply to files of this kind.
   void require_for(const std::filesystem::path& file) const;
 };
 
@@ -62,27 +62,28 @@ using ml::write_motions;
 /// Extension of a file, in lower case: ".bvh".
 inline std::string kind_of(const std::filesystem::path& path) { return ml::file_kind(path); }
 
-/// ml::motion_files_below, with what was skipped on stderr.
+/// Calls ml::motion_files_below, and prints skipped files on stderr.
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder,
                                                       const std::filesystem::path& results = {});
 
 /// The motions of a file without T-poses that were put in front of them (detect_t_pose_lead_in): for what puts motions
 /// together. Prints what is left out.
 std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path, ml::MotionReadOptions options = {});
-/// The only one of them. Throws config_error 102 if there are several, and as read_motions.
+/// The only motion of a file. Throws config_error 102 if there are several, and as read_motions.
 ml::Motion read_only_performed_motion(const std::filesystem::path& path, ml::MotionReadOptions options = {});
 
-/// ml::write_motion_or_view. Returns a line about it.
+/// Calls ml::write_motion_or_view. Returns a line about the file.
 std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
 
-/// A character's GLB file to put motions on: --rig.
+/// The GLB file of a character to animate: --rig.
 struct RigOptions {
-  std::string file{};            // "": none, and no writer
-  std::string joints{};          // table of the character's joints; "": one of the known ones
+  std::string file{};            // "": no character, and no writer
+  std::string joints{};          // table of the character's joints; "": a known one
   bool drop_animations = false;  // of the character's file
 };
-/// Writes a GLB file: the character with one animation for every motion; returns lines about how its skeleton follows.
-/// The character is read at once. Throws what GlbRig throws; writing: usage_error 103 for another extension than .glb.
+/// Writes a GLB file, the character with one animation for every motion, and returns lines about how its skeleton
+/// follows. The character is read immediately. Throws what GlbRig throws; the writer throws usage_error 103 for an
+/// extension other than .glb.
 using RigWriter = std::function<std::string(const std::filesystem::path&, std::span<const ml::Motion>)>;
 RigWriter rig_writer(const RigOptions& options);
 

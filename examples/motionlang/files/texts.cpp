@@ -1,4 +1,4 @@
-// Texts of motions from one file into another.
+// Converts texts of motions from one file into another.
 #include "texts.hpp"
 
 #include <motionlang/datasets/annotated_texts.hpp>

@@ -1,4 +1,4 @@
-// Texts of motions, by their files: BABEL, the annotation JSON of TMR and STMC, texts/ of HumanML3D.
+// Texts of motions in several kinds of files: BABEL, the annotation JSON of TMR and STMC, texts/ of HumanML3D.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,10 @@ namespace program {
 
 /// True if the file holds texts of motions rather than motions.
 bool is_texts(const std::filesystem::path& path);
-/// BABEL or annotation JSON as annotation JSON (.json), or as files of captions in the folder texts/ of a folder
-/// without extension, as HumanML3D and KIT-ML have them. Returns a line about what it wrote. Throws config_error 103
-/// for another extension; what the reader throws; timeline_error 510 for a text that cannot stand in a file of
-/// captions.
+/// Converts BABEL or annotation JSON to annotation JSON (.json), or to files of captions as in HumanML3D and KIT-ML.
+/// The latter go into the folder texts/ of a folder without extension. Returns a line about the files. Throws
+/// config_error 103 for another extension; what the reader throws; timeline_error 510 for a text that a file of
+/// captions cannot hold.
 std::string convert_texts(const std::filesystem::path& in, const std::filesystem::path& out);
 
 }  // namespace program

@@ -1,4 +1,4 @@
-// Files of weights of every kind: shown, and converted to safetensors.
+// Shows files of weights of every kind, and converts them to safetensors.
 #include "weights.hpp"
 
 #include <algorithm>

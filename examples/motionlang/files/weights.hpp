@@ -1,4 +1,4 @@
-// Files of weights, whatever their format: shown, and written as safetensors.
+// Shows files of weights in any format, and writes them as safetensors.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +19,8 @@ bool holds_motion(const std::filesystem::path& npz);
 bool holds_joints(const std::filesystem::path& npy);
 
 void show_weights(const std::filesystem::path& path);
-/// `keys` lead to the tensors in the file; found unless given. Floating-point numbers are rounded to `stored`, if
-/// given.
+/// `keys` lead to the tensors in the file; by default they are searched. Floating-point values are rounded to `stored`,
+/// if given.
 void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys,
                      std::optional<ml::DType> stored);
 

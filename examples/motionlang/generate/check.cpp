@@ -1,4 +1,4 @@
-// motionlang check: what a timeline says, who moves what when, and what is wrong with it.
+// motionlang check: shows what a timeline says, when each text moves which part, and what is wrong.
 #include <cstdio>
 #include <vector>
 

@@ -1,5 +1,5 @@
-// motionlang describe: what motions show, in words. TM2T from motions to texts, of train-tm2t or as its repository
-// leaves it.
+// motionlang describe: describes motions in words with a TM2T from motions to texts. It may come from train-tm2t or
+// from its repository.
 #include <cstdio>
 
 #include <motionlang/backend/eigen.hpp>
@@ -74,7 +74,7 @@ class Describer {
       ml::raise<ml::config_error>(101, "describe: none of the ", ml::counted(files_.size(), "file"),
                                   " could be described");
     o_.json ? say_json() : say();
-    if (stopped) throw ml::cancelled();  // what was described is kept
+    if (stopped) throw ml::cancelled();  // the descriptions so far are kept
   }
 
  private:

@@ -32,10 +32,10 @@ namespace {
 
 struct GenerateCommand {
   std::string timeline, text, towards, model = default_model().string(), out = "out", backend = "eigen";
-  bool action = false;               // whether the text names one
-  bool in_turn = false;              // the actions of a text
+  bool action = false;               // true if the text names one
+  bool in_turn = false;              // the actions of a text follow each other
   double seconds = 5;                // of the text
-  std::optional<ml::Index> samples;  // of each timeline; 1, with `towards` 5
+  std::optional<ml::Index> samples;  // of each timeline; default 1, with `towards` 5
   ml::ModelSources sources;
   ml::GenerateOptions settings;
   std::string sampler, noise;  // "": the model's own, the seed's
@@ -43,7 +43,7 @@ struct GenerateCommand {
   std::string preset = "model";
   std::string reuse;  // a folder or a file
   bool record = false;
-  std::string keep;  // a motion, of which these seconds and parts stay
+  std::string keep;  // a motion to keep in part
   std::vector<std::string> keep_seconds, keep_parts;
   RigOptions rig;
   MachineOptions machine;
@@ -52,8 +52,8 @@ struct GenerateCommand {
 ml::Timeline timeline_of(const std::string& text, double seconds, double fps) {
   return ml::whole_body_timeline(text, ml::frame_at(seconds, fps));
 }
-/// The timelines of the user, or one text. They are checked at once; `at` turns seconds into frames as soon as the rate
-/// of the model is known.
+/// The timelines of the user, or one text. They are checked at once; `at` converts seconds to frames when the rate of
+/// the model is known.
 class WantedTimelines {
  public:
   explicit WantedTimelines(const GenerateCommand& o) : o_(o), source_(timeline_source(o.timeline)) {
@@ -82,7 +82,7 @@ std::string wanted_name(const GenerateCommand& o) {
 constexpr std::array motion_extensions{".bvh", ".glb", ".npz", ".npy", ".svg"};
 constexpr const char* page_extension = ".html";
 
-/// Throws usage_error 102 if one of the files is what is read: before long work rather than after it.
+/// Throws usage_error 102 if one of the files is also an input: before long work, not after it.
 void require_other_files(const GenerateCommand& o, const std::string& name, const std::vector<std::string>& motions) {
   const ml::InputFiles inputs{o.keep, o.timeline, o.rig.file, o.noise};
   for (const std::string& motion : motions) {
@@ -91,7 +91,7 @@ void require_other_files(const GenerateCommand& o, const std::string& name, cons
   inputs.refuse(std::filesystem::path(o.out) / (name + page_extension));
 }
 
-/// `samples` motions of each timeline, one timeline after the other. The first is the motion of a run without others.
+/// `samples` motions of each timeline, in the order of timelines. The first equals that of a run with one sample.
 std::vector<ml::ViewerMotion> samples_of(const std::vector<ml::Timeline>& timelines, ml::Index samples,
                                          const std::vector<std::string>& names, const ml::MotionModel& generator,
                                          ml::GenerateOptions settings) {
@@ -108,7 +108,7 @@ std::vector<ml::ViewerMotion> samples_of(const std::vector<ml::Timeline>& timeli
   return out;
 }
 
-/// Motions from the text or action to the other one.
+/// Motions from one text or action to the other.
 std::vector<ml::ViewerMotion> line_of(const GenerateCommand& o, const std::vector<std::string>& names,
                                       const ml::MotionModel& generator, const ml::GenerateOptions& settings) {
   const double fps = generator.fps();
@@ -122,7 +122,7 @@ std::vector<ml::ViewerMotion> line_of(const GenerateCommand& o, const std::vecto
   return out;
 }
 
-/// In every format; says what it wrote.
+/// Writes every format, and prints the names of the files.
 void write(const ml::ViewerMotion& made, const std::string& folder, const RigWriter& write_on_rig) {
   const ml::Motion& motion = made.motion;
   const std::string base = (std::filesystem::path(folder) / motion.name).string();
@@ -139,7 +139,8 @@ void write(const ml::ViewerMotion& made, const std::string& folder, const RigWri
               base.c_str());
 }
 
-/// A line for each text with words that the model never learned, or too long for it, and for each that it may not do.
+/// Prints a line for each text with words that the model never learned, each text that is too long, and each that the
+/// model may not follow.
 void warn_of_texts(const GenerateCommand& o, const std::vector<ml::Timeline>& timelines,
                    const ml::MotionModel& generator) {
   std::set<std::string> texts{o.text, o.towards};
@@ -160,7 +161,7 @@ std::optional<ml::KeptClip> kept_clip(const GenerateCommand& o) {
   return out;
 }
 
-/// The options of the run, as the command line has them. `notes` are written by it.
+/// The options of the run from the command line. The run fills `notes`.
 ml::GenerateOptions settings_of(const GenerateCommand& o, const std::string& name, ml::GenerateNotes& notes) {
   ml::GenerateOptions settings = o.settings;
   settings.notes = &notes;

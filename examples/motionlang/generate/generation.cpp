@@ -16,7 +16,7 @@ std::unique_ptr<ml::MotionModel> load_generator(const std::string& backend, cons
   const ml::MotionModelPlace place = ml::find_motion_model(path);
   const std::string model = place.path.string();
 #ifndef MOTIONLANG_TRAINING
-  if (place.is_trained()) return load_trained(place, sources);  // says what is missing
+  if (place.is_trained()) return load_trained(place, sources);  // reports what is missing
 #endif
   if (!place.is_diffusion() && backend != "eigen")
     ml::raise<usage_error>(103, model, " (", place.system, ") is generated with backend 'eigen', not '", backend, "'");

@@ -1,5 +1,5 @@
-// The models that `generate`, `judge`, `convert` and `evaluate` load, and the options of the command line that they
-// take.
+// The models that `generate`, `judge`, `convert` and `evaluate` load, and the options of the command line that these
+// models take.
 #pragma once
 
 #include <filesystem>
@@ -15,20 +15,21 @@ namespace program {
 
 namespace ml = motionlang;
 
-/// ml::load_motion_model. backend: eigen, xtensor or reference; throws usage_error 103 for another, for another than
-/// eigen where texts or actions do not go through STMC, and 102 for sources that the model does not take.
+/// Calls ml::load_motion_model. backend: eigen, xtensor or reference. Throws usage_error 103 for another backend, or
+/// for one other than eigen if texts or actions do not go through STMC. Throws 102 for sources that the model does not
+/// take.
 std::unique_ptr<ml::MotionModel> load_generator(const std::string& backend, const std::filesystem::path& model,
                                                 const ml::ModelSources& sources = {});
 
-// One for each backend, in its own translation unit.
+// A loader for each backend, in its own translation unit.
 std::unique_ptr<ml::MotionModel> load_eigen(const ml::MotionModelPlace& place, const ml::ModelSources& sources);
 std::unique_ptr<ml::MotionModel> load_xtensor(const ml::MotionModelPlace& place, const ml::ModelSources& sources);
 std::unique_ptr<ml::MotionModel> load_reference(const ml::MotionModelPlace& place, const ml::ModelSources& sources);
 /// Models of train-temos, train-sinc, train-teach, train-tmr and train-actor, and of a published TMR.
 std::unique_ptr<ml::MotionModel> load_trained(const ml::MotionModelPlace& place, const ml::ModelSources& sources);
 
-/// The model as one with a latent for every motion. Throws usage_error 102 for another.
-/// option  what asks for it;   model   where it was loaded from
+/// Casts to a model with a latent for every motion. Throws usage_error 102 for another.
+/// option  the option that needs it;   model   where it was loaded from
 const ml::LatentMotionModel& require_latent(const ml::MotionModel& generator, const std::string& option,
                                             const std::filesystem::path& model);
 }  // namespace program

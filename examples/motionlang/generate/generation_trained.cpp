@@ -1,4 +1,4 @@
-// Models of our trainings, and TMR. Their unit takes as long to compile as all other models.
+// Models of our trainings, and TMR. This unit takes as long to compile as all other models.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/generate/load_trained_motion_model.hpp>
 

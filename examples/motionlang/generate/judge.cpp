@@ -1,4 +1,4 @@
-// motionlang judge: does the model do what prompts say? Each prompt is generated with several seeds and measured.
+// motionlang judge: measures if a model follows its prompts. Each prompt is generated with several seeds.
 //
 // Each verb has a rule in numbers for "done" (motionlang/generate/judged_verbs.hpp). So the percentages of models can
 // be compared, and with --compare those of numbers of steps. --clips measures recorded motions in the same way.
@@ -30,13 +30,13 @@ struct JudgeOptions {
   int seeds = 10;
   bool details = false;
   std::string bench = "own";
-  std::vector<double> seconds;  // of each prompt; none: its own
+  std::vector<double> seconds;  // of each prompt; none: its default
   std::string clips, captions, strips;
   std::vector<Index> compare;  // numbers of steps
   MachineOptions machine;
 };
 
-/// A table in Markdown: what fewer steps cost. The first number of steps is what the others are compared with.
+/// A table in Markdown: the loss with fewer steps. The first number of steps is the reference.
 void compare(const ml::MotionModel& generator, const JudgeOptions& o) {
   ml::check_options(generator, {.steps = std::ranges::max(o.compare)});
   std::printf(

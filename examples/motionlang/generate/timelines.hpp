@@ -1,4 +1,4 @@
-// Reading what the user wrote: timelines, or plain texts with durations; and printing what the library says about them.
+// Reads the user's input, timelines or plain texts with durations, and prints what the library says about it.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,10 @@ namespace program {
 
 namespace ml = motionlang;
 
-/// The name of standard input in place of a timeline file.
+/// The name of standard input as a timeline file.
 inline constexpr const char* standard_input = "-";
 
-/// A timeline file, or standard input, as messages name it.
+/// The name of a timeline file or of standard input in messages.
 inline std::string timeline_source(const std::string& path) { return path == standard_input ? "standard input" : path; }
 
 inline std::string read_timeline_text(const std::string& path) {
@@ -37,7 +37,7 @@ inline std::string read_timeline_text(const std::string& path) {
   return {std::istreambuf_iterator<char>(std::cin), {}};
 }
 
-/// Those of a file or of standard input.
+/// The timelines of a file or of standard input.
 inline std::vector<ml::Timeline> read_timelines(const std::string& path, double fps) {
   const std::string text = read_timeline_text(path), name = timeline_source(path);
   return ml::timelines_of_text(text, {.fps = fps, .name = name});
@@ -47,12 +47,12 @@ inline constexpr const char* in_turn_help =
     "Split a text with several actions ('walk forward, then sit down; wave') and give each action an equal share of "
     "its time";
 
-/// Each on a line of its own.
+/// Prints each warning on its own line.
 inline void warn(const std::vector<std::string>& warnings) {
   for (const std::string& w : warnings) std::fprintf(stderr, "%s\n", ml::printable(w, "\n").c_str());
 }
 
-/// The actions of each text one after the other; says of which.
+/// Splits each text into its actions in sequence; reports which texts.
 inline void make_in_turn(std::vector<ml::Timeline>& timelines, double fps) {
   warn(ml::in_turn_notes(timelines, fps));
   for (ml::Timeline& t : timelines) t = ml::in_turn(t);

@@ -1,4 +1,4 @@
-// motionlang embed: texts in, the vectors of a text encoder out, in the layout that TMR and STMC read.
+// motionlang embed: the vectors of a text encoder for texts, in the layout that TMR and STMC read.
 #include <cstdio>
 #include <map>
 
@@ -23,7 +23,7 @@ struct EmbedOptions {
   ml::Index batch = 32;
 };
 
-/// The last name of a path, whether a slash follows it or not.
+/// The last name of a path, with or without a slash after it.
 std::string last_name(const std::string& path) {
   const auto whole = std::filesystem::absolute(path).lexically_normal();
   return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
@@ -36,7 +36,7 @@ void run(EmbedOptions o) {
                                                     {"end", ml::Pooling::end}};
   ml::TextEncoderOptions options{.text = {.pooling = poolings.at(o.pooling), .normalize = o.normalize}};
   if (o.truncate) options.limits.truncate = true;
-  options.limits.cleaning = ml::ClipCleaning::original;  // as STMC's own caches
+  options.limits.cleaning = ml::ClipCleaning::original;  // as in STMC's own caches
   const auto encoder = ml::load_text_encoder<B>(o.encoder, options);
   if (o.name.empty()) o.name = last_name(o.encoder);
   std::vector<std::string> texts = ml::texts_to_embed(o.texts);
@@ -45,7 +45,7 @@ void run(EmbedOptions o) {
     ProgressBar bar("embedding");
     return ml::embed_texts<B>(encoder, texts, o.batch, bar);
   }();
-  const bool sentences = o.pooling == "mean" || o.pooling == "first";  // TMR's have no slices
+  const bool sentences = o.pooling == "mean" || o.pooling == "first";  // TMR's caches have no slices
   cache.write(o.out, o.name, !sentences);
   std::printf("%s/%s: %s, rows of %s\n", o.out.c_str(), o.name.c_str(), ml::counted(cache.count(), "text").c_str(),
               ml::counted(cache.width(), "number").c_str());

@@ -1,4 +1,4 @@
-// motionlang index: a folder of motions becomes a file in which `motionlang search` finds them by words.
+// motionlang index: makes a file from a folder of motions, in which `motionlang search` finds them by words.
 #include <cstdio>
 
 #include <motionlang/search/kept_index.hpp>
@@ -22,7 +22,7 @@ struct IndexOptions {
   std::vector<std::string> remove;
   std::vector<double> windows{1, 2, 3};  // seconds
   double stride = 0.5;
-  bool windows_given = false;  // or the stride
+  bool windows_given = false;  // true also if the stride is given
   bool no_moments = false, again = false, list = false;
   MotionReadOptions read;
   MachineOptions machine;
@@ -101,13 +101,13 @@ class Indexer {
                 report.renamed, report.unchanged, report.skipped.size());
     if (report.relicensed > 0)
       std::printf("%s another license now\n", ml::counted(report.relicensed, "file has", "files have").c_str());
-    if (stopped) throw ml::cancelled();  // what was encoded is kept
+    if (stopped) throw ml::cancelled();  // the vectors so far are kept
     for (const std::string& clip : report.unknown_clips)
       std::fprintf(stderr, "%s: there is no clip '%s' below %s\n", o_.captions.c_str(), ml::printable(clip).c_str(),
                    folder.string().c_str());
   }
 
-  /// Returns false if Ctrl-C stopped it.
+  /// Returns false after Ctrl-C.
   static bool all_of(ml::IndexUpdate& update) {
     try {
       ProgressBar bar("indexing");

@@ -1,4 +1,4 @@
-// motionlang search: the motions of an index that fit words, or another motion.
+// motionlang search: finds the motions of an index that fit words or another motion.
 #include <cstdio>
 
 #include <motionlang/file/json.hpp>
@@ -69,7 +69,7 @@ class Search {
   }
 
   const char* kind() const { return o_.moments ? "moments" : o_.captions ? "captions" : "clips"; }
-  /// How many of them there are.
+  /// The number of items to search.
   Index gallery() const { return ml::gallery_size(index(), o_.search().what); }
   std::string query_text() const { return o_.text.empty() ? "like " + o_.like : o_.text; }
 

@@ -25,18 +25,18 @@ struct EvaluationOptions {
       temos, independent, joint, keys, tags, evaluator, bert, texts, timelines, recorded, tmr, tmr_text_encoder;
   bool synthesis = false;  // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
-  double threshold = 0.95;  // texts more similar than that count as the same
-  ml::Index samples = 10;   // of TEMOS, SINC and TEACH, for each text
-  ml::Index count = 20;     // film strips
-  ml::Index seeds = 20;     // of ACTOR, and TM2T's motions
-  ml::Index moments = 0;    // long motions in which TMR looks for texts; 0: whole clips are looked for
-  ml::Index joined = 5;     // clips in each
-  std::vector<double> windows{1, 2, 3, 4, 6};                // seconds of the stretches that are compared
-  double stride = 0.2;                                       // seconds from one to the next
-  std::string items = "pairs";                               // of SINC: pairs, unseen, single or all
+  double threshold = 0.95;                     // texts more similar than that count as the same
+  ml::Index samples = 10;                      // of TEMOS, SINC and TEACH, for each text
+  ml::Index count = 20;                        // film strips
+  ml::Index seeds = 20;                        // of ACTOR, and TM2T's motions
+  ml::Index moments = 0;                       // long motions in which TMR searches texts; 0: it searches whole clips
+  ml::Index joined = 5;                        // clips in each
+  std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches to compare
+  double stride = 0.2;                         // seconds between their starts
+  std::string items = "pairs";                 // of SINC: pairs, unseen, single or all
   ml::Conjunction conjunction = ml::Conjunction::same_time;  // of the labels, of SINC
-  ml::Alignment alignment = ml::Alignment::full;             // of the second action, of TEACH
-  ml::Index slerp_window = 8;                                // frames between both that are interpolated
+  ml::Alignment alignment = ml::Alignment::full;             // for the second action of TEACH
+  ml::Index slerp_window = 8;                                // interpolated frames between both actions
   ml::Index bert_layer = 0;                                  // of BERTScore; 0: the last one
   // Of STMC:
   std::optional<ml::Index> first{};  // timelines that are measured, from the first on
@@ -52,25 +52,26 @@ struct EvaluationOptions {
   MachineOptions machine;
 };
 
-/// Retrieval in both directions by the four protocols, of recorded motions and of such that were made for the texts.
+/// Retrieval in both directions by the four protocols, for recorded motions and for motions generated from the texts.
 void evaluate_tmr(const EvaluationOptions& o, const ml::TextMotionFile& file);
-/// Errors of generated motions, and those of the mean pose and of random clips: of our training, or as published.
+/// Errors of generated motions, and those of the mean pose and of random clips, for a model trained here or published.
 void evaluate_temos(const EvaluationOptions& o, const ml::TextMotionFile& file);
 void evaluate_published_temos(const EvaluationOptions& o);
 
-/// Errors of motions for several labels at the same time, or for single ones; the TEMOS score. Of our training, or as
+/// Errors of motions for several simultaneous labels, or for single ones; the TEMOS score. For a model trained here or
 /// published.
 void evaluate_sinc(const EvaluationOptions& o);
-/// Errors of two actions one after the other, and the jump between them, beside those of baselines. Of our training, or
-/// as published.
+/// Errors of two actions in sequence, and the jump between them, compared with baselines. For a model trained here or
+/// published.
 void evaluate_teach(const EvaluationOptions& o);
 
-/// Accuracy, FID, diversity and multimodality over seeds, of recorded, generated, denoised and interpolated motions.
+/// Accuracy, FID, diversity and multimodality over seeds, for recorded, generated, denoised and interpolated motions.
 void evaluate_actor(const EvaluationOptions& o);
 /// Accuracy on recorded motions over seeds.
 void evaluate_classifier(const EvaluationOptions& o);
-/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L, CIDEr and BERTScore. With an
-/// evaluator motions of texts: R-precision, FID, distance from the texts, diversity and multimodality.
+/// Compares descriptions of a TM2T from motions to texts with those of the data: BLEU, ROUGE-L, CIDEr and BERTScore.
+/// With an evaluator it measures motions from texts: R-precision, FID, distance from the texts, diversity and
+/// multimodality.
 void evaluate_tm2t(const EvaluationOptions& o);
 /// Motions of timelines by STMC and its baselines, over any diffusion model of texts, judged by TMR.
 void evaluate_stmc(const EvaluationOptions& o);

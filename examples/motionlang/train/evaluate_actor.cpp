@@ -1,6 +1,6 @@
-// motionlang evaluate of ACTOR: accuracy, FID, diversity and multimodality of generated motions next to recorded ones,
-// of these denoised, and of what lies between two of them (thesis table 3.8), over several seeds, by a classifier that
-// was trained on the training part, or by a published one. ACTOR was trained here, or as it was published.
+// motionlang evaluate of ACTOR, trained here or published: accuracy, FID, diversity and multimodality over several
+// seeds. It measures recorded, generated, denoised and interpolated motions (thesis table 3.8). The classifier is one
+// that was trained on the training part, or a published one.
 #include <cstdio>
 #include <set>
 
@@ -22,7 +22,7 @@ using B = EvaluationBackend;
 
 namespace {
 
-/// The motions that are measured, with their classes.
+/// The motions to measure, with their classes.
 struct Measured {
   ml::DescribedMotions data;
   const std::vector<ml::DescribedMotion>* part;

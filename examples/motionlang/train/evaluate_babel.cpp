@@ -1,6 +1,6 @@
-// motionlang evaluate of SINC and TEACH: errors of motions for labels of BABEL, next to those of motions that know no
-// label; how alike motions of SINC are to a motion encoder; how far TEACH's jump where two actions meet, and its
-// baselines. Of our training, or as published.
+// motionlang evaluate of SINC and TEACH, trained here or published: errors of motions for labels of BABEL, compared
+// with motions that do not depend on the labels. For SINC also the similarity to a motion encoder; for TEACH the jump
+// between two actions, and its baselines.
 #include <cstdio>
 #include <optional>
 
@@ -22,7 +22,7 @@ namespace {
 
 ml::CheckpointOptions sources_of(const EvaluationOptions& o) { return {o.text_encoder, o.statistics}; }
 
-/// The data of a model of our training, or the defaults.
+/// The data configuration of a model trained here, or the defaults.
 template <class Config>
 auto data_of(const std::filesystem::path& model) {
   return ml::find_run(model).system == "motionlang" ? ml::read_babel_config<Config>(model).config.data
@@ -60,7 +60,7 @@ void print(const ml::LabelSentences& sentences) {
               ml::join_labels(std::vector<std::string>{"walk", "wave"}, sentences.conjunction()).c_str(), verbs);
 }
 
-/// Film strips of what was made and of what was recorded.
+/// Film strips of generated and of recorded motions.
 auto shown_in(FilmStrips& strips) {
   return [&strips](const std::string& text, const ml::SmplVelpMotion<float>& made, const ml::DescribedMotion& truth) {
     strips.add(

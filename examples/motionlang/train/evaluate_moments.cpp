@@ -1,4 +1,4 @@
-// motionlang evaluate --moments: where in long motions, made of clips of different texts, TMR finds each text.
+// motionlang evaluate --moments: where TMR finds each text in long motions that join clips of different texts.
 #include <cstdio>
 
 #include <motionlang/datasets/described_motions.hpp>

@@ -1,4 +1,4 @@
-// motionlang evaluate of TMR and TEMOS: the tables of the papers, next to what chance and simple guesses reach.
+// motionlang evaluate of TMR and TEMOS: the tables of the papers, compared with chance and simple guesses.
 #include "evaluate.hpp"
 
 #include <cstdio>
@@ -29,21 +29,21 @@ using B = EvaluationBackend;
 
 namespace {
 
-/// The different ones of the texts that come first.
+/// The first texts without duplicates.
 std::vector<std::string> first_texts(const std::vector<ml::DescribedMotion>& motions) {
   std::set<std::string> out;
   for (const ml::DescribedMotion& d : motions) out.insert(d.texts.front().text);
   return {out.begin(), out.end()};
 }
 
-/// The data of a model's configuration, and the part that is measured.
+/// The data of a model's configuration, and the part to measure.
 struct Measured {
   ml::DescribedMotions data;
   const std::vector<ml::DescribedMotion>* part;
   std::optional<ml::EmbeddingCache> states;
   ml::EmbeddingCache sentences;
 
-  /// encoder  of the texts, where the model has its own
+  /// encoder  for the texts, if the model has its own
   Measured(const EvaluationOptions& o, const ml::TextMotionFile& file, const ml::AnyTextEncoder<B>* encoder = nullptr)
       : data([&] {
           auto config = file.config.data;

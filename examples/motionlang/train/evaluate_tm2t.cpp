@@ -1,5 +1,5 @@
-// motionlang evaluate of TM2T: what it says about motions, against what people said; what the networks of Guo et al.
-// say about the motions that it makes of texts.
+// motionlang evaluate of TM2T: compares its descriptions of motions with people's descriptions, and measures its
+// motions for texts with the networks of Guo et al.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -23,7 +23,7 @@ namespace {
 using ml::Index;
 using B = ml::EigenBackend<float>;
 
-/// The data configuration of a model that we trained; the defaults for published models.
+/// The data configuration of a model trained here; the defaults for published models.
 ml::DataConfig data_of(const std::filesystem::path& folder) {
   ml::DataConfig out;
   const ml::RunFolder run = ml::find_run(folder);
@@ -86,7 +86,7 @@ void evaluate_descriptions(const EvaluationOptions& o, const ml::RunFolder& foun
   print_scores("a random text of the training part", pairs, bert);
 }
 
-// ---- motions of texts ---------------------------------------------------------------------------------------------
+// ---- motions for texts --------------------------------------------------------------------------------------------
 
 /// A mean with its interval over the replications.
 std::string interval(const ml::GuoFigures::Row& row, const char* column) {

@@ -1,4 +1,4 @@
-// Film strips of what evaluate generates of texts, next to those of the recorded motions: --strips.
+// Film strips of the motions that evaluate generates for texts, and of the recorded motions: --strips.
 #pragma once
 
 #include <set>
@@ -11,12 +11,12 @@ namespace program {
 
 class FilmStrips {
  public:
-  /// Without a folder there are none. Throws io_error 401 if it cannot be written in.
+  /// Without a folder it draws none. Throws io_error 401 if the folder cannot be written to.
   explicit FilmStrips(const EvaluationOptions& o) : folder_(o.strips), count_(o.count) {
     if (!folder_.empty()) make_output_folder("--strips", folder_);
   }
 
-  /// 1.svg of made() and 1_recorded.svg of recorded(), 2.svg, ...: of the first texts that differ.
+  /// Writes 1.svg from made() and 1_recorded.svg from recorded(), 2.svg, ..., for the first different texts.
   template <class Made, class Recorded>
   void add(const std::string& text, Made made, Recorded recorded) {
     if (folder_.empty() || std::ssize(shown_) >= count_ || !shown_.insert(text).second) return;

@@ -1,4 +1,4 @@
-// Errors of the positions of joints as evaluate prints them of TEMOS, TEACH and SINC.
+// Prints the errors of joint positions for evaluate of TEMOS, TEACH and SINC.
 #pragma once
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// motionlang train-classifier: what tells actions apart, and so judges generated motions.
+// motionlang train-classifier: a classifier of actions, which judges generated motions.
 #include <motionlang/train/classifier_training.hpp>
 
 #include "training_command.hpp"

@@ -1,4 +1,4 @@
-// motionlang train-sinc: motions from actions at the same time.
+// motionlang train-sinc: motions for simultaneous actions.
 #include <motionlang/datasets/body_part_table.hpp>
 #include <motionlang/train/sinc_training.hpp>
 

@@ -1,4 +1,4 @@
-// motionlang train-teach: motions from actions one after the other.
+// motionlang train-teach: motions for actions in sequence.
 #include <motionlang/train/teach_training.hpp>
 
 #include "train_babel.hpp"

@@ -22,7 +22,7 @@ void run_text_motion(const TextMotionOptions& o, const ml::TextMotionConfig& pre
   ml::TextMotionConfig config = preset;
   config.features.clear();
   read_settings(config, o.common);
-  if (config.features.empty()) config.features = ml::ready_made_features(sources);  // not named: those that are there
+  if (config.features.empty()) config.features = ml::ready_made_features(sources);  // the default: those in the data
   if (config.features.empty()) config.features = preset.features;
   if (!begin_training(o.common, ml::config_json(config))) return;
   as_usage([&] { ml::reads_pieces(config.text, o.files.text_encoder); });

@@ -1,4 +1,4 @@
-// motionlang train-tm2t: motions as words, motions to texts, texts to motions; a stage at a time.
+// motionlang train-tm2t: motions as tokens, motions to texts, texts to motions; one stage at a time.
 #include <cstdio>
 #include <map>
 #include <optional>
@@ -24,7 +24,7 @@ struct Options {
   std::filesystem::path statistics, tokenizer, describer, words;
 };
 
-/// The folder that an option names, which this stage needs.
+/// The folder from an option that this stage needs.
 const std::filesystem::path& needed(const std::filesystem::path& folder, const char* option, const char* what) {
   if (folder.empty()) ml::raise<usage_error>(102, option, " is required: the folder of ", what);
   return folder;
@@ -55,7 +55,8 @@ void run(const Options& o) {
   if (!configure(config, o.common)) return;
   auto before = models_before(o, config);
   if (before)
-    config.features = before->model.statistics.mean.size(0) == 251 ? "kit" : "guoh3d";  // what the tokenizer reads
+    config.features =
+        before->model.statistics.mean.size(0) == 251 ? "kit" : "guoh3d";  // the features that the tokenizer reads
   const auto data = read_data(sources, config.data, ml::row_maker(config.features));
   if (!before) {
     const auto statistics = ml::tm2t_statistics<B>(data, o.statistics, config.tokenizer.feature_bias);

@@ -35,7 +35,7 @@ struct TrainingOptions {
   MachineOptions machine;
 };
 
-/// Where the actions of train-actor and train-classifier are from.
+/// The source of the actions of train-actor and train-classifier.
 struct LabelOptions {
   std::filesystem::path labels, annotations;
 
@@ -43,7 +43,7 @@ struct LabelOptions {
   ml::DataSources sources(const TrainingOptions& o) const { return {o.data, {}, labels, annotations, o.splits, true}; }
 };
 
-/// Where the texts of train-tmr, train-temos and train-tm2t are from.
+/// The source of the texts of train-tmr, train-temos and train-tm2t.
 struct CaptionOptions {
   std::filesystem::path captions, annotations;
 
@@ -51,18 +51,18 @@ struct CaptionOptions {
   ml::DataSources sources(const TrainingOptions& o) const { return {o.data, captions, {}, annotations, o.splits}; }
 };
 
-/// `presets` are their names; the first is taken unless another is named.
+/// `presets` holds their names; the first is the default.
 void add_training_options(CLI::App& command, TrainingOptions& o, const std::vector<std::string>& presets);
 
-/// How many motions each part has.
+/// Prints the number of motions in each part.
 void print_parts(const ml::DescribedMotions& data);
-/// Where the model and the curves are.
+/// Prints the places of the model and the curves.
 void print_results(const TrainingOptions& o);
 
 /// ml::read_described_motions with a progress bar.
 ml::DescribedMotions read_motions_of(const ml::DataSources& sources, const ml::DataConfig& config,
                                      const ml::RowMaker& rows);
-/// The same, and prints how many there are.
+/// The same, and prints their numbers.
 ml::DescribedMotions read_data(const ml::DataSources& sources, const ml::DataConfig& config, const ml::RowMaker& rows);
 
 /// License, provenance, data, command: for the metadata of a model.
@@ -83,14 +83,14 @@ void read_settings(C& config, const TrainingOptions& o) {
   require_assignments(o.set);
   for (const std::string& assignment : o.set) ml::set_config(config, assignment, "--set " + assignment);
 }
-/// The same, and puts --threads and --precision to work. False if it was only to be printed.
+/// The same, and applies --threads and --precision. False if the configuration was only to be printed.
 template <ml::Module C>
 bool configure(C& config, const TrainingOptions& o) {
   read_settings(config, o);
   return begin_training(o, ml::config_json(config));
 }
 
-/// Trains, and prints what becomes of it.
+/// Trains, and prints the result.
 template <ml::TrainingTask Task>
 void train(Task task, const TrainingOptions& o, const ml::DescribedMotions& data) {
   TrainingDisplay display;

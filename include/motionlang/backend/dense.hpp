@@ -21,7 +21,7 @@ class Dense {
   Dense() = default;
   /// Uninitialised.
   explicit Dense(const Shape& shape) : buffer_(static_cast<std::size_t>(shape.count()) * sizeof(S)), shape_(shape) {}
-  /// Values that somebody else owns and nobody writes (a mapped file).
+  /// Values that somebody else owns and that do not change (a mapped file).
   Dense(const S* values, const Shape& shape, std::shared_ptr<const void> owner)
       : buffer_(values, std::move(owner)), shape_(shape) {}
 

@@ -27,7 +27,7 @@ namespace detail {
 /// Views have a static number of axes, so that their shapes need no memory.
 template <std::size_t Rank>
 using XtensorShape = std::array<std::size_t, Rank>;
-/// All axes that a shape may have; missing ones in front are 1.
+/// All axes that a shape may have; missing ones at the front are 1.
 inline XtensorShape<Shape::max_rank> all_axes(const Shape& s) {
   XtensorShape<Shape::max_rank> sizes;
   sizes.fill(1);

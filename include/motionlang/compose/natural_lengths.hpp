@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Actions that begin and end. A denoiser that has more time than an action takes repeats it, slows it down, or begins
-/// in the middle. Such a text becomes several: standing, the action for the time that people take, and what follows.
+/// in the middle. So a text becomes several: standing, the action for its usual time, and what follows.
 ///
 ///     const auto length = natural_length("sit down");                     // 2.8 s, then "sit quietly"
 ///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
@@ -28,7 +28,7 @@ struct NaturalLength {
 /// "times", ...
 std::optional<NaturalLength> natural_length(std::string_view text);
 
-/// Seconds of "stand still" in front of an action that begins from rest.
+/// The seconds of "stand still" before an action that starts from rest.
 inline constexpr double standing_lead_in = 0.5;
 
 /// Every text that lasts at least a second longer than its action becomes the action and what follows it, with the same

@@ -29,7 +29,7 @@ struct Lane {
   alignas(bytes) Register v{};  // stated, since GCC aligns it less if such registers are not switched on
 
   Lane() = default;
-  /// Not trivial on purpose: functions then return a lane through memory, for whatever set their caller was compiled.
+  /// Not trivial on purpose: functions then return a lane through memory, for any instruction set of their caller.
   MOTIONLANG_INLINE Lane(const Lane& other) : v(other.v) {}
   Lane& operator=(const Lane&) = default;
   template <class N>

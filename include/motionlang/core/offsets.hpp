@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The begin of each sequence of a packed batch: an immutable shared list 0 = o_0 <= o_1 <= ... <= o_n = rows.
+/// The start of each sequence of a packed batch: an immutable shared list 0 = o_0 <= o_1 <= ... <= o_n = rows.
 #pragma once
 
 #include <cstring>           // memcmp

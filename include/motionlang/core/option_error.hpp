@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Options that a caller cannot have meant.
+/// The error for a mistake in a caller's options.
 #pragma once
 
 #include <motionlang/core/error.hpp>

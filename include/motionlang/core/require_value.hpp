@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Values of a configuration that have to lie in a range.
+/// Values of a configuration that must lie in a range.
 ///
 ///     require_value("lr", lr, lr >= 0, "0 or more");   // [motionlang.config.101] lr is -1, expected 0 or more
 #pragma once

@@ -10,7 +10,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// The lower case of an ASCII letter, whatever the locale.
+/// The lower case of an ASCII letter, in any locale.
 constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 /// The text without the blanks at both ends.

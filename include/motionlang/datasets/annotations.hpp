@@ -77,7 +77,7 @@ std::vector<Annotation> training_annotations(const AnnotatedMotion& motion, std:
 /// The frames of a text: int(start fps) up to int(end fps), cut at the end of the motion.
 FrameSlice annotated_frames(const Annotation& a, double fps, Index frames);
 
-/// The entry of the mirrored motion: "M" in front of id, seg_id and path, and captions with the sides exchanged.
+/// The entry of the mirrored motion: "M" before id, seg_id and path, and captions with the sides exchanged.
 AnnotatedMotion mirrored(AnnotatedMotion motion);
 
 /// The text of an annotation file in the layout of the published ones.

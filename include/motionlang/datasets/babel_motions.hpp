@@ -26,7 +26,7 @@ DataConfig split_config(const Data& c) {
 }
 
 struct SincDataConfig {
-  std::string types = "seg+seq+spatial_pairs";       // what is learnt, in any order; separate_pairs may be added
+  std::string types = "seg+seq+spatial_pairs";       // what the model learns, in any order; separate_pairs may be added
   Index shortest = 15, window = 300;                 // frames; a longer item gives `window` from a random place
   Index longest = 800;                               // for validation
   Index simultaneous_max = 4;                        // labels at the same time

@@ -14,7 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///     all            everything (the released GRU of MDM)
 enum class BatchMates { none, longest_text, all };
 
-/// Properties of a denoiser that its caller has to know.
+/// Properties of a denoiser that its caller must know.
 struct DenoiserTraits {
   Prediction prediction = Prediction::x0;
   Index crop_frames = 0;            // > 0: every crop has exactly this many frames (MDM and MotionDiffuse: 196)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// MDM for actions: generates motions for classes, with an action in place of a text.
+/// MDM for actions: generates motions for classes, with an action instead of a text.
 ///
 ///     const GaussianDiffusion diffusion(CosineSchedule{.steps = 1000});
 ///     const MdmActions<B> mdm{.denoiser = network, .diffusion = diffusion};

@@ -27,7 +27,7 @@ std::vector<std::string> read_ids(const FilePath& path);
 /// Throws io_error 401, and 403 for an id that could not be read again.
 void write_ids(const FilePath& path, std::span<const std::string> ids);
 
-/// Mirrored clips have an M in front of their ids.
+/// The ids of mirrored clips begin with M.
 inline std::string mirrored_id(std::string_view id) { return concat_text("M", id); }
 
 MOTIONLANG_NAMESPACE_END

@@ -49,7 +49,7 @@ class StandingSkeleton {
     const MappedJoint* row = table.find(role);
     return row == nullptr ? -1 : find_joint(skeleton, row->source);
   }
-  /// The role of a joint: the one with its largest share; of equals the last. "" if it has none.
+  /// The role of a joint: the one with its largest share, the last among equals. "" if it has none.
   std::string role(int joint) const;
   /// A bone of a limb; zero without its joints. If the table says that the zero pose is the T-pose although bones are
   /// not straight, the bone is that of SMPL.

@@ -8,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Counts (classes, classes). Rows are labels, columns are predictions: the largest logit, of equals the first.
+/// Counts (classes, classes). Rows are labels, columns are predictions: the largest logit, the first among equals.
 /// logits  (samples, classes)
 /// Throws  shape_error 204, 203 for a label that is not a class
 template <Scalar S>

@@ -159,7 +159,7 @@ inline PositionErrors divided(PositionErrors x, double by) {
 
 }  // namespace detail
 
-/// The mean of several results: "avg" of several samples, one result for each. Throws numeric_error 302 without
+/// The mean of several results, such as "avg" over samples with one result each. Throws numeric_error 302 without
 /// results.
 inline ApeAve mean_errors(std::span<const ApeAve> results) {
   if (results.empty()) raise<numeric_error>(302, "mean_errors: no results");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Layers whose inner values are recomputed in the backward pass, if the context asks for it.
+/// Layers whose inner values are recomputed in the backward pass, if the context enables it.
 #pragma once
 
 #include <motionlang/core/context.hpp>

@@ -15,7 +15,7 @@ double code_perplexity(std::span<const Index> codes, Index codebook);
 /// The result of quantising vectors z.
 template <Backend B>
 struct Quantized {
-  std::vector<Index> codes;  // k_i = arg min_k |z_i - e_k|, of equals the first
+  std::vector<Index> codes;  // k_i = arg min_k |z_i - e_k|, the first among equals
   Tensor<B, 2> rows;         // e_k
   /// The same values, but gradients bypass the choice and go to z:  z + sg(e_k - z),  sg: as a constant
   Tensor<B, 2> straight_through;

@@ -8,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// For each row the column of the largest value, of equals the first. Throws shape_error 205 for empty rows.
+/// For each row the column of the largest value, the first among equals. Throws shape_error 205 for empty rows.
 template <Backend B>
 std::vector<Index> arg_max(const Tensor<B, 2>& x) {
   const Index rows = x.size(0), width = x.size(1);

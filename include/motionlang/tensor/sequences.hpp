@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A batch of sequences without padding: the rows of all sequences in order, and the begin of each.
+/// A batch of sequences without padding: the rows of all sequences in order, and the start of each.
 ///
 /// Layers that treat rows alike (linear, norms, nonlinearities, losses) see only rows. Attention, positions and pooling
 /// take the offsets. Padded tensors and masks exist only at the borders: for loaders and for comparison with other

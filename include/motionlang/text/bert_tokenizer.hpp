@@ -25,7 +25,7 @@ struct BertTokenizerOptions {
   bool lower_case = true;
   std::optional<bool> strip_accents;  // unless set: the same as lower_case
   std::string begin = "[CLS]", end = "[SEP]", unknown = "[UNK]", pad = "[PAD]";
-  std::string continuation = "##";  // in front of a piece that continues a word
+  std::string continuation = "##";  // before a piece that continues a word
   Index longest_word = 100;         // code points; a longer word is unknown
   /// Strings with ids of their own, in the order of preference. Those that the vocabulary lacks are left out.
   std::vector<std::string> special{"[PAD]", "[UNK]", "[CLS]", "[SEP]", "[MASK]"};

@@ -24,7 +24,7 @@ class BabelTask : public TextTask<A, System> {
   template <Backend T>
   using Model = TextMotionModel<T, System>;
 
-  /// states       none: word pieces, learnt from `words`
+  /// states       none: word pieces, learned from `words`
   /// statistics   a folder with those of the features; empty: those of the training motions
   BabelTask(Config config, const DescribedMotions& data, TextStates states, const std::vector<std::string>& words,
             const std::filesystem::path& statistics)

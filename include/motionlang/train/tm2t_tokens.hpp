@@ -80,7 +80,7 @@ struct TokenizedData {
   TokenizedBatch batch(const TokenizedMotions& of, std::span<const Index> which, Philox* draw) const {
     return tokenized_batch(of, model.vocabulary(), which, draw);
   }
-  /// Adds what a checkpoint must have been trained with.
+  /// Adds the settings with which a checkpoint must have been trained.
   void add_to(std::map<std::string, std::string>& settings) const {
     const auto codes = model.tokenizer.quantizer.embedding.weight.span();
     settings["tokenizer"] = detail::hexadecimal(detail::content_hash(std::as_bytes(codes)));

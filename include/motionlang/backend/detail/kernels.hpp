@@ -110,7 +110,8 @@ struct Binary {
   S* y = nullptr;  // may be a or b
 };
 
-/// Products with the same panels in tiles of bfloat16, three for every float (Precision::bf16x3, float_tiles.inc).
+/// Products with the same panels in tiles of bfloat16. Every float becomes three bfloat16 (Precision::bf16x3,
+/// float_tiles.inc).
 struct FloatTiles {
   Index tile_rows;
   Index (*gemm_rows)(Index k);
