@@ -151,8 +151,9 @@ text += numbers("compositions", "std::uint16_t", [i for _, _, i in pairs])
 text += "\n/// NFKC of U+FF5F ... U+FFEF; 0 for U+FFE3, which becomes U+0020 U+0304.\n" + numbers("narrow_forms", "std::uint16_t", wide)
 (OUTPUT / "unicode_tables.hpp").write_text(text + FOOT)
 
-# Entities. A record: name, blank, code points in hexadecimal joined by +, comma. ? behind a name: its semicolon may be missing.
-# ^ before a name: not of HTML5, but read by ftfy: a lower-case name in capitals stands for the capital.
+# Entities. Each record is a name, a blank, code points in hexadecimal joined by +, and a comma. ? after a name means that its
+# semicolon may be missing. ^ before a name means that HTML5 does not know it, but ftfy does: it is a lower-case name in
+# capitals, which stands for the capital.
 html5 = html.entities.html5
 records = []
 for name, value in sorted(html5.items()):
@@ -165,8 +166,9 @@ for name, value in sorted(html5.items()):
         records.append("^" + capitals[:-1] + " " + points(value.upper()))
 text = HEAD % ("The named character references of HTML5, for text/text_repair.hpp.", "")
 text = text.replace("\n\n\n", "\n\n")
-text += "/// Records: name, blank, code points in hexadecimal joined by +, comma. ? behind a name: its semicolon may be missing.\n"
-text += "/// ^ before a name: not of HTML5, a lower-case name in capitals that stands for the capital.\n"
+text += "/// Each record is a name, a blank, code points in hexadecimal joined by +, and a comma. ? after a name means that its\n"
+text += "/// semicolon may be missing. ^ before a name means that HTML5 does not know it: it is a lower-case name in capitals,\n"
+text += "/// which stands for the capital.\n"
 lines = wrapped(records).split("\n")
 text += "inline constexpr char html_entities[] =\n" + "\n".join('    "' + line.strip(" ") + '"' for line in lines) + ";\n"
 (OUTPUT / "html_entities.hpp").write_text(text + FOOT)

@@ -442,7 +442,7 @@ struct Autodiff {
   // Recomputation.
 
   /// Makes y one operation that keeps only its inputs. again(inputs...) computes y again during the backward pass, and
-  /// makes its graph then. Everything else that `again` uses has to be a constant or a variable.
+  /// makes its graph then. Everything else that `again` uses must be a constant or a variable.
   template <class F, class... T>
   static tensor checkpoint(const tensor& y, F again, const T&... inputs) {
     if (y.node == nullptr || y.node->variable) return y;
@@ -474,9 +474,9 @@ struct Autodiff {
   }
 
  private:
-  /// Sends the gradients of all variables behind `last`, whose own gradient is g, to the sink. Walks operations from
-  /// the last made to the first. So the memory of a layer is free before the layer below begins. Sums of gradients have
-  /// the same order with checkpoints and without.
+  /// Sends the gradients of all variables behind `last` to the sink; g is the gradient of `last` itself. Walks
+  /// operations from the last made to the first. So the memory of a layer is free before the layer below begins. Sums
+  /// of gradients have the same order with checkpoints and without.
   static void walk(const tensor& last, Value g_last, Sink& sink) {
     if (last.node == nullptr) return;
     if (last.node->variable) return sink.add_variable(last.node.get(), std::move(g_last));

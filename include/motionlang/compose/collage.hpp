@@ -200,7 +200,7 @@ Tensor<B, 2> clean_motion(const Collage<B, D>& collage, const GaussianDiffusion&
 /// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x; noise(1), noise(2), ... belong to
 /// the steps. All have the shape (rows, features).
 /// -> clean motions (rows, features), normalised. Rows behind a timeline's end mean nothing. `watch(t, step)` sees
-/// every step. Throws `cancelled` if progress says so.
+/// every step. Throws `cancelled` if progress returns false.
 template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,
                                   const SamplingOptions& options = {}, Progress progress = {},

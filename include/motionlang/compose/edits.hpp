@@ -8,7 +8,7 @@
 /// frames stay the same, bit for bit.
 ///
 /// Source   follows from STMC (thesis 6.2.3, figure 6.3 c); not in the thesis
-/// Caution  holds for denoisers whose sequences do not depend on their batch mates (see MdmSmplDenoiser)
+/// Caution  holds for denoisers whose sequences do not depend on the other sequences of a batch (see MdmSmplDenoiser)
 #pragma once
 
 #include <optional>  // a limit

@@ -2,7 +2,7 @@
 /// Splits sentences of several actions into texts that follow each other in a timeline.
 ///
 /// Denoisers learn from clips of a few seconds, most of which show one action. Given "walk forward then sit down", they
-/// do one half.
+/// perform only one half.
 ///
 ///     actions_in_turn("walk forward, then sit down");                // {"walk forward", "sit down"}
 ///     const auto motion = stmc.generate(in_turn(timeline), rng);

@@ -8,7 +8,7 @@
 /// Each timeline has three intervals: two on one track, back to back, and one beside them on a second track. The third
 /// has other body parts than the intervals that it overlaps.
 /// Source  thesis 6.3.1; STMC (Petrovich et al., CVPR workshops 2024) mtt/sampling_timelines.py
-/// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and are at most 9.2 s. The parts only have to
+/// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and are at most 9.2 s. The parts must only
 /// differ from those of the window that was chosen for the third interval, which is where it lies
 #pragma once
 

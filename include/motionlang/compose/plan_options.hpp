@@ -12,8 +12,8 @@ enum class Gaps { fill, refuse };
 /// timeline_error 506, and `ignore` leaves the transition out. The result is the same without it.
 enum class HiddenTexts { refuse, ignore };
 
-/// The default number of frames that go through the denoiser together. 12 s on five tracks have fewer, with and without
-/// their texts. The published network holds about 90 MB for them.
+/// The default number of frames that go through the denoiser together. Timelines of 12 s with five tracks have fewer,
+/// with and without their texts. The published network needs about 90 MB for them.
 inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {

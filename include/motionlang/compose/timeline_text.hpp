@@ -51,7 +51,7 @@ std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
 Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {});
 
 /// True if a file is a list of single texts ("text # duration") rather than of timelines. Then every line has fewer
-/// than three fields, or a body part in place of the second time. The published programs (`as_published`) only need one
+/// than three fields, or a body part instead of the second time. The published programs (`as_published`) only need one
 /// line of fewer than three fields, and then refuse the others.
 bool is_text_list(std::string_view text, const TimelineTextOptions& options = {});
 

@@ -8,7 +8,7 @@
 /// it.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
-/// layers.3.linear1`. It has family and id, the operation, the fault with both values, and (with
+/// layers.3.linear1`. It has the family and the id, the operation, the fault with both values, and (with
 /// MOTIONLANG_DIAGNOSTICS) the module path. Text from files appears in it as UTF-8 without control characters.
 /// `error_ids` below lists the ids; every one has a test.
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Objects that every thread has for itself.
+/// Objects of which every thread has its own.
 #pragma once
 
 #include <cstdlib>  // abort

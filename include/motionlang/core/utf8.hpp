@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// UTF-8, one code point at a time, strictly. There are no classes of characters here.
+/// UTF-8, one code point at a time, strictly. text/unicode.hpp has the classes of characters.
 #pragma once
 
 #include <cstddef>      // size_t
@@ -13,7 +13,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The result of `decode_utf8` for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
 
-/// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
+/// The code point that starts at text[at]; moves `at` past it. Bytes that are not UTF-8 (stray or missing
 /// continuation bytes, overlong forms, surrogates, above U+10FFFF) give `invalid_code_point` and `at` moves by one.
 /// Needs at < text.size().
 constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {

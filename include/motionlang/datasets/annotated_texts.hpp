@@ -24,8 +24,8 @@ std::vector<MotionCaption> captions_of(const AnnotatedMotion& motion);
 /// Removes texts of no duration and returns their number. Caption files cannot distinguish a text from 0 to 0 seconds
 /// from one for the whole motion.
 std::size_t drop_momentary_texts(AnnotatedMotion& motion);
-/// The caption files of motions: contents by name, "000001.txt". Messages name `folder`. Throws config_error 102 if two
-/// ids have one name, and timeline_error 510 for a text that a caption file cannot hold.
+/// The caption files of motions: contents by name, "000001.txt". Messages contain `folder`. Throws config_error 102 if
+/// two ids have one name, and timeline_error 510 for a text that a caption file cannot hold.
 std::map<std::string, std::string> caption_files(const std::vector<AnnotatedMotion>& motions,
                                                  const std::string& folder = "texts");
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Motions of AMASS with the labels of BABEL, from which SINC and TEACH learn. Every item is one DescribedMotion. Its
 /// id is the published key, "seg-4242-0", its rows are turned to face ahead as one motion, and its texts are labels.
-/// Labels of SINC describe all of it. TEACH has two labels, one after the other, with the transition between them.
+/// The labels of SINC describe the whole item. TEACH has two labels in sequence, with the transition between them.
 #pragma once
 
 #include <filesystem>  // where motions are
@@ -106,7 +106,7 @@ BabelReader sinc_reader(const SincDataConfig& config);
 BabelReader teach_reader(const TeachDataConfig& config);
 
 /// features: smplvelp or smplvelp-published, at 30 frames per second.
-/// Throws io_error 401, 403, ... of files, with the place; io_error 403 if there is nothing to train on
+/// Throws io_error 401, 403, ... for files, with the place; io_error 403 if there is nothing to train on
 DescribedMotions read_babel_motions(const BabelSources& sources, const std::string& features, const DataConfig& shares,
                                     const BabelReader& reader, Progress progress);
 

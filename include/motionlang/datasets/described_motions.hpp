@@ -43,7 +43,7 @@ struct DescribedText {
   std::vector<TaggedWord> words{};  // lemmas with their parts of speech, if the data set has them
 };
 struct DescribedMotion {
-  std::string id;           // in a table: "clip@start-end", or "clip" for all of it; "M" in front: mirrored
+  std::string id;           // in a table: "clip@start-end", or "clip" for the whole clip; "M" at the start: mirrored
   std::string clip;         // motions of one clip are never split
   std::vector<float> rows;  // (frames, width), not normalised
   std::vector<DescribedText> texts;

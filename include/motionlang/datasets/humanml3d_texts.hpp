@@ -31,7 +31,7 @@ std::vector<MotionCaption> parse_captions(std::string_view text, std::string_vie
 /// Throws io_error 401, 403.
 std::vector<MotionCaption> read_captions(const FilePath& path);
 
-/// Messages name `name`.
+/// Messages contain `name`.
 /// Laws    parse_captions(format_captions(x)) equals x
 /// Throws  timeline_error 510 for a caption or word that other readers would split: with '#', a line end, blanks at its
 ///         ends or in a word, '/' in a tag; io_error 403 for an invalid time

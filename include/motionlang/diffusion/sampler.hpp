@@ -111,7 +111,7 @@ struct IgnoreSteps {
 
 /// All steps from index `first` (-1: the last of the process) down to 0. Returns the x0 of the last step. It equals the
 /// last x, because c0 is 1 and the noise factor 0 at t = 0. If the network predicts x_{t-1}, returns its last
-/// prediction. Throws `cancelled` if progress says so.
+/// prediction. Throws `cancelled` if progress returns false.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise,
                               const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},

@@ -5,7 +5,7 @@
 ///
 /// Source  Welford, "Note on a method for calculating corrected sums of squares" (Technometrics 1962). The published
 ///         scripts (TEMOS, TMR) concatenate all clips and take torch's unbiased deviation, which is the same up to
-///         rounding. HumanML3D takes the deviation of the population, with n in place of n - 1, and skips clips with
+///         rounding. HumanML3D takes the deviation of the population, with n instead of n - 1, and skips clips with
 ///         NaN. It replaces each deviation by the mean of its group (HumanML3D cal_mean_variance.ipynb):
 ///
 ///     for (const auto& clip : clips) statistics.add_finite(std::span<const float>(clip), slots.size());

@@ -56,7 +56,7 @@ void require_sound_at(const C& config, const std::string& place) {
                       });
 }
 
-/// "losses.kl=1e-4" as the document {"losses": {"kl": 1e-4}}. Messages name `name`. Throws config_error 103 without
+/// "losses.kl=1e-4" as the document {"losses": {"kl": 1e-4}}. Messages contain `name`. Throws config_error 103 without
 /// "=".
 nlohmann::json assignment_json(const std::string& assignment, const std::string& name);
 
@@ -88,8 +88,8 @@ void read_config(C& config, const JsonView& view) {
   if constexpr (requires { config.require_sound(); }) detail::require_sound_at(config, view.path());
 }
 
-/// Sets one field: "losses.kl=1e-4" or "features=rifke". The value is JSON, or otherwise a text. Messages name `name`.
-/// Throws config_error 103 without "=", and as read_config.
+/// Sets one field: "losses.kl=1e-4" or "features=rifke". The value is JSON, or otherwise a text. Messages contain
+/// `name`. Throws config_error 103 without "=", and as read_config.
 template <Module C>
 void set_config(C& config, const std::string& assignment, const std::string& name) {
   const nlohmann::json document = detail::assignment_json(assignment, name);

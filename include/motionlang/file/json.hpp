@@ -41,7 +41,7 @@ nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::si
 
 }  // namespace detail
 
-/// Reads a document. Messages name `name`. Throws io_error 403 with line and column, also for a duplicate name in an
+/// Reads a document. Messages contain `name`. Throws io_error 403 with line and column, also for a duplicate name in an
 /// object.
 nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON");
 

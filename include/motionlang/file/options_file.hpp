@@ -19,8 +19,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The values of a text. It is JSON if it begins with a brace, and an opt.txt if it begins with a banner. Messages name
-/// `name`.
+/// The values of a text. It is JSON if it begins with a brace, and an opt.txt if it begins with a banner. Messages
+/// contain `name`.
 /// Throws  io_error 403 with the line if it is malformed, 404 for unsupported YAML, 405 if it is too large
 std::vector<FileValue> parse_options(std::string_view text, std::string_view name);
 /// Throws io_error 401, and as above.

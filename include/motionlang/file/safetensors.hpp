@@ -34,7 +34,7 @@ class SafetensorsFile : public TensorSet {
   /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than 64
   /// axes), 405 (impossible sizes).
   static SafetensorsFile open(const FilePath& path);
-  /// A file in memory. `owner` keeps the bytes alive; without an owner they have to outlive the object. Messages name
+  /// A file in memory. `owner` keeps the bytes alive; without an owner they must outlive the object. Messages contain
   /// `name`.
   static SafetensorsFile from_bytes(std::span<const std::byte> bytes, std::string name = "safetensors data",
                                     std::shared_ptr<const void> owner = {});

@@ -27,7 +27,7 @@ class TensorMemory {
   /// The bytes that may still be used.
   std::uint64_t left() const { return left_; }
 
-  /// Stores bytes that live as long as this. They must have been paid for with `spend`.
+  /// Stores bytes that live as long as this object. They must have been paid for with `spend`.
   template <class T>
   const T& keep(T value) {
     auto kept = std::make_shared<const T>(std::move(value));

@@ -37,7 +37,7 @@ class TorchFile {
   /// Throws  io_error 401; 402, 403, 405 if the file is damaged; 404 for unsupported content, and for names that only
   ///         an attack needs
   static TorchFile open(const FilePath& path);
-  /// A file in memory. `owner` keeps the bytes alive; without an owner they have to outlive the object. Messages name
+  /// A file in memory. `owner` keeps the bytes alive; without an owner they must outlive the object. Messages contain
   /// `name`.
   static TorchFile from_bytes(std::span<const std::byte> bytes, const std::string& name,
                               std::shared_ptr<const void> owner = {});

@@ -43,7 +43,7 @@ inline constexpr std::size_t amass_joints = 22;  // SMPL's without the hands: th
 /// Throws       config_error 106 for another skeleton, numeric_error 301 if a value is not finite, io_error 401
 void write_amass(const FilePath& path, const Motion& motion, const AmassBody& body = {},
                  const Vec3<double>& rest_pelvis = {});
-/// The contents of such a file. Messages name `name`. Throws what write_amass throws, except io_error 401.
+/// The contents of such a file. Messages contain `name`. Throws what write_amass throws, except io_error 401.
 std::vector<std::byte> amass_bytes(const Motion& motion, const AmassBody& body = {},
                                    const Vec3<double>& rest_pelvis = {}, const std::string& name = "AMASS file");
 

@@ -38,7 +38,7 @@ struct GlbLoss {
   double distance = 0;     // the largest, metres
   std::string joint{};     // of this joint
   double seconds = 0;      // at this time
-  double path = 0;         // metres over the floor that all joints together are off
+  double path = 0;         // the common error of all joints over the floor, metres
   bool walk_lost = false;  // true if that is more than a tenth of the figure's size
 };
 
@@ -81,9 +81,9 @@ class GlbFile {
   std::vector<std::string> repairs() const;
 
   /// The frames per second at which motion() samples an animation. If its keys are at whole frames of one rate of 10 to
-  /// 1000 and some joint has one at each frame: this rate. If no joint has one at each frame: a multiple of it, at
-  /// least 20, or at least 30 for curves between keys and for slower keys. If the keys have no common rate: 30, or more
-  /// if they are closer. Throws config_error 103 if there is no such animation.
+  /// 1000, and some joint has a key at each frame, it is this rate. If no joint has a key at each frame, it is a
+  /// multiple of this rate: at least 20, or at least 30 for curves between keys and for slower keys. If the keys have
+  /// no common rate, it is 30, or more if they are closer. Throws config_error 103 if there is no such animation.
   double rate(Index animation, Index figure = 0) const;
 
   /// The animation from time 0 to its last key, at `wanted` frames per second or at rate(). If its keys are not at
@@ -93,8 +93,8 @@ class GlbFile {
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
   ///         motion would be too long
   Motion motion(Index animation, std::optional<double> wanted = {}, Index figure = 0, GlbLoss* loss = nullptr) const;
-  /// All animations of all figures that they move. If they move no figure, those of the first figure. If one animation
-  /// moves several figures, the names of its motions end with those of the figures.
+  /// All animations of all figures that they move. If they move no figure, these are the motions of the first figure.
+  /// If one animation moves several figures, the names of its motions end with those of the figures.
   /// losses  gets one for each motion, if not null
   /// Throws  what motion(number) throws; io_error 405 if they would be too long together.
   std::vector<Motion> motions(std::optional<double> wanted = {}, std::vector<GlbLoss>* losses = nullptr) const;

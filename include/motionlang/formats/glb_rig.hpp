@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// The user's character: a GLB file with mesh, skin and textures, to which motions are added.
 ///
-/// The binary data of the file are kept byte for byte, and new data follow them. In the document only the arrays of
-/// animations, accessors and buffer views grow, and the length of the buffer. (Data of the first buffer in base64
-/// become binary data.) The joint that is the pelvis moves. Nodes above it (armature, root) keep their pose at rest.
+/// The binary data of the file are kept byte for byte, and new data follow them. In the document, only the arrays of
+/// animations, accessors and buffer views grow, and the length of the buffer grows with them. (Data of the first buffer
+/// in base64 become binary data.) The joint that is the pelvis moves. Nodes above it (armature, root) keep their pose
+/// at rest.
 #pragma once
 
 #include <cstddef>     // byte

@@ -26,7 +26,7 @@ bool may_be_mdm_motions(const FilePath& path);
 /// Throws  io_error 401 to 405, 406 if the object lacks an entry, 407 if something has another shape or type, and as
 ///         motion_from_array
 std::vector<Motion> read_motions_npy(const FilePath& path, const MotionArrayOptions& options = {});
-/// The same for a file in memory. Messages name `name`. Throws all except io_error 401.
+/// The same for a file in memory. Messages contain `name`. Throws all except io_error 401.
 std::vector<Motion> motions_of_npy(std::span<const std::byte> bytes, const std::string& name,
                                    const MotionArrayOptions& options = {});
 

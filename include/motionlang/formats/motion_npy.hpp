@@ -6,8 +6,8 @@
 ///    (frames, values) features of motion_features.hpp, recognised by the width of a row; not normalised
 ///    (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
 /// mdm_results.hpp reads files with several motions. motion_from_joints.hpp turns positions into rotations. MMM's
-/// joints are in metres or, if the values are large, in KIT's units. With Y up they are mirrored, as KIT has them and
-/// TEMOS makes them. They are mirrored back, so that "L" is the left.
+/// joints are in metres or, if the values are large, in KIT's units. With Y up they are mirrored, as in KIT and TEMOS,
+/// and are mirrored back, so that "L" is the left.
 /// Source  text-to-motion utils/paramUtil.py (KIT's skeleton); TEMOS temos/transforms/rots2joints/smplh.py
 #pragma once
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// Rules that judge motions, as strict as an eye: a rule says when a motion does what a verb says. The thresholds come
-/// from recorded motions: see the table that `motionlang judge --clips` prints.
+/// Rules that judge motions as strictly as a viewer: a rule says when a motion does what a verb says. The thresholds
+/// come from recorded motions: see the table that `motionlang judge --clips` prints.
 ///
-///     const auto reason = find_verb("raise the right arm").why_not(trace_motion(motion));    // "" where it does
+///     const auto reason = find_verb("raise the right arm").why_not(trace_motion(motion));    // "" if it does
 #pragma once
 
 #include <functional>   // rules
@@ -29,9 +29,9 @@ const std::vector<JudgedVerb>& judged_verbs();
 /// Throws config_error 103 for an unknown name.
 const JudgedVerb& find_verb(std::string_view name);
 
-/// The reason why a motion does not do what the verb says, or what looks wrong (look_wrong): hovering, sinking in,
-/// flights that are not arcs, turning on flat soles, and standing like a statue although the verb moves. "" if there is
-/// none.
+/// The reason why a motion does not do what the verb says, or what looks wrong (look_wrong); "" if there is none. Wrong
+/// are hovering, sinking in, flights that are not arcs, and turning on flat soles. It is also wrong to stand like a
+/// statue although the verb moves.
 std::string why_not_done(const JudgedVerb& verb, const MotionTrace& trace, const EyeLimits& limits = {});
 
 MOTIONLANG_NAMESPACE_END

@@ -250,8 +250,8 @@ struct BodyModel {
     return linear(coefficients, directions, &mean);
   }
 
-  // Both, and the directions between them, fit into the second-level cache. SMPL has 54 blocks of vertices, which
-  // threads share evenly.
+  // A block of vertices and a block of poses, with the directions between them, fit into the second-level cache. SMPL
+  // has 54 blocks of vertices, which threads share evenly.
   static constexpr Index block_vertices = 128, block_poses = 256;
   Index blocks() const { return (vertices() + block_vertices - 1) / block_vertices; }
   typename Surface::Block block(Index i) const {

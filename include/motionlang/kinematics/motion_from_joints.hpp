@@ -7,8 +7,8 @@
 /// joint is turned so that its bones at rest come nearest to their observed directions, with as little twist against
 /// its parent as possible. Positions along bones of constant length are met exactly.
 /// Source  Mueller, Bender, Chentanez, Macklin: "A robust method to extract the rotational part of deformations" (MIG
-///         2016), eq. 7,
-///         on pairs of vectors:   omega = sum_i R a_i x b_i / |sum_i R a_i . b_i|,   R <- exp(omega) R
+///         2016), eq. 7, on pairs of vectors:
+///             omega = sum_i R a_i x b_i / |sum_i R a_i . b_i|,   R <- exp(omega) R
 /// World   Y up, as in Motion
 #pragma once
 

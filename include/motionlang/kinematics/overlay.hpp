@@ -8,7 +8,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// `base` with the local rotations of `parts` from `other`, frame by frame, while both last. The path, the height and
-/// everything else come from the base. Only for SMPL's joints, or the first of them (HumanML3D). Throws config_error
+/// everything else come from the base. It needs SMPL's joints, or the first of them (HumanML3D). Throws config_error
 /// 103 for another skeleton, and 102 for two frame rates.
 /// Source  the synthetic training data of SINC (thesis B.2.1), on rotations
 Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts);

@@ -14,7 +14,7 @@
 ///         mtt/motion_representation_local.py
 /// Differs as coded from the thesis: the crops for FID begin at five fixed frames (47, 117, 67, 103, 9), because the
 /// number of features is taken for the length. They are shorter if the motion ends. The reference is whole clips.
-/// Transitions subtract the x coordinate of each joint in place of the root, and leave the last one out
+/// Transitions subtract the x coordinate of each joint instead of the root, and leave the last one out
 #pragma once
 
 #include <algorithm>  // sort, unique

@@ -193,8 +193,8 @@ RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const 
 }
 
 /// Chooses texts that are far from each other, for protocol `nsim`. It begins with the least similar pair. Then it adds
-/// the text with the smallest sum of similarities to the chosen ones; of equals, the one with the first id. The program
-/// that chose TMR's lists is not published. The paper says that it approximates a quadratic knapsack problem.
+/// the text with the smallest sum of similarities to the chosen ones; among equals, the one with the first id. The
+/// program that chose TMR's lists is not published. The paper says that it approximates a quadratic knapsack problem.
 /// sentences  (n, d) unit rows
 /// result     positions in the order in which they were chosen
 /// Throws     shape_error 204; config_error 101 unless 2 <= count <= n
@@ -243,7 +243,7 @@ std::vector<Index> dissimilar_subset(const Rows<E>& sentences, std::span<const s
 /// config_error 101 unless width and stride are positive.
 std::vector<FrameSlice> moment_windows(Index frames, Index width, Index stride = 1);
 
-/// The window with the largest similarity; of equals the first. A list may contain windows of several widths. Throws
+/// The window with the largest similarity, the first among equals. A list may contain windows of several widths. Throws
 /// shape_error 204, and numeric_error 302 without windows.
 FrameSlice best_moment(std::span<const FrameSlice> windows, std::span<const double> similarities);
 

@@ -18,10 +18,10 @@ struct MeanInterval {
 /// Source  text-to-motion final_evaluations.py get_metric_statistics. Throws numeric_error 302.
 MeanInterval replication_interval(std::span<const double> values);
 
-/// mean +- 1.96 variance, rounded to 2 places. The mean of an accuracy, in percent, is rounded to 1. A name that
-/// contains "accuracy" is one, as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
+/// mean +- 1.96 variance, rounded to 2 places. The mean of an accuracy, in percent, is rounded to 1 place. A metric is
+/// an accuracy if its name contains "accuracy", as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
 /// Source  thesis 3.3.1; ACTOR src/evaluate/tables/easy_table.py format_values. Throws numeric_error 302.
-/// Differs from the paper, which speaks of a 95 % confidence interval; that would need std / sqrt(n) in place of the
+/// Differs from the paper, which speaks of a 95 % confidence interval; that would need std / sqrt(n) instead of the
 /// variance
 MeanInterval actor_summary(std::string_view metric, std::span<const double> values);
 

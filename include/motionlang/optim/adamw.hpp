@@ -74,8 +74,9 @@ class AdamW {
   AdamWConfig config;
 
   /// One update. Gradients are first multiplied by `scale` (clip_scale). The model keeps its variables. Throws
-  /// config_error 102 for a parameter that is not a variable (unless config.allow_constants) and for two parameters of
-  /// one path, before anything has changed. Throws shape_error 204 if restored moments belong to another model.
+  /// config_error 102 for a parameter that is not a variable (unless config.allow_constants) and for two parameters
+  /// with the same path, before anything has changed. Throws shape_error 204 if restored moments belong to another
+  /// model.
   template <Module M>
   void step(M& model, const Gradients<A>& gradients, double scale = 1) {
     const auto tensors = tensors_of(model);
@@ -98,7 +99,7 @@ class AdamW {
     for (const auto& t : tensors) {
       if (!paths.insert(t.path).second) raise<config_error>(102, "AdamW: two parameters are '", t.path, "'");
       const auto& node = t.data->node;
-      if (config.allow_constants || !t.trainable || t.shape().rank() != t.rank) continue;  // the last: there is none
+      if (config.allow_constants || !t.trainable || t.shape().rank() != t.rank) continue;  // the last: it is unset
       if (node == nullptr || !node->variable) {
         raise<config_error>(102, "AdamW: parameter '", t.path, "' is ",
                             node == nullptr ? "a constant" : "the result of an operation",

@@ -34,7 +34,7 @@ class Gradients {
   typename A::GradientMap map_;
 };
 
-/// Gradients of a scalar with respect to all variables behind it. Only for Autodiff backends.
+/// Gradients of a scalar with respect to all variables behind it. It needs an Autodiff backend.
 template <Backend A>
 auto backward(const Tensor<A, 0>& loss) {
   static_assert(AutodiffBackend<A>,

@@ -15,7 +15,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The text of values in row-major order; number(numbers, i) is that of value i.
+/// The text of values in row-major order; number(numbers, i) returns the text of value i.
 std::string array_text(const Shape& shape, const void* numbers, std::string (*number)(const void*, Index));
 
 }  // namespace detail

@@ -2,7 +2,7 @@
 /// A small word-piece tokenizer that learns its vocabulary from the captions of a training set.
 ///
 /// It is for plain captions: ASCII letters are lower-cased, and characters that are neither letters nor digits separate
-/// words. The tokenizers of BERT and CLIP, with their Unicode rules, are other headers.
+/// words. Other headers have the tokenizers of BERT and CLIP, with their Unicode rules.
 #pragma once
 
 #include <memory>       // piece -> id
@@ -32,7 +32,7 @@ class WordPiece {
   explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece");
 
   /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at
-  /// least `least` times, up to `size` pieces. Of equals the alphabetically first wins.
+  /// least `least` times, up to `size` pieces. Among equals the alphabetically first wins.
   /// Source  the WordPiece criterion as described for BERT (Schuster and Nakajima 2012)
   static WordPiece learn(std::span<const std::string> texts, Index size, Index least = 2);
 

@@ -28,7 +28,7 @@ struct WordPieceTokens {
 
   Index width() const { return embedding.weight.size(1); }
 
-  /// A row for every piece, including begin and end.
+  /// A row for every piece, including those of start and end.
   TextFeatures<B> operator()(std::span<const std::string> texts) const {
     const ModuleScope scope(*this);
     const TokenBatch batch = tokenize(tokenizer, texts);

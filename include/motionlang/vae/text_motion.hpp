@@ -93,7 +93,7 @@ LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const 
 ///     kl_text2motion, kl_motion2text     KL(T || M), KL(M || T)
 ///     kl_text, kl_motion                 KL(T || N(0, 1)), KL(M || N(0, 1))
 ///     latent_manifold                    smooth_l1(z_T, z_M)
-/// Only the terms that the model and the options have; the names are the published ones.
+/// Terms exist only if the model and the options have them; the names are the published ones.
 /// Source  TEMOS, section 3.3; thesis 4.2.3: the sum of thesis eq. 4.1, thesis eq. 4.2 and thesis eq. 4.3, weighted;
 ///         TEMOS temos/model/losses/compute.py
 template <Backend B>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. Only the kinds
-/// that BERT, MPNet and CLIP use. Any other normaliser, splitter or template is refused by its name, because ids
+/// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. They support the
+/// kinds that BERT, MPNet and CLIP use. Any other normaliser, splitter or template is refused by its name, because ids
 /// without it would be wrong and look right.
 ///
 ///     const AnyTokenizer tokenizer = read_tokenizer("all-mpnet-base-v2");   // a folder

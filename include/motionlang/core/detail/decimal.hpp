@@ -66,7 +66,7 @@ std::size_t read_word(std::string_view text, F& value) {
   return end != text.npos && text[end] == ')' ? end + 1 : 3;
 }
 
-/// The exponent at `p`, and moves `p` behind it; 0 if there is none.
+/// The exponent at `p`, and moves `p` past it; 0 if there is none.
 inline long long read_exponent(const char*& p, const char* last) {
   const char* at = p;
   if (at == last || (*at | 0x20) != 'e') return 0;
@@ -80,7 +80,7 @@ inline long long read_exponent(const char*& p, const char* last) {
   return negative ? -out : out;
 }
 
-/// The number at `p`, and moves `p` behind it; no digits if there is none.
+/// The number at `p`, and moves `p` past it; no digits if there is none.
 inline Decimal read_digits(const char*& p, const char* last) {
   // More digits never decide, because no value halfway between two doubles has more than 767. It only matters if they
   // are all zero, and one digit tells that.
@@ -131,7 +131,7 @@ std::from_chars_result read_decimal(const char* first, const char* last, F& valu
   return {p, std::errc{}};
 }
 
-/// The text that printf wrote, with a point in place of the locale's decimal point, which may have several bytes.
+/// The text that printf wrote, with a point instead of the locale's decimal point, which may have several bytes.
 inline std::string with_point(std::string_view printed) {
   std::string out;
   bool inside = false;

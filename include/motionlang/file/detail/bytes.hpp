@@ -23,7 +23,7 @@ static_assert(std::endian::native == std::endian::little, "the files are little-
 template <class T>
 concept Plain = std::is_trivially_copyable_v<T>;
 
-/// The value stored at `at`. Throws io_error 402 if it is not inside. Messages name `what` and `file`.
+/// The value stored at `at`. Throws io_error 402 if it is not inside. Messages contain `what` and `file`.
 template <Plain T>
 T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file, std::string_view what) {
   if (at > bytes.size() || bytes.size() - at < sizeof(T)) {
@@ -59,7 +59,7 @@ inline std::string_view as_text(std::span<const std::byte> bytes) {
 /// Source  RFC 4648, section 4.
 std::string to_base64(std::span<const std::byte> bytes);
 
-/// Skips white space. Messages name `name`. Throws io_error 403 for any other character outside the alphabet.
+/// Skips white space. Messages contain `name`. Throws io_error 403 for any other character outside the alphabet.
 std::vector<std::byte> from_base64(std::string_view text, std::string_view name = "text");
 
 }  // namespace detail

@@ -9,8 +9,9 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// Records: name, blank, code points in hexadecimal joined by +, comma. ? behind a name: its semicolon may be missing.
-/// ^ before a name: not of HTML5, a lower-case name in capitals that stands for the capital.
+/// Each record is a name, a blank, code points in hexadecimal joined by +, and a comma. ? after a name means that its
+/// semicolon may be missing. ^ before a name means that HTML5 does not know it: it is a lower-case name in capitals,
+/// which stands for the capital.
 inline constexpr char html_entities[] =
     "AElig? c6,AMP? 26,Aacute? c1,Abreve 102,Acirc? c2,Acy 410,Afr 1d504,Agrave? c0,Alpha 391,Amacr 100,And 2a53,"
     "Aogon 104,Aopf 1d538,ApplyFunction 2061,Aring? c5,Ascr 1d49c,Assign 2254,Atilde? c3,Auml? c4,Backslash 2216,"
