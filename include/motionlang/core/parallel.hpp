@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// A small pool of threads, `parallel_for`, the number of threads, and the rules for objects that threads share.
 ///
-/// How many   processor_count() threads calculate (core/processors.hpp: the limit of this process, also in a
-///            container), at most 256. set_thread_count(n) changes that for the whole process. The results are the same
-///            bits
-/// From several threads of a program at once
+/// How many   processor_count() threads compute (core/processors.hpp: the limit of this process, also in a container),
+///            at most 256. set_thread_count(n) changes that for the whole process. The results have the same bits
+/// Objects and several threads of a program
 ///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Threads may
 ///                    copy and use handles of the same tensor. The pool serves one call at a time; other calls wait
 ///   may not          objects that change: a tensor that is assigned to, a generator that draws, an AdamW that steps, a

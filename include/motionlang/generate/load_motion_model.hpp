@@ -55,7 +55,7 @@ template <Backend B>
 std::unique_ptr<MotionModel> load_actor_motion_model(const FilePath& run) {
   auto actor = load_actor_run<B>(run);
   const ActorFeatureOptions options = actor.features;
-  const double fps = 20;  // the viewer's rate in the repository; data state none
+  const double fps = 20;  // the viewer's rate in the repository; the data state none
   return actor_motion_model<B>(
       {.model = std::move(actor.model),
        .labels = std::move(actor.labels),

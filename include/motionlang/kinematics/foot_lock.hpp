@@ -32,9 +32,9 @@ struct FootFixOptions {
   double clearance = 0.03;  // m; toes swing this much above their standing height; recorded walks: 2.7 to 5.5 cm
 };
 
-/// The clip turned so that nobody turns like a turntable. If both feet turn together on the floor faster than `pivot`,
-/// the body does not turn by the excess. So the legs decide the heading, and the path turns with it. Throws
-/// config_error 103 if the skeleton has no such legs. A body without two legs is not changed.
+/// The clip, turned so that the body does not rotate on standing feet. If both feet turn together on the floor faster
+/// than `pivot`, the body does not turn by the excess. So the legs decide the heading, and the path turns with it.
+/// Throws config_error 103 if the skeleton has no such legs. A body without two legs is not changed.
 Motion turn_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
 /// The clip with its path over the floor corrected so that the standing foot (the slowest of the low ones) does not

@@ -44,8 +44,8 @@ struct GruClassifier {
         linear2(feature_count, c.num_classes, rng) {}
 
   /// x: frames of joint positions, joint by joint. The official code draws h0 (layers, sequences, hidden) from N(0, 1)
-  /// at every call, also in use. Here the caller supplies it (`initial_state`). Without it the network starts from
-  /// zeros.
+  /// at every call, also after training. Here the caller supplies it (`initial_state`). Without it the network starts
+  /// from zeros.
   Recognition<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
     const auto h = last_row(recurrent(x, h0));
     const auto features = linear1(h, Activation::tanh);

@@ -72,7 +72,7 @@ struct StGcnBlock {
     shortcut_norm.emplace(out);
   }
 
-  /// edges (3, joints, joints): A M. `Self` is constant in use. In training it is not, and norms use the statistics of
+  /// edges (3, joints, joints): A M. `Self` is constant after training; in training norms use the statistics of
   /// the batch.
   template <class Self>
   static Sequences<B> run(Self& self, const Sequences<B>& x, const Tensor<B, 3>& edges) {

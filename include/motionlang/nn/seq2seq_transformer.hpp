@@ -152,7 +152,7 @@ struct Seq2SeqEncoderLayer {
   Seq2SeqEncoderLayer() = default;
   Seq2SeqEncoderLayer(const Seq2SeqConfig& c, Rng auto& rng) : slf_attn(c, rng), pos_ffn(c, rng) {}
 
-  /// Rows of x attend to those of `visible`, which equal x in use.
+  /// Rows of x attend to those of `visible`, which equal x after training.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& visible, const Context& context = {}) const {
     const ModuleScope scope(*this);
     return pos_ffn(slf_attn(x, visible, false, context), context);
@@ -171,7 +171,7 @@ struct Seq2SeqDecoderLayer {
   Seq2SeqDecoderLayer() = default;
   Seq2SeqDecoderLayer(const Seq2SeqConfig& c, Rng auto& rng) : slf_attn(c, rng), enc_attn(c, rng), pos_ffn(c, rng) {}
 
-  /// Rows of x attend to those of `visible` before them, which equal x in use, and to all of the memory.
+  /// Rows of x attend to those of `visible` before them, which equal x after training, and to all of the memory.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& visible, const Sequences<B>& memory,
                           const Context& context = {}) const {
     const ModuleScope scope(*this);
