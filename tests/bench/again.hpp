@@ -22,7 +22,7 @@ inline double peak_memory() {
   return 0;
 }
 
-/// Runs this program with these arguments and waits. Whether it succeeded.
+/// Runs this program with these arguments and waits. True if it succeeded.
 inline bool run_again(std::vector<std::string> arguments) {
   static std::string name = "again";
   std::vector<char*> words{name.data()};

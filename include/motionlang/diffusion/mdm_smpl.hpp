@@ -26,16 +26,16 @@ struct MdmSmplConfig {
   Activation activation = Activation::gelu;
   Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
 
-  /// Frames that fit behind the tokens of time and of a text of one token.
+  /// Frames that fit after the tokens of time and of a text of one token.
   Index longest_crop() const { return max_len - 2 - nb_registers; }
 };
 
 /// The sequence [time, text ..., registers, frames] plus sinusoidal positions goes through a pre-norm transformer
 /// encoder. The frames are the last rows of the result.
 /// Source   thesis 6.2.4 ("Multi-track timeline control", Petrovich et al. 2024); nv-tlabs/stmc src/model/mdm_smpl.py,
-///          whose state-dict keys (behind "denoiser.") are the field names
+///          whose state-dict keys (after "denoiser.") are the field names
 /// Caution  Texts of several tokens are placed as the published code pads them: frames follow the longest text of the
-///          batch. So such a sequence depends on the rest of its batch. With one token per text (CLIP, ours) none does.
+///          batch. So such a sequence depends on the rest of its batch. Texts of one token (CLIP, ours) do not
 /// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {

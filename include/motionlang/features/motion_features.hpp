@@ -18,6 +18,7 @@
 ///    actor               150   20    ACTOR and MDM's models of actions: 6D rotations and path, in the world of a
 ///                        camera
 /// With positions only, the clip that comes back has rotations that fit them (motion_from_joints.hpp).
+/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM:
 ///         text-to-motion utils/paramUtil.py, TEMOS temos/transforms
 #pragma once
 

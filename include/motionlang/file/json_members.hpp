@@ -43,7 +43,7 @@ class JsonMembers {
   const Part& part(const std::string& key) const;
 
   void add_member();
-  /// Moves behind a value: counts brackets and skips strings. The parser checks everything between them.
+  /// Moves past a value: counts brackets and skips strings. The parser checks everything between them.
   void skip_value();
   void skip_string();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// TEACH and SINC, which learned from BABEL, as a MotionModel: TEACH for texts in turn, SINC for texts at the same
+/// TEACH and SINC, which learned from BABEL, as a MotionModel: TEACH for texts in sequence, SINC for texts at the same
 /// time.
 #pragma once
 

@@ -164,7 +164,7 @@ struct Tm2t {
   static void set_marks(auto& options, const GloVe& glove) {
     options.begin = glove.id("sos"), options.end = glove.id("eos"), options.pad = glove.size();
   }
-  /// f(the result of the search for a motion's words, the motion in the transformer's memory)
+  /// Calls f(the result of the search for a motion's words, the motion in the transformer's memory).
   template <class F>
   void for_each_search(const Sequences<B>& features, const GloVe& glove, BeamOptions options, F f) const {
     set_marks(options, glove);
@@ -201,8 +201,7 @@ struct Tm2t {
 /// Source   TM2T, section 3.3: the second sum of TM2T eq. 7; TM2T networks/trainers.py Seq2SeqT2MJointTrainer
 ///          forward_cycle
 /// Differs  from TM2T eq. 7, which adds both sums. As published, this is a separate step after that of the tokens (the
-///          first sum, `next_symbol_loss`), each with gradients clipped at norm 0.5
-///          (the first sum, `next_symbol_loss`), each with gradients clipped at norm 0.5
+///          first sum, `next_symbol_loss`). Each step clips its gradients at norm 0.5
 template <AutodiffBackend A>
 Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t,
                                     const Sequences<A>& text, const IdSequences& described,

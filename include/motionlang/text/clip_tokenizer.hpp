@@ -73,7 +73,7 @@ class ClipTokenizer {
   /// The ids without a frame, in any number.
   std::vector<Index> encode_words(std::string_view text) const;
 
-  /// The text for these ids, in lower case with a blank after every word, without begin and end. Throws shape_error 203
+  /// The text for these ids, in lower case with a blank after every word, without start and end. Throws shape_error 203
   /// for an unknown id.
   std::string decode(std::span<const Index> ids) const;
 

@@ -14,7 +14,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Turns a text into the ids for a network, framed by the marks for begin and end.
+/// Turns a text into the ids for a network, between the marks of start and end.
 /// Laws     every id is at least 0 and below size(); any bytes are a text: bytes that are not UTF-8 count as U+FFFD
 /// Models   WordPiece, BertTokenizer, ClipTokenizer, and yours
 template <class T>
@@ -57,7 +57,7 @@ struct AddedToken {
 
 namespace detail {
 
-/// Finds added tokens in a text: the leftmost, and of those at one place the longest.
+/// Finds added tokens in a text: the leftmost one, and of several at one place the longest.
 class AddedTokenSearch {
  public:
   AddedTokenSearch() = default;

@@ -95,7 +95,7 @@ struct ActionJudge {
   }
 
  private:
-  /// One motion after the other, because a surface is large.
+  /// One motion at a time, because a surface is large.
   void read_body_points(const char* name, const std::filesystem::path& body, const std::filesystem::path& regressor) {
     const auto points = std::make_shared<const BodyPoints<B>>(name, body, regressor);
     const bool translate = points->points == ActorPoints::smpl;
@@ -133,7 +133,7 @@ JudgedMotions judge_motions(const ActionJudge<B>& who, Index motions, const Phil
   return out;
 }
 
-/// Numbers the classes without those that have no motion, and so no pair. Returns also how many are left.
+/// Numbers the classes that have motions, and so pairs. Also returns how many there are.
 std::pair<std::vector<Index>, Index> present_classes(std::span<const Index> classes, Index kinds);
 
 struct RecognitionOptions {

@@ -11,7 +11,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// g(i / 4 + d) = sum over n of by_power[n][i] d^n for |d| <= 1/8. Wrong by 5e-8 at most, by 1e-7 of g for i = 0.
+/// g(i / 4 + d) = sum over n of by_power[n][i] d^n for |d| <= 1/8. The error is at most 5e-8, and 1e-7 of g for i = 0.
 struct GeluTable {
   static constexpr int cells = 32, degree = 4;
   static constexpr double width = 0.25;
