@@ -23,11 +23,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct ActorClipsConfig {
   std::string pose = "rot6d";  // "xyz", "rotvec", "rotquat", "rotmat"
   bool translation = true;     // the path of the root is a row of its own; not for xyz
-  bool global = true;          // the rotation of joint 0 is there; without it all face +Z; not for xyz
+  bool global = true;          // includes the rotation of joint 0; without it all face +Z; not for xyz
   bool turned_ahead = true;    // every clip begins facing +Z
   bool camera = false;         // rotations in the world of a camera, where figures are upside down, as published
   double fps = 30;
-  Index num_frames = 60;    // of a training item; -1: all of the clip, -2: between min_len and max_len
+  Index num_frames = 60;    // of a training item; -1: the whole clip, -2: between min_len and max_len
   Index sampling_step = 1;  // frames from one to the next; -1: the largest step that fits
   bool random_step = false;
   bool random_frames = false;  // any frames of the clip, in their order

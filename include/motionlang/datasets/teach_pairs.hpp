@@ -21,8 +21,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames of a pair; the parts follow each other without a gap. As published, each part lacks its last frame, and the
-/// second action the frame after its last.
+/// Frames of a pair; the parts follow each other without a gap. The published code instead gives the last frame of each
+/// part, and for the second action the frame after its last.
 struct PairFrames {
   FrameRange first;
   std::optional<FrameRange> transition;
@@ -54,8 +54,8 @@ struct TeachLengths {
 /// True if the first action, and the second one with its transition, are neither too short nor too long.
 bool is_teach_length(const PairFrames& frames, const TeachLengths& limits = {});
 
-/// Pairs as one segment with both texts ("walk, sit down"), for training the baseline "Joint". Of several pairs with
-/// the same times, the first.
+/// Pairs as one segment with both texts ("walk, sit down"), for training the baseline "Joint". If several pairs have
+/// the same times, only the first counts.
 std::vector<BabelSegment> joined_pairs(std::span<const ActionPair> pairs);
 
 MOTIONLANG_NAMESPACE_END

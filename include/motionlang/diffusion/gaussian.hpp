@@ -24,7 +24,7 @@ enum class Prediction { x0, eps, score, x_prev };
 
 /// The amount of noise that an ancestral step adds.
 ///   posterior_std        the standard deviation of q(x_{t-1} | x_t, x0), 0 at t = 0: DDPM as written in the papers
-///  posterior_variance   the variance itself: a quirk of the released STMC code, which made all its results
+///   posterior_variance   the variance itself: a quirk of the released STMC code, which made all its results
 enum class NoiseScale { posterior_std, posterior_variance };
 
 /// fixed_small: the posterior variance; fixed_large: beta_t (and the posterior variance at t = 1 for t = 0).

@@ -43,8 +43,8 @@ Motion mirror(const Motion& motion, std::span<const int> partners);
 /// The same with the partners that the names of the joints give.
 inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partners(motion.skeleton)); }
 
-/// The number of frames at the start that are an inserted T-pose, not performed. Exporters put the zero pose in front
-/// of CMU trials, and some blend out of it (Daz files, with a spline that swings over for the same time).
+/// The number of frames at the start that are an inserted T-pose, not performed. Exporters put the zero pose before CMU
+/// trials, and some blend out of it (Daz files, with a spline that swings over for the same time).
 /// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
 /// than it moves afterwards. A performer who really starts in a T-pose is not affected. A pose that repeats exactly
 /// counts as one frame. Returns 0 for skeletons whose zero pose is not a T-pose, so call it before retargeting.
