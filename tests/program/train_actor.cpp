@@ -251,7 +251,7 @@ TEST_CASE("an ACTOR without the rotation of joint 0; vertices that move; network
   trained("train-actor", "moved", moved);
   CHECK(mean(clips.losses("moved")) > mean(clips.losses("skin")));
   CHECK(contains(clips.train("train-actor", "no", {"--set", "losses.vertstrans=true"}).text,
-                 "losses.vertstrans is of points of a body"));
+                 "losses.vertstrans is for points of a body"));
 
   const std::vector<std::string> gru{"--set", "network.encoder=gru", "--set", "network.decoder=gru"};
   trained("train-actor", "time", gru);

@@ -326,7 +326,7 @@ TEST_CASE("actions of whole clips, of ready-made features, of annotation files: 
   CHECK(run({"generate", "--model", "out/model", "--action", "turn", "--seconds", "0.8"}, clips.path).code == 0);
   ml::write_file(clips / "elsewhere.tsv", "00009\twalk\n");
   refused(with(unified, {"--labels", "elsewhere.tsv"}),
-          "unified.json: elsewhere.tsv has a label for none of its stretches");
+          "unified.json: elsewhere.tsv has no label for any of its segments");
   refused(with(unified, {"--labels", "stretches.tsv"}),
           "stretches.tsv:1: expected the id of a stretch or of a motion, or a text, and its label");
   ml::write_file(clips / "twice.tsv", "00001\twalk\n00001\tturn\n");

@@ -157,7 +157,7 @@ TEST_CASE("a checkpoint refuses results that are not among its inputs") {
   const auto y = x * x;
   const auto hidden = ml::checkpoint([&](const Vector& v) { return v * y; }, x);
   CHECK_ERROR(ml::backward(ml::sum(hidden + y)),
-              "[motionlang.config.102] backward: what is calculated again uses a result");
+              "[motionlang.config.102] backward: a checkpoint recomputes with a result");
 }
 
 TEST_CASE("layer norms and attention are calculated again where a product needs their result: no value changes") {

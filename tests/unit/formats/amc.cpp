@@ -257,8 +257,8 @@ TEST_CASE("AMC: malformed motions are refused where they are wrong") {
   refuses("", "no frame");
   refuses("#!OML\n:DEGREES\n", "[motionlang.io.402]");
   refuses("1\nshin nan", "[motionlang.io.403]");
-  refuses("1\n shin 90 7\n2\n", "[motionlang.io.403] m.amc:2:10: '7' is a value too many");
-  refuses("1 2\nshin 90", "[motionlang.io.403] m.amc:1:3: '2' is a value too many");
+  refuses("1\n shin 90 7\n2\n", "[motionlang.io.403] m.amc:2:10: '7' is one value too many");
+  refuses("1 2\nshin 90", "[motionlang.io.403] m.amc:1:3: '2' is one value too many");
   refuses("\xEF\xBB\xBFshin 90", "m.amc:1:1: numbers of 'shin' before the first frame");
   refuses("1 shin 0" + others + "1 shin 0" + others, "[motionlang.io.403] m.amc:2:1: frame 1 after frame 1");
   refuses("4 shin 0" + others + "6 shin 0" + others, "[motionlang.io.403] m.amc:2:1: frame 6 after frame 4");

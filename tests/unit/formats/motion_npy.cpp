@@ -110,7 +110,7 @@ TEST_CASE("arrays from files; what is refused") {
   CHECK(lists::largest_distance(ml::read_motion_npy(folder / "walk.npy").positions(), walk.positions()) < 1e-4);
   const std::vector<double> numbers(60);
   ml::write_npy(folder / "odd.npy", rows_of(numbers, 20));
-  CHECK_ERROR(ml::read_motion_npy(folder / "odd.npy"), "odd.npy: rows of 20 numbers are not features");
+  CHECK_ERROR(ml::read_motion_npy(folder / "odd.npy"), "odd.npy: rows of 20 numbers are not known motion features");
   CHECK_ERROR(ml::motion_from_array(ml::NpyArray::of(std::span<const double>(numbers), {1, 20, 3})),
               "[motionlang.io.407] array: neither (frames, numbers)");
   ml::write_npy(folder / "words.npy", ml::NpyArray{'U', 4, {1, 2}, std::vector<std::byte>(8)});
