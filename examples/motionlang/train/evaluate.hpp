@@ -38,7 +38,7 @@ struct EvaluationOptions {
   ml::Alignment alignment = ml::Alignment::full;             // for the second action of TEACH
   ml::Index slerp_window = 8;                                // interpolated frames between both actions
   ml::Index bert_layer = 0;                                  // of BERTScore; 0: the last one
-  // Of STMC:
+  // These belong to STMC:
   std::optional<ml::Index> first{};  // timelines that are measured, from the first on
   std::vector<std::string> modes{};  // rows of methods; none: all
   double overlap = 0.5;              // of these, seconds

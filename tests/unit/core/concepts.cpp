@@ -1,4 +1,4 @@
-// What the concepts accept and what they refuse.
+// The types that the concepts accept and refuse.
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/autodiff.hpp>

@@ -37,7 +37,7 @@ void check_same(Put put) {
     return ml::denoise_with_texts<B>(d, x, uses, three, ml::encoded_text<B>(d, texts(3))).rows;
   };
   CHECK(tensors::same_bits(with(any), with(own)));
-  // What the texts of a sequence share is computed once, and is what each would compute.
+  // Everything that the texts of a sequence share is computed once, with the bits of separate runs.
   CHECK(tensors::same_bits(with(own), own(ml::repeat_sequences(x, uses), three, texts(3)).rows));
 }
 
