@@ -553,7 +553,7 @@ TEST_CASE("index and search: --asf is the skeleton of AMC files without one") {
     return g.run(command);
   };
   const char *missing = "13_30.amc: there is no skeleton ", *unknown = "[motionlang.config.103]";
-  check_contains(g.run(index), 0, {missing, "beside it: --asf names one"});
+  check_contains(g.run(index), 0, {missing, "beside it; set --asf"});
   check_contains(with_asf(index), 0, {unknown});  // the skeleton is read, but no table knows its two joints
   check_contains(g.run(like), 1, {missing});
   check_contains(with_asf(like), 1, {unknown});

@@ -1,4 +1,4 @@
-// motionlang info: what weights, motions, timelines and captions hold, and what the numbers of features mean.
+// motionlang info: shows the contents of weights, motions, timelines and captions, and the meaning of features.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>

@@ -66,8 +66,8 @@ inline std::string kind_of(const std::filesystem::path& path) { return ml::file_
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder,
                                                       const std::filesystem::path& results = {});
 
-/// The motions of a file without T-poses that were put in front of them (detect_t_pose_lead_in): for what puts motions
-/// together. Prints what is left out.
+/// The motions of a file without T-poses that an exporter put at their start (detect_t_pose_lead_in), for commands that
+/// combine motions. Prints what is left out.
 std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path, ml::MotionReadOptions options = {});
 /// The only motion of a file. Throws config_error 102 if there are several, and as read_motions.
 ml::Motion read_only_performed_motion(const std::filesystem::path& path, ml::MotionReadOptions options = {});

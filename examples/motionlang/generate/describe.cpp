@@ -30,7 +30,7 @@ struct DescribeOptions {
   MachineOptions machine;
 };
 
-/// Throws what files_to_describe throws; usage_error 102 if the table would take the place of what is read.
+/// Throws what files_to_describe throws; usage_error 102 if the table would replace an input.
 std::vector<ml::FileToDescribe> files_of(const DescribeOptions& o) {
   std::string skipped;
   auto out = ml::files_to_describe(o.inputs, &skipped);

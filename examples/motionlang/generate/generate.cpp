@@ -78,7 +78,7 @@ std::string wanted_name(const GenerateCommand& o) {
   return o.towards.empty() ? ml::result_name(o.text) : ml::result_name(o.text) + "_to_" + ml::result_name(o.towards);
 }
 
-/// Files that a motion becomes: this behind its name, the page behind that of all.
+/// The files of a motion: these extensions after its name, that of the page after the common name.
 constexpr std::array motion_extensions{".bvh", ".glb", ".npz", ".npy", ".svg"};
 constexpr const char* page_extension = ".html";
 

@@ -118,7 +118,7 @@ class Indexer {
     }
   }
 
-  /// Returns whether Ctrl-C stopped it.
+  /// Returns true after Ctrl-C.
   bool write() {
     if (kept_.lacks_hnswlib())
       std::fprintf(stderr, "no graph: this program was built without hnswlib (libhnswlib-dev); searches compare all\n");

@@ -32,11 +32,11 @@ struct KernelOps {
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed
-  /// form, and the precision that it was packed for. For inference: the weight must not change afterwards. Returns
-  /// whether all its numbers are finite: they are read anyway.
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps). `linear` and `conv1d` then use the packed
+  /// form, and the precision for which it was packed. For inference: the weight must not change afterwards. Returns
+  /// true if all its values are finite, which it checks while it reads them.
   static bool prepare(const Dense<S>& weight, Precision precision = product_precision());
-  /// In which precision products with this weight are computed.
+  /// The precision of products with this weight.
   static Precision precision_of(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});

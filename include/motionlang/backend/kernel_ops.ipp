@@ -46,8 +46,8 @@ template <class S>
 struct Panels {
   Index k = 0, n = 0;
   Precision precision = Precision::fp32;
-  const Kernels<S>* kernels = nullptr;  // none: bfloat16
-  const FloatTiles* tiles = nullptr;    // none: multiply-adds
+  const Kernels<S>* kernels = nullptr;  // null: bfloat16
+  const FloatTiles* tiles = nullptr;    // null: multiply-adds
   BufferHandle memory;
 
   const S* data() const { return static_cast<const S*>(memory.data()); }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Choosing the precision of products: for one model, or for the process. Apart from core/precision.hpp: a header-only
-/// program that includes it compiles the kernels of bfloat16.
+/// The choice of the precision of products, for one model or for the process. It is not in core/precision.hpp, because
+/// a header-only program that includes it compiles the kernels of bfloat16.
 ///
-/// A prepared weight keeps the precision that it was packed for, and layers read it there. Models of different
-/// precisions stand beside each other, and nothing that is set later changes them. The setting of the process is for
-/// what no prepared weight takes part in: models in training, whose weights change with every step, and products of
-/// two results.
+/// A prepared weight keeps the precision for which it was packed, and layers read it there. So models of different
+/// precisions can be used side by side, and no later setting changes them. The setting of the process is for products
+/// without a prepared weight: models in training, whose weights change with every step, and products of two results.
 #pragma once
 
 #include <motionlang/core/precision.hpp>
@@ -13,8 +12,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Changes the precision for the whole process: that of weights prepared from now on, and of products without one. Not
-/// while work is running.
+/// Changes the precision for the whole process: that of weights prepared from now on, and of products without one. Do
+/// not call it while work is running.
 void set_product_precision(Precision p);
 
 namespace detail {

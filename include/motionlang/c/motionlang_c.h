@@ -99,11 +99,11 @@ MOTIONLANG_C_API int motionlang_generate_motions(const motionlang_model* model, 
 
 typedef struct motionlang_read_options {
   double scale;         /* metres per unit of a .bvh file */
-  double fps;           /* of .glb, .gltf, .vrm and .vrma, whose keys have their own times; 0: their rate, or 30 */
-  double rate;          /* of an .npy, .amc or .npz file without a rate; 0: the published one, 120 for .amc */
-  int32_t up;           /* axis that points up, not of .npz: 'x', 'y' or 'z', negative (-'y') if its other end does;
-                         * 0: 'y', of .npy with positions found */
-  int32_t drop_lead_in; /* 1: leave out a T-pose that an exporter put in front */
+  double fps;           /* for .glb, .gltf, .vrm and .vrma, whose keys have their own times; 0: their rate, or 30 */
+  double rate;          /* for an .npy, .amc or .npz file without a rate; 0: the published one, 120 for .amc */
+  int32_t up;           /* axis that points up, except for .npz: 'x', 'y' or 'z', negative (-'y') if its other end does;
+                         * 0: 'y'; for positions in .npy: detected */
+  int32_t drop_lead_in; /* 1: leave out a T-pose that an exporter put at the start */
   const char* asf;      /* skeleton of an .amc file; NULL: that of its subject beside it, or the only one there */
   const char* joints;   /* table of joints for retargeting to SMPL's joints; NULL: motions keep their own */
 } motionlang_read_options;

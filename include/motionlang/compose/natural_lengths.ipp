@@ -14,7 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 /// The words of a text in lower case.
-inline std::vector<std::string> lower_words(std::string_view text) {
+inline std::vector<std::string> lower_case_words(std::string_view text) {
   std::vector<std::string> words(1);
   for (const char c : text) {
     const char l = lower(c);
@@ -36,7 +36,7 @@ inline constexpr std::array continuing_words{"again",      "and",  "then",  "whi
 }  // namespace detail
 
 MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view text) {
-  const auto words = detail::lower_words(text);
+  const auto words = detail::lower_case_words(text);
   const auto says = [&](std::initializer_list<std::string_view> any) {
     return std::any_of(words.begin(), words.end(),
                        [&](const std::string& w) { return std::find(any.begin(), any.end(), w) != any.end(); });

@@ -100,8 +100,8 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
 };
 
 /// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in,
-/// taps): prepare(weight, precision) keeps the weight in it beside the tensor, which must not change afterwards, and
-/// says whether all numbers are finite, which are read anyway. precision_of(weight) is that of its products.
+/// taps). prepare(weight, precision) keeps this layout beside the tensor, which must not change afterwards. It returns
+/// true if all values are finite, which it checks while it reads them. precision_of(weight) is that of its products.
 /// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>

@@ -10,17 +10,18 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// fp32    the numbers as they are.
-/// bf16    both factors rounded to bfloat16 (8 bits of significand), products and sums in float: half the memory for
-///         prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
-///         product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
-///         the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
-/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. For weights of 128 x 128 and
-///         more; smaller ones, and other processors, take fp32. Half its error while products are above 2^-108 (below
-///         2^-126 they count as 0), other last digits. For many rows and few threads: with two, large products take 0.6
-///         to 0.9 of the time, those of a few rows up to four times as long. With 8 and 16 threads of one machine large
-///         ones took 1.1 to 2.3 times as long, as all instructions of AMX are slower there when every core uses them.
-/// All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
+/// fp32    the values as they are.
+/// bf16    Both factors are rounded to bfloat16 (8 bits of significand); products and sums are float. Prepared weights
+///         take half the memory. The speed is up to ten times as high where the processor has instructions for it. An
+///         element of a product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|. The sum,
+///         which may start with a bias, is also rounded. Values below 2^-126 may count as 0.
+/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added. It is for weights of 128 x 128
+///         and more; smaller ones, and other processors, use fp32. It has half the error of fp32 while products are
+///         above 2^-108 (below 2^-126 they count as 0). The last digits differ. Use it for many rows and few threads.
+///         With two threads, large products take 0.6 to 0.9 of the time, and those of a few rows up to four times as
+///         long. With 8 and 16 threads of one machine, large ones took 1.1 to 2.3 times as long, because AMX is slower
+///         there when every core uses it.
+/// All other arithmetic stays in float. Only the kernels of the Eigen and xtensor backends in float follow this.
 enum class Precision { fp32, bf16, bf16x3 };
 
 /// "fp32", ...

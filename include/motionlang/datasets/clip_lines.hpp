@@ -37,9 +37,9 @@ namespace detail {
 
 }  // namespace detail
 
-/// A folder of clips, in which files are found by the names that tables and annotation files have for them: the path
-/// with the extension, or without it where that leaves no doubt. Of a data set in HumanML3D's form, clips are also
-/// found by the names of their features; of AMASS, by the names that its folders had and have.
+/// A folder of clips. Finds files by their names in tables and annotation files: the path with its extension, or
+/// without it if that is unique. In a data set in HumanML3D's form, it also finds clips by the names of their features.
+/// In AMASS it knows the older and newer names of the folders.
 class ClipFolder {
  public:
   explicit ClipFolder(std::filesystem::path folder);
@@ -47,8 +47,8 @@ class ClipFolder {
   /// The file of a clip: .bvh, .amc, .npz, .npy, .glb or .vrma; "" if there is none. Throws io_error 403 if several
   /// files fit. The message begins with the place of the name.
   std::filesystem::path file(const std::string& clip, const std::string& place);
-  /// Finds the file of a line, and of what follows. The clip, and an id that is the clip, lose an extension that no
-  /// doubt needs. If no file has the name, an animation begins behind its last #.
+  /// Finds the file of a line, and of the clip that follows. The clip, and an id that equals the clip, lose an
+  /// extension that is not needed. If no file has the name, the text after its last # is an animation.
   void find(ClipLine& line);
 
  private:
@@ -61,10 +61,10 @@ class ClipFolder {
   std::map<std::filesystem::path, Stems> listed_;
 };
 
-/// clip, start, end, body parts, captions separated by |; or clip, captions: all of it. Columns are separated by tabs,
-/// lines that begin with # are comments; data: the folder of clips. A sixth column may say how a segment goes on where
-/// more time is wanted, separated by commas: "repeat", "hold", "then CLIP"; and "seated".
-/// Throws io_error 401, 403 with file and line.
+/// Lines "clip, start, end, body parts, captions separated by |", or "clip, captions" for the whole clip. Columns are
+/// separated by tabs, and lines that start with # are comments. A sixth column may say how a segment continues if more
+/// time is wanted, separated by commas: "repeat", "hold", "then CLIP"; and "seated". data: the folder of clips. Throws
+/// io_error 401, 403 with file and line.
 std::vector<ClipLine> read_captions(const std::filesystem::path& path, const std::filesystem::path& data);
 /// Lines "clip, start, end, label", or "clip, label" for the whole clip; clips as in captions. Throws io_error 401, 403
 /// with file and line.
@@ -84,10 +84,10 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
 /// where this name was read. Throws what ClipFolder::file throws.
 std::string babel_clip(ClipFolder& clips, const std::string& feat_p, const std::string& place);
 
-/// The clip of a line on our skeleton, at its own frame rate, of .bvh, .amc, .npz (AMASS), .npy, .glb or .vrma files in
-/// the folder `data`. Features without rotations get such that fit their positions.
-/// Throws io_error 401 if there is no file, 404 for one of another kind, config_error 103 for an animation that the
-/// file lacks, 102 if it has several and the line names none, and what the readers throw.
+/// The clip of a line on our skeleton, at its own frame rate, from a .bvh, .amc, .npz (AMASS), .npy, .glb or .vrma file
+/// in the folder `data`. Features without rotations get rotations that fit their positions. Throws io_error 401 if
+/// there is no file, 404 for an unknown kind of file, config_error 103 for an animation that the file lacks, 102 if it
+/// has several and the line names none, and what the readers throw.
 Motion read_clip(const std::filesystem::path& data, const ClipLine& line);
 
 /// The frames of its clip that a line describes.

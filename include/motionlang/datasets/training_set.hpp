@@ -22,11 +22,11 @@ struct CaptionedSegment {
   Motion motion;
   BodyParts parts;  // that the captions describe
   std::vector<std::string> captions;
-  std::optional<Loop> loop;    // of a motion that is one cycle again and again: any part of it, for as long as wanted
-  bool grounded = true;        // never in the air, so that it may be played slower or faster
-  std::optional<Loop> rest{};  // at the end of the motion: what follows an action for as long as wanted
-  Index action = 0;            // frames before that; all where nothing follows
-  double weight = 1;           // the likelier to be drawn; up to 4, if few segments show what its captions command
+  std::optional<Loop> loop;    // for a motion that repeats one cycle, so that it can start and end anywhere
+  bool grounded = true;        // never in the air, so it may be played slower or faster
+  std::optional<Loop> rest{};  // at the end of the motion: continues an action for any time
+  Index action = 0;            // frames before that; all frames if nothing follows
+  double weight = 1;  // relative probability of drawing it; up to 4, if few segments show what its captions say
 
   /// The length of the segment, without what follows.
   double seconds() const { return static_cast<double>(action) / motion.fps; }
@@ -68,13 +68,13 @@ class TrainingSet {
   /// All captions and their mirror images, from which a tokenizer learns.
   std::vector<std::string> all_captions() const;
 
-  /// A sample that depends on the generator only:
-  ///   - a segment, mirrored, faster or slower, going round its cycle where it has one, or a part of it;
-  ///   - an action in its own time and then what follows it, where the table says that;
-  ///   - slower or faster, or backwards in time, where the caption can say so;
-  ///   - or, as in SINC, a segment about the legs with the arms of one about the arms, under either caption or both.
-  ///     The legs may be those of anybody who stands or sits still, under a caption that says nothing about arms;
-  ///   - with the caption "" instead, now and then.
+  /// A sample that depends only on the generator. It is one of these:
+  ///   - a segment: mirrored, faster or slower, with its cycle repeated if it has one, or a part of it
+  ///   - an action in its own time and then its continuation, if the table has one
+  ///   - a segment slower or faster, or backwards in time, if the caption can say so
+  ///   - a segment about the legs with the arms of another one about the arms, under either caption or both (as SINC).
+  ///     The legs may be those of a person who stands or sits still, under a caption that does not mention arms
+  ///   - one of these with the caption "", sometimes
   TrainingSample draw(Philox rng, const SampleOptions& options) const;
 
  private:

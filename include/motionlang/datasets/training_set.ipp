@@ -72,9 +72,9 @@ inline Motion reversed_motion(const Motion& motion) {
   return out;
 }
 
-/// The cycle of a clip that is nothing else: a quarter of a second round is there, and every pose of the clip is close
-/// to one of the cycle. Somebody who sits still and then rises, or bends and comes up again, also looks alike at two
-/// times, but any part of that is not the same action.
+/// The cycle of a clip that consists only of cycles: a quarter of a second round exists, and every pose of the clip is
+/// close to one of the cycle. A person who sits still and then rises, or bends and comes up again, also looks alike at
+/// two times. But a part of that is not the same action.
 inline std::optional<Loop> cycle_of(const Motion& motion) {
   const auto loop = find_loop(motion, 12);
   if (!loop || 4 * (motion.frames() - loop->last + loop->first) < loop->last - loop->first) return std::nullopt;
@@ -246,7 +246,7 @@ MOTIONLANG_BODY std::vector<std::string> TrainingSet::all_captions() const {
 MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index frames, bool mirrored, double tempo,
                                             Philox& rng, const SampleOptions& options) const {
   double factor = tempo * (1 + options.speed * (2 * rng.uniform() - 1));
-  if (!s.loop && !s.rest && s.grounded && tempo == 1) {  // an action takes longer where there is time for it
+  if (!s.loop && !s.rest && s.grounded && tempo == 1) {  // an action takes longer if there is time for it
     factor *= std::clamp(static_cast<double>(s.motion.frames()) / static_cast<double>(frames), options.stretch, 1.0);
   }
   const auto wanted = static_cast<Index>(static_cast<double>(frames) * factor) + 1;  // before the change of speed

@@ -31,7 +31,7 @@ class JsonMembers {
   nlohmann::json load(const std::string& key) const;
   /// The members of a member that is an object itself. Throws what load and open throw.
   JsonMembers members(const std::string& key) const;
-  /// Where a member stands, for the messages of a JsonView of it: "annotations.json: 00001".
+  /// The place of a member, for the messages of its JsonView: "annotations.json: 00001".
   std::string place(const std::string& key) const { return name_ + ": " + key; }
 
  private:

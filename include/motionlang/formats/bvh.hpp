@@ -21,8 +21,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct BvhReadOptions {
   double scale = 0.01;  // metres per unit of the file; 0.01: the file is in centimetres
-  int root = 0;         // which ROOT of a file with several
-  /// Knows bodies by their joints, as the root of the motion is that of the body; none: the built-in tables.
+  int root = 0;         // number of the ROOT, if there are several
+  /// Finds the table of a body by its joints, because the root of the motion is that of the body; none: the built-in
+  /// tables.
   std::function<std::optional<SkeletonTable>(const Skeleton&)> find_table{};
 };
 
@@ -43,10 +44,10 @@ struct BvhWriteOptions {
 Motion to_motion(const Bvh& file, const BvhReadOptions& options = {});
 /// The number of ROOTs in the file. Each is a motion of its own.
 int bvh_roots(const Bvh& file);
-/// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
-/// leaves this out. Throws config_error 101 (number of the root).
+/// Names of the joints below a root that have changing positions of their own, like bones that stretch. to_motion
+/// leaves these positions out. Throws config_error 101 (number of the root).
 std::vector<std::string> stretched_joints(const Bvh& file, const BvhReadOptions& options = {});
-/// Names of what hangs beside the body under a root: bones for inverse kinematics, props, cameras. Throws config_error
+/// Names of the joints beside the body under a root: bones for inverse kinematics, props, cameras. Throws config_error
 /// 101 (number of the root).
 std::vector<std::string> joints_beside_body(const Bvh& file, const BvhReadOptions& options = {});
 /// Throws io_error 401 and as parse_bvh, to_motion.

@@ -114,8 +114,8 @@ class BvhParser {
       note("a frame takes ", bvh_.frame_time, " s, as if the rate stood where the frame time should");
     rows(static_cast<std::size_t>(bvh_.frames), static_cast<std::size_t>(bvh_.channels()));
   }
-  /// The usual number of frames per second that a time of three to five decimals is rounded from: 60 for 0.0167. 0 if
-  /// there is none, or if the time is that of a whole number.
+  /// The usual number of frames per second for a rounded time of three to five decimals: 60 for 0.0167. 0 if there is
+  /// none, or if the time is that of a whole number.
   static double rounded_rate(std::string_view printed, double time) {
     const std::size_t point = printed.find_first_of(".,");
     const std::size_t decimals = point == printed.npos ? 0 : printed.size() - point - 1;
@@ -127,8 +127,8 @@ class BvhParser {
     }
     return 0;
   }
-  /// Some programs write a row more or less than they declare, or something else behind the table. Where every row is a
-  /// line, it is clear what belongs to it: the rest is left out, with a note.
+  /// Some programs write a row more or less than declared, or something else after the table. If every row is a line,
+  /// it is clear what belongs to it: the rest is left out, with a note.
   void rows(std::size_t frames, std::size_t columns) {
     if (frames != 0 && columns == 0) scan_.fail(403, counted(frames, "frame"), ", but no channels");
     const std::string declared = concat_text(counted(frames, "declared frame"), " of ", counted(columns, "channel"));

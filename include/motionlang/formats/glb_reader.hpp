@@ -49,9 +49,8 @@ class GlbFile {
   using FindTable = detail::GltfFigures::FindTable;
 
   /// skin    the only one whose joints count; none: the figures of the file
-  /// find_table  knows bodies by their joints; none: the built-in tables
-  /// Throws  io_error 401 to 405; config_error 103 for a skin that is not there, 107 where the JSON has a value of the
-  ///         wrong kind
+  /// find_table  finds the table of a body by its joints; none: the built-in tables
+  /// Throws  io_error 401 to 405; config_error 103 for an unknown skin, 107 if the JSON has a value of the wrong kind
   static GlbFile open(const FilePath& path, std::optional<Index> skin = {}, const FindTable& find_table = {});
   GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin = {},
           const FindTable& find_table = {});

@@ -187,8 +187,7 @@ inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const st
       continue;
     }
     if (const auto beside = joints_beside_body(file, read); !beside.empty())
-      tell("left out ", beside.size() == 1 ? "is " : "are ", listed_joints(beside), " beside '", m.name,
-           "', the root of the body");
+      tell("left out: ", listed_joints(beside), " beside '", m.name, "', the root of the body");
     const std::vector<std::string> stretched = stretched_joints(file, read);
     note_stretched(name, stretched, "mean length", notes);
     for (const std::string& joint : stretched) {
@@ -219,22 +218,22 @@ inline void require_read_kind(const std::string& name) {
                         kind, "'", about_fbx(kind));
 }
 
-/// Refuses what another program or a server put in place of a motion.
+/// Refuses a file that another program or a server wrote instead of a motion.
 inline void refuse_other_content(std::span<const std::byte> bytes, const std::string& name) {
   if (bytes.empty()) raise<io_error>(402, name, ": the file is empty");
   const std::string_view text = as_text(bytes.first(std::min<std::size_t>(bytes.size(), 64)));
   std::string start(trim(text));
   for (char& c : start) c = lower(c);
   if (start.starts_with("<!doctype html") || start.starts_with("<html"))
-    raise<io_error>(403, name, " is not a motion but a page (HTML), as servers send where there is no such file");
+    raise<io_error>(403, name, " is not a motion but a page (HTML), as servers send for a missing file");
   if (start.starts_with("<?xml") || start.starts_with("<error>"))
-    raise<io_error>(403, name, " is not a motion but XML, as servers send where there is no such file");
+    raise<io_error>(403, name, " is not a motion but XML, as servers send for a missing file");
   constexpr std::size_t looked_at = 4096;
   const auto head = bytes.first(std::min(bytes.size(), looked_at));
   if (std::all_of(head.begin(), head.end(), [](std::byte b) { return b == std::byte{}; }))
     raise<io_error>(403, name, ": the file begins with zeros, as after a copy that was broken off");
   struct Mark {
-    std::string_view begin, what, of;  // of: the kinds that begin so themselves
+    std::string_view begin, what, of;  // of: the kinds that begin with it
   };
   constexpr Mark marks[] = {{"PK\3\4", "a ZIP archive: unpack it first", ".npz"},
                             {"\x1F\x8B", "compressed by gzip: unpack it first", ""},

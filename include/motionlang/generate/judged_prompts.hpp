@@ -99,7 +99,7 @@ struct StepsCost {
   double seconds = 0;                                 // of the processor for a second of motion
   double seeds_apart = 0;  // of the first row: mean distance between the motions of two seeds, if there are several
 };
-/// Judges the prompts with each number of steps. on_row sees each row when it is known. Throws what judge throws.
+/// Judges the prompts with each number of steps. on_row receives each row when it is known. Throws what judge throws.
 std::vector<StepsCost> steps_costs(const MotionModel& model, const std::vector<JudgedPrompt>& prompts,
                                    const GenerateOptions& options, std::span<const Index> steps, int seeds,
                                    const std::function<void(const StepsCost&)>& on_row = {});

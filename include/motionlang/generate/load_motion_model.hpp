@@ -35,7 +35,7 @@ struct MotionModelOptions {
   TrainedModelLoader trained{};  // none: such models are refused
 };
 
-/// STMC of ours, and STMC, MDM and MotionDiffuse as published. Throws config_error 103 for another system, and what
+/// STMC of our own, and published STMC, MDM and MotionDiffuse. Throws config_error 103 for another system, and what
 /// load_stmc throws.
 template <Backend B>
 std::unique_ptr<MotionModel> load_diffusion_motion_model(const MotionModelPlace& place,

@@ -24,7 +24,7 @@ class StmcMotionModel final : public MotionModel {
     const CaptionEncoder<B>* encoder = captions();
     if (encoder == nullptr) return {};
     const auto pieces = encoder->tokenizer.encode(text, static_cast<Index>(text.size()) + 2);
-    return {std::ssize(pieces) - 2, encoder->positions.rows().size(0) - 2};  // two are of the frame
+    return {std::ssize(pieces) - 2, encoder->positions.rows().size(0) - 2};  // two are for special tokens
   }
 
  private:

@@ -21,8 +21,8 @@ struct FloorFixOptions {
   double longest_flight = 1.2;                     // s; a body that is above the floor for longer hovers
   double gravity = 9.81;                           // m/s^2
   double sigma = 0.05;                             // s; smoothness of the correction
-  double foot_sinks = 0.02;                        // m; a foot that is less deep in the floor stays
-  double seated = 0;  // m; where the root is lower, the trunk rests on the floor and feet carry nothing; 0: nowhere
+  double foot_sinks = 0.02;                        // m; a foot that sinks in less than this stays
+  double seated = 0;  // m; if the root is lower, the trunk rests on the floor and feet carry nothing; 0: never
 };
 
 namespace detail {
@@ -35,9 +35,9 @@ inline double foot_over_floor(std::span<const Vec3<double>> pose, const Leg& leg
 
 }  // namespace detail
 
-/// (frames): how far the lowest part of the body is above the floor, by the heights at which it stands or rests.
-/// Negative: it is sunk in. Within 0.2 m above options.seated, feet count the less the lower the root is. Below they do
-/// not count. Throws config_error 103 if the skeleton has no such legs.
+/// (frames): the distance of the lowest part of the body above the floor, relative to the heights at which it stands or
+/// rests. Negative values mean that it has sunk in. Within 0.2 m above options.seated, feet count less for a lower
+/// root; below that they do not count. Throws config_error 103 if the skeleton has no such legs.
 std::vector<double> heights_over_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                                        const FloorFixOptions& options = {});
 

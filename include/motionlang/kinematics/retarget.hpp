@@ -30,8 +30,8 @@ struct RetargetReport {
 };
 std::string to_string(const RetargetReport& r);
 
-/// How one skeleton follows another; made once, used for every clip. A mirror image, whose left side has the names of
-/// the right one, is mapped as it looks.
+/// A map from one skeleton to another. Make it once and use it for every clip. A mirror image, whose left side has the
+/// names of the right one, is mapped by its appearance.
 class SkeletonMap {
  public:
   /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks, for unknown

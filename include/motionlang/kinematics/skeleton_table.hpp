@@ -10,13 +10,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// "mixamorig1:" and, without its colon, "mixamorig".
 std::string_view bare_joint_name(std::string_view name);
 
-/// The beginning of the names of three quarters of the joints, up to a separator: "Character1_", "ValveBiped.Bip01_".
-/// "" if they have none in common.
+/// The common beginning of the names of at least three quarters of the joints, up to a separator: "Character1_",
+/// "ValveBiped.Bip01_". "" if they have none in common.
 std::string common_name_prefix(const Skeleton& skeleton);
 
-/// The number of a joint by its name, or else by its bare name, or else by that without regard to capital letters
-/// ("Hips" is "hips": Unity and Godot write VRM's names so) and to blanks ("L_Thigh" is "L Thigh"), or else by that
-/// without the common prefix; -1.
+/// The number of a joint: by its name, else by its bare name, else by that in any case ("Hips" is "hips": Unity and
+/// Godot write VRM's names so) and with any blanks ("L_Thigh" is "L Thigh"), else by that without the common prefix. -1
+/// if none.
 int find_joint(const Skeleton& skeleton, std::string_view name);
 
 /// One joint of SMPL and the joint of the known skeleton whose orientation it takes.

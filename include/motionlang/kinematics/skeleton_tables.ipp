@@ -233,7 +233,7 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "L Clavicle"}, {"left_shoulder", "L UpperArm"}, {"left_elbow", "L Forearm"}, {"left_wrist", "L Hand"}, {"left_hand", "L Finger2"},
       {"right_collar", "R Clavicle"}, {"right_shoulder", "R UpperArm"}, {"right_elbow", "R Forearm"}, {"right_wrist", "R Hand"}, {"right_hand", "R Finger2"}},
      true, true},
-    // The Master Motor Map as KIT and TEMOS have it, see known_skeletons.hpp. The joints of the shoulders hang on the lower neck.
+    // The Master Motor Map as in KIT and TEMOS, see known_skeletons.hpp. The shoulders are children of the lower neck.
     {"MMM",
      {{"pelvis", "root"}, {"spine1", "BP"}, {"spine2", "BP", "+x+y", {}, "BT", 0.5}, {"spine3", "BT"}, {"neck", "BLN"}, {"head", "BUN"},
       {"left_hip", "LH"}, {"left_knee", "LK"}, {"left_ankle", "LA"}, {"left_foot", "LMrot"},

@@ -24,12 +24,12 @@ bool is_axes(std::string_view axes);
 /// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
 Quaternion<double> axes_rotation(const MappedJoint& joint);
 
-/// The table of a mirror image, in which each side has the names of the other. Nothing of a table that states turns or
-/// other axes than "+x+y", which a mirror changes.
+/// The table of a mirror image, in which each side has the names of the other. Nothing for a table with turns or axes
+/// other than "+x+y", which a mirror changes.
 std::optional<SkeletonTable> mirrored_table(const SkeletonTable& table);
 
-/// A skeleton as its table sees it, standing in its T-pose, turned by quarters of a circle about y until its left is
-/// nearest to +X. Where its limbs do not point to the sides or down, `bone` says where they point.
+/// A skeleton in the T-pose of its table, turned by quarters of a circle about y until its left is nearest to +X. If
+/// its limbs do not point to the sides or down, `bone` has their directions.
 class StandingSkeleton {
  public:
   Skeleton skeleton;

@@ -160,7 +160,7 @@ Tensor<B, 2> softmax(const Tensor<B, 2>& x) {
 
 struct AttentionOptions {
   Index heads = 1;
-  bool causal = false;                        // a query sees the keys up to its own position only
+  bool causal = false;                        // a query only sees keys up to its own position
   Dropout dropout{};                          // on the attention weights
   Precision precision = product_precision();  // layers take that of their weights
 };

@@ -276,9 +276,9 @@ void prepare_in(M& model, Precision precision) {
 
 }  // namespace detail
 
-/// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
-/// (and whatever else has two to four axes), in the precision of the process; backend/precision.hpp has others. The
-/// model must not be changed afterwards. Nothing happens on backends without such a layout.
+/// Prepares a model for inference: packs the weights of linear layers and convolutions for the backend's kernels (and
+/// other tensors with two to four axes). It uses the precision of the process; backend/precision.hpp offers others. The
+/// model must not change afterwards. Does nothing on backends without such a layout.
 template <Module M>
 void prepare(M& model) {
   detail::prepare_in(model, product_precision());

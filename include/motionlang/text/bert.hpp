@@ -6,9 +6,9 @@
 ///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);
 ///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
-/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others. Loading a
-/// file packs the weights for the kernels; a network that was made otherwise is made ready with `prepare`. On an
-/// Autodiff backend it is trained.
+/// Batches are packed: padding is never computed, and a text has the same values alone and among others. Loading a file
+/// packs the weights for the kernels; call `prepare` for a network from elsewhere. On an Autodiff backend it can be
+/// trained.
 #pragma once
 
 #include <motionlang/nn/dropout.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come
-/// with a motion model and be trained together with it. With word vectors it also hears words that no caption of its
-/// training says.
+/// A small text encoder of our own: word pieces, a transformer, one vector per caption. It is below 2 MB, so it can be
+/// part of a motion model and be trained together with it. With word vectors it also understands words that no training
+/// caption contains.
 #pragma once
 
 #include <motionlang/nn/embedding.hpp>
@@ -19,8 +19,8 @@ struct CaptionEncoderConfig {
   Index layers = 2;
   Index out = 128;
   double dropout = 0.1;
-  Index longest = 64;         // word pieces of a caption, with begin and end
-  double hidden_words = 0.3;  // training: the chance that a word with a vector is known by that alone
+  Index longest = 64;         // word pieces of a caption, with the tokens of start and end
+  double hidden_words = 0.3;  // training: probability that only the vector of a word is used, if it has one
 };
 
 /// Pieces -> embedding (+ projected word vectors) + positions -> pre-norm transformer -> norm -> the row of [CLS] ->

@@ -56,8 +56,9 @@ class GloVe {
   /// ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside a word with a tag of the
   /// table.
   std::vector<TaggedWord> tokens(std::string_view text) const;
-  /// An approximation to what was done with spaCy: hyphens are deleted, words are lower-cased, those with digits are
-  /// skipped; unknown words become a known form (text/word_forms.hpp). Tags come from the lists of `motion_tag` only.
+  /// An approximation of the original processing with spaCy. Hyphens are deleted, words are lower-cased, and those with
+  /// digits are skipped. Unknown words become a known form (text/word_forms.hpp). Tags come only from the lists of
+  /// `motion_tag`.
   std::vector<TaggedWord> caption_tokens(std::string_view text) const;
 
   /// Rows of width + 15 values: sos, the words, eos.

@@ -109,9 +109,9 @@ class StmcTraining {
   using A = Tape;
   using B = typename A::inner;
 
-  /// For a run that begins anew: learns the vocabulary, measures mean and deviation of the features, draws the weights.
-  /// `data` has to outlive the training. With vectors of words, each word that captions say twice gets an embedding of
-  /// its own, and `config.vocabulary` does not count.
+  /// For a new run: learns the vocabulary, measures mean and deviation of the features, draws the weights. `data` must
+  /// outlive the training. With word vectors, each word that occurs at least twice in captions gets its own embedding,
+  /// and `config.vocabulary` is ignored.
   StmcTraining(const StmcTrainingConfig& config, const TrainingSet& data, const WordVectors& vectors = {});
 
   /// Teaches the text encoder alone what captions mean: the mean of every feature of their motions over each quarter of
@@ -271,7 +271,7 @@ template <AutodiffBackend A>
 std::map<std::string, std::string> StmcTraining<A>::settings() const {
   auto out = stmc_metadata(config_.model, learner_.average.text_encoder.tokenizer);
   out["model"] = "stmc training";
-  out.erase("sampling");  // decides nothing here
+  out.erase("sampling");  // does not change a training step
   if (const WordVectors& vectors = learner_.average.text_encoder.vectors; !vectors.empty())
     out["word_vectors"] = detail::hexadecimal(detail::content_hash(std::as_bytes(vectors.codes())));
   out.merge(detail::stmc_settings(config_, data_->fingerprint()));

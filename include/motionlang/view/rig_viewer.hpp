@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// A page that shows motions on the user's character, a GLB or VRM file, in one colour. The page contains the surface
-/// at rest: whoever may not pass the character on may not pass the page on.
+/// at rest: a user who may not share the character may not share the page.
 ///
 ///     const GlbRig rig = GlbRig::open("character.vrm");
 ///     write_rig_viewer("walk.html", rig, std::span(&motion, 1));

@@ -63,10 +63,10 @@ std::vector<FileValue> options_of_config(const RunFolder& run);
 /// Throws  io_error 401 if it cannot be listed, and what read_options throws
 RunFolder find_run(const FilePath& path);
 
-/// The same of the folder of a model, or of a training that has the model inside.
+/// The same for the folder of a model, or of a training with the model inside.
 RunFolder find_model_run(const FilePath& path);
 
-/// A model is a file, or a folder with one *.safetensors file in it, besides checkpoint.safetensors. Throws io_error
+/// A model is a file, or a folder with one *.safetensors file, not counting checkpoint.safetensors. Throws io_error
 /// 401.
 std::filesystem::path stmc_model_file(const std::filesystem::path& path);
 /// The model of a training: train-tmr and similar commands put it into the folder `model` inside theirs.

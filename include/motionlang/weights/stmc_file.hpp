@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
 ///
-/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be
-///             sampled: guidance and sampling ("ddpm 20": sampler and steps, all without a number); and, for people:
-///             license, provenance, data, command, commit. Nothing in the file is executed. Word vectors are stored as
-///             in weights/word_vector_file.hpp, behind text_encoder.vectors.
+/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; guidance and sampling
+///             ("ddpm 20": sampler and steps), the recommended values, which are optional; and, for readers: license,
+///             provenance, data, command, commit. Nothing in the file is executed. Word vectors are stored as in
+///             weights/word_vector_file.hpp, with the prefix text_encoder.vectors.
 #pragma once
 
 #include <motionlang/core/standard_library.hpp>  // numbers in the metadata
@@ -52,9 +52,9 @@ Index metadata_size(const Metadata& metadata, const std::string& key, Index larg
                     Index smallest = 1);
 
 WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
-/// Begins the names of the tensors of word vectors, which are constants.
+/// The prefix of the names of word vector tensors, which are constants.
 inline constexpr const char* vector_tensors = "text_encoder.vectors.";
-/// The entries of users about a model or a record. Throws config_error 102 for a key that is there already.
+/// The users' entries about a model or a record. Throws config_error 102 for a key that exists already.
 void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 
 }  // namespace detail

@@ -45,9 +45,9 @@ template <Module M>
 RecordModel record_model(const M& model) {
   return {weights_checksum(model), precision_of(model)};
 }
-/// Guidance and sampling are set in the options. The timelines are put into the store.
+/// Guidance and sampling are set in the options. The timelines go into the store.
 Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps, TensorStore& store);
-/// model   that is to go on with it
+/// model   the one that the edit will use
 RecordAbout read_record(const SafetensorsFile& file, const RecordModel& model, Index most_steps);
 
 }  // namespace detail

@@ -105,9 +105,8 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const Recor
   if (word("record") != "stmc" || word("format") != "1")
     raise<config_error>(103, name, ": not a record of an STMC run of format 1 (metadata 'record' and 'format')");
   if (word("model") != model.checksum)
-    raise<config_error>(
-        102, name, ": made with weights of checksum ", word("model"), ", these have ", model.checksum,
-        "; the checksum of the same weights is another in another scalar, which other backends may use");
+    raise<config_error>(102, name, ": made with weights of checksum ", word("model"), ", these have ", model.checksum,
+                        "; the same weights have another checksum in another scalar, which other backends may use");
   const std::string precision = precision_name(model.precision);
   if (word("precision") != precision)
     raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", precision);

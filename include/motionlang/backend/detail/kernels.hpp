@@ -344,7 +344,7 @@ inline const Bf16Kernels*& current_bf16_kernels() {
   return chosen;
 }
 
-/// The kernels of other precisions than fp32. Only backend/precision.hpp and searches in bfloat16 compile them.
+/// The kernels of precisions other than fp32. Only backend/precision.hpp and searches in bfloat16 compile them.
 inline std::atomic<const Bf16Kernels*& (*)()> bf16_products{nullptr};
 inline std::atomic<const FloatTiles* (*)(const Kernels<float>&)> tile_products{nullptr};
 /// Makes bf16_product_kernels() callable. Call it before packing panels in bfloat16.

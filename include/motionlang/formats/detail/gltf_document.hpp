@@ -26,9 +26,8 @@ inline const char* is_packed(const JsonView& object, std::initializer_list<const
   return nullptr;
 }
 
-/// The JSON of a buffer may lack its length: then it is all that the file has of it.
-/// Only those required extensions matter that pack data which is read here; others concern meshes and
-/// materials.
+/// The JSON of a buffer may lack its length. It is then the size of its data in the file.
+/// Only required extensions that pack data that is read here matter. Others concern meshes and materials.
 class GltfDocument {
  public:
   /// Throws  io_error 402 to 404; config_error 107 if JSON has a value of the wrong kind
