@@ -130,6 +130,9 @@ TEST_CASE("crops that a model cannot make are refused before it makes any; other
   const std::vector<ml::TimelineInSeconds> other{{{{"fly", 0, 1, texts[0].parts}, {"sit down", 1, 2, texts[1].parts}}}};
   const auto any = ml::stmc_motion_model(stmc());
   CHECK_ERROR(ml::mtt_rows(*any, tmr(), reference, texts, other, ml::mtt_method_runs()), "'fly' is not among");
+  const std::vector<ml::TimelineInSeconds> brief{
+      {{{"walk forward", 0, 2, texts[0].parts}, {"sit down", 1.95, 2, texts[1].parts}}}};
+  CHECK_ERROR(ml::require_mtt_crops(*any, brief, ml::mtt_method_runs()), "[motionlang.timeline.504] 'sit down'");
   CHECK_ERROR(ml::mtt_reference(tmr(), std::span<const ml::MttText>(texts).first(2), walks()),
               "[motionlang.shape.204]");
   CHECK_ERROR(ml::mtt_features_of_rows("rifke", {}), "[motionlang.config.102]");

@@ -2,6 +2,8 @@
 #include <cstdio>
 
 #include <motionlang/file/gzip.hpp>
+#include <motionlang/file/input_files.hpp>
+#include <motionlang/file/output_folder.hpp>
 #include <motionlang/weights/word_vector_file.hpp>
 #include <motionlang/weights/word_vector_source.hpp>
 
@@ -20,6 +22,10 @@ struct WordVectorOptions {
 };
 
 void run(const WordVectorOptions& o) {
+  ml::InputFiles inputs{o.source};
+  for (const std::string& file : o.also) inputs.add(file);
+  inputs.refuse(o.out);
+  ml::require_folder_of(o.out);
   ml::WordSelection selection{.commonest = o.commonest};
   for (const std::string& file : o.also) selection.also.push_back(ml::read_text(file));
   const auto vectors = ml::select_word_vectors(o.source, selection);

@@ -89,10 +89,12 @@ class Indexer {
     if (update.files() == 0)
       std::fprintf(stderr, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below %s\n", folder.string().c_str());
     bool stopped = !all_of(update);
-    if (stopped)
-      kept_.write_without_graphs();
-    else if (kept_.needs_writing(report))
-      stopped = write();
+    if (kept_.needs_writing(report)) {
+      if (stopped)
+        kept_.write_without_graphs();
+      else
+        stopped = write();
+    }
     for (const std::string& problem : report.skipped)
       std::fprintf(stderr, "skipped: %s\n", ml::printable(with_options(problem)).c_str());
     std::printf("%s: %s, %s (%td added, %td removed, %td renamed, %td unchanged, %zu skipped)\n", o_.out.c_str(),

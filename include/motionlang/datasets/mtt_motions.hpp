@@ -33,8 +33,9 @@ std::vector<MttClip> parse_mtt_motions(std::string_view file, std::string_view n
 /// The first 22 joints of a clip, (frames, 22), Y up, metres, 20 frames per second: frames trunc(20 start) up to, not
 /// including, trunc(20 end), or the end of the file.
 /// The file is the path below the folder, as it is or with .npy, .npz, .bvh or .glb behind it. An .npy file of joints,
-/// (frames, 22 or more, 3) at 20 frames per second, is taken as it is; any other motion is put on SMPL's joints. If
-/// there is no file for a path that begins with "M/", the one without it is read and mirrored.
+/// (frames, 22 or more, 3) at 20 frames per second, is turned to Y up if the body, in the mean, stands along Z. Any
+/// other motion is put on SMPL's joints. If there is no file for a path that begins with "M/", the one without it is
+/// read and mirrored.
 /// Throws io_error 401 if there is no such file, shape_error 203 if it has less than two frames of the clip, and what
 /// the readers of motions throw.
 std::vector<Vec3<double>> read_mtt_motion(const FilePath& folder, const MttClip& clip);

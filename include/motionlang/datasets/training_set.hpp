@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <motionlang/core/progress.hpp>
@@ -42,6 +43,9 @@ struct TrainingSample {
 inline constexpr double training_fps = 20;
 /// An action and what follows it are drawn with at most this many times the length of the action.
 inline constexpr Index longest_rest = 3;
+
+/// The words that samples add to captions.
+inline constexpr std::string_view added_caption_words = "while and slowly quickly backwards";
 
 struct SampleOptions {
   Index shortest = 16, longest = 196;  // frames

@@ -227,6 +227,10 @@ MOTIONLANG_BODY std::string TrainingSet::fingerprint() const {
     add(s.motion.local);
     add(std::span(&s.parts, 1));
     for (const std::string& c : s.captions) add(c);
+    std::vector<Index> goes_on{s.action};
+    if (s.loop) goes_on.insert(goes_on.end(), {s.loop->first, s.loop->last});
+    if (s.rest) goes_on.push_back(-1);
+    add(goes_on);
   }
   return detail::hexadecimal(hash);
 }
@@ -239,7 +243,7 @@ MOTIONLANG_BODY std::vector<std::string> TrainingSet::all_captions() const {
       out.push_back(mirrored_caption(c));
     }
   }
-  out.emplace_back("while and slowly quickly backwards");  // words that samples add
+  out.emplace_back(added_caption_words);
   return out;
 }
 

@@ -26,8 +26,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// A format ignores options of other formats.
 struct MotionReadOptions {
-  double scale = 0.01;          // for .glb, .gltf, .vrm and .vrma, whose keys have times of their own; none: rate()
-  std::optional<double> fps{};  // for an .npy, .amc or .npz file that states none; 0: as published, 120 for AMC
+  double scale = 0.01;          // metres per unit of a BVH file
+  std::optional<double> fps{};  // for .glb, .gltf, .vrm and .vrma, whose keys have times of their own; none: rate()
   double rate = 0;              // of an .npy, .amc or .npz file that has none; 0: as published, 120 for AMC
   UpAxis up = UpAxis::found;    // for all but .npz files, turned to +Y; `found`: for an .npy file with positions only
   std::string asf{};            // skeleton of an AMC file; "": asf_beside

@@ -39,7 +39,8 @@ struct MttRunOptions {
 std::vector<std::vector<double>> mtt_made(const MotionModel& model, std::span<const TimelineInSeconds> timelines,
                                           const MttRun& run, const MttRunOptions& options = {}, Progress progress = {});
 
-/// Throws timeline_error 508 if a crop of a timeline is longer in one of the runs than the model takes.
+/// Throws timeline_error 508 if a crop of a timeline is longer in one of the runs than the model takes, 504 for a text
+/// of the last frame alone.
 void require_mtt_crops(const MotionModel& model, std::span<const TimelineInSeconds> timelines,
                        std::span<const MttRun> runs);
 

@@ -21,6 +21,13 @@ inline void require_mtt_rate(const MotionModel& model) {
 MOTIONLANG_BODY void require_mtt_crops(const MotionModel& model, std::span<const TimelineInSeconds> timelines,
                                        std::span<const MttRun> runs) {
   detail::require_mtt_rate(model);
+  for (const TimelineInSeconds& t : timelines) {
+    const Timeline frames = to_frames(t, model.fps());
+    for (const Interval& i : frames.intervals) {  // features describe one frame less than the motion has
+      if (std::min(i.end, frames.end() - 1) <= i.start)
+        raise<timeline_error>(504, "'", i.text, "' lasts for the last frame alone, which has no features to measure");
+    }
+  }
   for (const MttRun& run : runs) {
     const bool hard = run.mode == StmcMode::sinc || run.mode == StmcMode::sinc_lerp;
     const PlanOptions how{.overlap = frame_at(run.overlap, model.fps()),

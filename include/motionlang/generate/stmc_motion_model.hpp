@@ -19,12 +19,18 @@ class StmcMotionModel final : public MotionModel {
   Index steps() const override { return model_.diffusion.steps(); }
   bool takes_timelines() const override { return true; }
   Index longest_crop() const override { return model_.denoiser.traits().longest(); }
-  std::vector<std::string> words() const override { return words_; }
+  /// With word vectors, also the words that have one.
+  std::vector<std::string> words() const override {
+    std::vector<std::string> out = words_;
+    if (const CaptionEncoder<B>* encoder = captions(); encoder != nullptr && !out.empty())
+      out.insert(out.end(), encoder->vectors.words().begin(), encoder->vectors.words().end());
+    return out;
+  }
   TextLength length_of(const std::string& text) const override {
     const CaptionEncoder<B>* encoder = captions();
     if (encoder == nullptr) return {};
-    const auto pieces = encoder->tokenizer.encode(text, static_cast<Index>(text.size()) + 2);
-    return {std::ssize(pieces) - 2, encoder->positions.rows().size(0) - 2};  // two are for special tokens
+    const auto heard = heard_words(encoder->tokenizer, encoder->vectors, std::span(&text, 1), std::ssize(text) + 2);
+    return {heard.lengths.front() - 2, encoder->positions.rows().size(0) - 2};  // two are for special tokens
   }
 
  private:

@@ -130,7 +130,7 @@ std::vector<double> lengths_of_rows(const Rows<S>& rows, double least) {
 
 }  // namespace detail
 
-/// x_i - y_j|, (x, y). The evaluator of Guo et al. expands the square, which loses digits for close rows. Throws
+/// |x_i - y_j|, (x, y). The evaluator of Guo et al. expands the square, which loses digits for close rows. Throws
 /// shape_error 204.
 template <Scalar S, Scalar T>
 std::vector<double> distances(const Rows<S>& x, const Rows<T>& y) {

@@ -10,8 +10,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Turns texts into vectors: a sequence of tokens for each, or a single row if it pools.
-/// Laws     a text gives the same features alone and among others (except the last digits in bf16x3); "" is a text like
-///          any other
+/// Laws     a text gives the same features alone and among others; "" is a text like any other
 /// Models   CaptionEncoder, and yours
 template <class E, class B>
 concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {

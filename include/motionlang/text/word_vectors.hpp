@@ -31,6 +31,7 @@ class WordVectors {
   WordVectors(std::vector<std::string> words, std::vector<std::int8_t> codes, std::vector<float> scales,
               std::string_view source = "WordVectors");
   /// Rounds vectors (words, width), in any order, to 8 bits: the largest number of a column becomes 127.
+  /// Throws numeric_error 301 for a number that is not finite.
   static WordVectors rounded(std::span<const std::string> words, std::span<const float> vectors);
 
   bool empty() const { return size() == 0; }
@@ -42,6 +43,8 @@ class WordVectors {
 
   /// The row of a word in lower case, or that of the word without -s, -es, -ed or -ing (text/word_forms.hpp).
   std::optional<Index> find(std::string_view word) const;
+  /// 16 digits that change with any word or value.
+  std::string checksum() const;
   /// The numbers of a row. Throws shape_error 203 if there is no such row.
   std::vector<float> vector(Index row) const;
 

@@ -2,10 +2,11 @@
 // Bodies of word_vectors.hpp.
 #pragma once
 
-#include <algorithm>  // lower_bound, sort
+#include <algorithm>  // clamp, lower_bound, sort
 #include <cmath>      // round
 #include <numeric>    // iota
 
+#include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/text/word_forms.hpp>
 #include <motionlang/text/word_vectors.hpp>
 
@@ -32,8 +33,11 @@ MOTIONLANG_BODY WordVectors WordVectors::rounded(std::span<const std::string> wo
     raise<shape_error>(205, "WordVectors: ", counted(vectors.size(), "number"), " for ", counted(words.size(), "word"));
   const std::size_t width = vectors.size() / words.size();
   std::vector<float> scales(width);
-  for (std::size_t i = 0; i < vectors.size(); ++i)
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    if (!std::isfinite(vectors[i]))
+      raise<numeric_error>(301, "WordVectors: number ", i % width, " of '", words[i / width], "' is ", vectors[i]);
     scales[i % width] = std::max(scales[i % width], std::abs(vectors[i]) / 127);
+  }
   std::vector<std::size_t> order(words.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return words[a] < words[b]; });
@@ -43,7 +47,8 @@ MOTIONLANG_BODY WordVectors WordVectors::rounded(std::span<const std::string> wo
     sorted.push_back(words[i]);
     for (std::size_t k = 0; k < width; ++k) {
       const float scale = scales[k];
-      codes.push_back(static_cast<std::int8_t>(scale == 0 ? 0 : std::lround(vectors[i * width + k] / scale)));
+      const double steps = scale == 0 ? 0 : std::round(vectors[i * width + k] / scale);
+      codes.push_back(static_cast<std::int8_t>(std::clamp(steps, -127.0, 127.0)));
     }
   }
   return {std::move(sorted), std::move(codes), std::move(scales)};
@@ -72,6 +77,13 @@ MOTIONLANG_BODY std::vector<float> WordVectors::vector(Index row) const {
   std::vector<float> out;
   for (std::size_t k = 0; k < scales().size(); ++k) out.push_back(static_cast<float>(codes[k]) * scales()[k]);
   return out;
+}
+
+MOTIONLANG_BODY std::string WordVectors::checksum() const {
+  std::uint64_t hash = detail::content_hash(std::as_bytes(codes()));
+  hash = detail::content_hash(std::as_bytes(scales()), hash);
+  for (const std::string& word : words()) hash = detail::content_hash(std::as_bytes(std::span(word)), hash);
+  return detail::hexadecimal(hash);
 }
 
 MOTIONLANG_BODY double word_likeness(std::span<const float> a, std::span<const float> b) {

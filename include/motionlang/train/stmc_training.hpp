@@ -19,7 +19,6 @@
 #include <motionlang/diffusion/schedule.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/features/statistics.hpp>
-#include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/loss/foot_velocity.hpp>
 #include <motionlang/loss/reconstruction.hpp>
 #include <motionlang/nn/linear.hpp>
@@ -97,6 +96,9 @@ Index draw_t(Philox& rng, Index steps, double focus);
 /// Fills in the sizes that follow from other sizes.
 StmcModelConfig completed(const StmcTrainingConfig& c);
 
+/// The captions without their mirror images, and twice the words that samples add, for WordPiece::of_words.
+std::vector<std::string> said_texts(const TrainingSet& data);
+
 /// The settings of a run, except those of the model.
 std::map<std::string, std::string> stmc_settings(const StmcTrainingConfig& config, const std::string& fingerprint);
 
@@ -148,7 +150,8 @@ StmcTraining<A>::StmcTraining(const StmcTrainingConfig& config, const TrainingSe
   config_.model = detail::completed(config_);
   const auto captions = data.all_captions();
   learner_.average = make_stmc<B>(
-      config_.model, vectors.empty() ? WordPiece::learn(captions, config_.vocabulary) : WordPiece::of_words(captions),
+      config_.model,
+      vectors.empty() ? WordPiece::learn(captions, config_.vocabulary) : WordPiece::of_words(detail::said_texts(data)),
       Philox{.seed = config_.seed}.split("init"), vectors);
   learner_.average.motion_normalizer = detail::measure<B>(data, config_);
   learner_.model = convert_stmc<A>(learner_.average);
@@ -273,7 +276,7 @@ std::map<std::string, std::string> StmcTraining<A>::settings() const {
   out["model"] = "stmc training";
   out.erase("sampling");  // does not change a training step
   if (const WordVectors& vectors = learner_.average.text_encoder.vectors; !vectors.empty())
-    out["word_vectors"] = detail::hexadecimal(detail::content_hash(std::as_bytes(vectors.codes())));
+    out["word_vectors"] = concat_text(vectors.checksum(), ", hidden ", config_.model.text.hidden_words);
   out.merge(detail::stmc_settings(config_, data_->fingerprint()));
   return out;
 }

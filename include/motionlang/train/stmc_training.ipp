@@ -46,6 +46,12 @@ MOTIONLANG_BODY StmcModelConfig completed(const StmcTrainingConfig& c) {
   return model;
 }
 
+MOTIONLANG_BODY std::vector<std::string> said_texts(const TrainingSet& data) {
+  std::vector<std::string> out(2, std::string(added_caption_words));
+  for (const CaptionedSegment& s : data.segments()) out.insert(out.end(), s.captions.begin(), s.captions.end());
+  return out;
+}
+
 MOTIONLANG_BODY std::map<std::string, std::string> stmc_settings(const StmcTrainingConfig& config,
                                                                  const std::string& fingerprint) {
   std::map<std::string, std::string> out;
@@ -68,9 +74,9 @@ MOTIONLANG_BODY std::map<std::string, std::string> stmc_settings(const StmcTrain
   add("seed", config.seed);
   add("samples",
       concat_text(config.samples.shortest, " to ", counted(config.samples.longest, "frame"), ", no text ",
-                  config.samples.no_text, ", composed ", config.samples.compose, ", mirrored ", config.samples.mirror,
-                  ", speed ", config.samples.speed, ", stretched ", config.samples.stretch, ", tempo ",
-                  config.samples.tempo, ", reversed ", config.samples.reverse));
+                  config.samples.no_text, ", composed ", config.samples.compose, ", still ", config.samples.still,
+                  ", mirrored ", config.samples.mirror, ", speed ", config.samples.speed, ", stretched ",
+                  config.samples.stretch, ", tempo ", config.samples.tempo, ", reversed ", config.samples.reverse));
   return out;
 }
 

@@ -84,7 +84,7 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng, W
 
 /// Compares the tensors that decide the size of a model with its declared sizes, before memory is allocated for them.
 /// Throws io_error 406, 407.
-void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary);
+void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary, Index vector_width = 0);
 
 /// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107,
 /// numeric_error 301.
@@ -92,8 +92,9 @@ template <Backend B>
 Stmc<B> load_stmc(const SafetensorsFile& file) {
   const StmcModelConfig c = stmc_config(file);
   WordPiece tokenizer = detail::metadata_vocabulary(file.metadata(), file.name());
-  check_sizes(file, c, tokenizer.size());
-  Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{}, stored_word_vectors(file, detail::vector_tensors));
+  WordVectors vectors = stored_word_vectors(file, detail::vector_tensors);
+  check_sizes(file, c, tokenizer.size(), vectors.width());
+  Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{}, std::move(vectors));
   KeyReport report = load_module_partly(model, file, "", LoadFor::inference);
   std::erase_if(report.unexpected, [](const std::string& name) { return name.starts_with(detail::vector_tensors); });
   if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);

@@ -159,7 +159,8 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
   return c;
 }
 
-MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary) {
+MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary,
+                                 Index vector_width) {
   auto expect = [&](const std::string& name, const Shape& shape) {
     if (const FileShape& found = file.tensor(name).shape; found != shape)
       raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
@@ -178,6 +179,7 @@ MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelCon
   transformer("denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);
   expect("text_encoder.embedding.weight", {vocabulary, c.text.width});
   expect("text_encoder.projection.weight", {c.text.out, c.text.width});
+  if (vector_width > 0) expect("text_encoder.vector_projection.weight", {c.text.width, vector_width});
   transformer("text_encoder.encoder", c.text.layers, c.text.width, c.text.d_ff);
 }
 

@@ -59,6 +59,10 @@ TEST_CASE("vectors are rounded by at most half a step of their column, and words
   CHECK(ml::word_likeness(table.vector(0), table.vector(1)) > 0.99);
   CHECK(ml::word_likeness(table.vector(1), table.vector(2)) == doctest::Approx(0));
   CHECK_ERROR(table.vector(3), "[motionlang.shape.203] WordVectors: row 3 of 3");
+  CHECK(table.checksum() == vectors().checksum());
+  CHECK(table.checksum() != WordVectors({"a"}, {1}, {1}).checksum());
+  CHECK(WordVectors({"a"}, {1}, {1}).checksum() != WordVectors({"a"}, {1}, {2}).checksum());
+  CHECK(WordVectors({"a"}, {1}, {1}).checksum() != WordVectors({"b"}, {1}, {1}).checksum());
   CHECK(WordVectors().empty());
   CHECK_FALSE(WordVectors().find("walk"));
 }
@@ -80,6 +84,10 @@ TEST_CASE("words are found in other forms, and exact words come first") {
 }
 
 TEST_CASE("a table that does not hold together is refused") {
+  const Words one{"a"};
+  const std::vector<float> endless{std::numeric_limits<float>::infinity()}, tiny{1e-44f};
+  CHECK_ERROR(WordVectors::rounded(one, endless), "[motionlang.numeric.301] WordVectors: number 0 of 'a' is inf");
+  CHECK(WordVectors::rounded(one, tiny).codes().front() >= 0);  // too small for a step of its own
   CHECK_ERROR(WordVectors({"b", "a"}, {1, 2}, {1}, "table"), "[motionlang.config.107] table: word 1 is 'a' behind 'b'");
   CHECK_ERROR(WordVectors({"a", "a"}, {1, 2}, {1}, "table"), "[motionlang.config.107]");
   CHECK_ERROR(WordVectors({"a", "b"}, {1, 2, 3}, {1}, "table"), "[motionlang.shape.205] table: 3 numbers for 2 words");

@@ -3,6 +3,8 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/file/file.hpp>
+#include <motionlang/generate/stmc_motion_model.hpp>
+#include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/weights/stmc_file.hpp>
 #include <motionlang/weights/word_vector_file.hpp>
 #include <motionlang/weights/word_vector_source.hpp>
@@ -85,6 +87,11 @@ TEST_CASE("vectors are written and read, alone and beside a model") {
   const auto before = model.text_encoder(texts), after = loaded.text_encoder(texts);
   for (std::size_t k = 0; k < before.span().size(); ++k)
     CHECK(after.span()[k] == doctest::Approx(before.span()[k]).epsilon(0.02));  // half precision
+
+  const auto heard = ml::stmc_motion_model(ml::load_stmc<B>(with), {"walk", "forward"});
+  CHECK(ml::unknown_word_warnings("stroll forward", heard->words()).empty());
+  CHECK(ml::unknown_word_warnings("glide forward", heard->words()).size() == 1);
+  CHECK(heard->length_of("stroll forward").pieces == 1 + ml::stmc_motion_model(loaded)->length_of("forward").pieces);
 
   ml::save_stmc(without, ml::make_stmc<B>(config, small::tokenizer(), ml::Philox{.seed = 1}), config, {});
   CHECK(ml::load_stmc<B>(without).text_encoder.vectors.empty());
