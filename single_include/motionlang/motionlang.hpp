@@ -6,7 +6,7 @@
 
 #ifndef MOTIONLANG_HAS_MOTIONLANG_HPP  // <motionlang/motionlang.hpp>
 #define MOTIONLANG_HAS_MOTIONLANG_HPP
-/// The whole library except what needs a third-party package: add the backends that you use, and the files.
+/// The whole library except headers that need a third-party package: add the backends and file headers that you use.
 ///
 ///     #include <motionlang/motionlang.hpp>
 ///     #include <motionlang/backend/eigen.hpp>    // or backend/xtensor.hpp
@@ -14,38 +14,35 @@
 
 #ifndef MOTIONLANG_HAS_FWD_HPP  // <motionlang/fwd.hpp>
 #define MOTIONLANG_HAS_FWD_HPP
-/// Declarations of the types that interfaces mention, at the cost of the concepts and no third-party header.
+/// Declarations of the types in interfaces. It includes the concepts but no third-party header.
 ///
 ///     #include <motionlang/fwd.hpp>
 ///     void play(const motionlang::Motion& motion, const motionlang::Timeline& timeline);
 ///     template <motionlang::Backend B> void train(motionlang::Linear<B>& layer);
 ///
-/// A backend has to be complete before anything is made of it: Tensor<EigenBackend<float>, 2> needs its header. Stmc is
-/// not here because its parameters are constrained by the denoiser.
+/// A backend must be complete before it is used: Tensor<EigenBackend<float>, 2> needs the backend's header. Stmc is not
+/// here because the denoiser constrains its parameters.
 
 #ifndef MOTIONLANG_HAS_CORE_CONCEPTS_HPP  // <motionlang/core/concepts.hpp>
 #define MOTIONLANG_HAS_CORE_CONCEPTS_HPP
-/// The concepts on which everything rests. Each one states: idea, what a model must provide, the laws (run on every
-/// model in tests/laws), and the models.
+/// The basic concepts. Each one states its idea, what a model must provide, the laws (run on every model in
+/// tests/laws), and the models.
 
 #include <concepts>     // same_as, semiregular
 #include <cstdint>      // uint64_t
 #include <span>         // views of values and rows
 #include <string_view>  // names of random streams
 
-#ifndef MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP  // <motionlang/core/scalar_math.hpp>
-#define MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP
-/// The elementary functions of `ScalarLike` types, for the built-in ones.
-///
-/// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Name lookup by argument finds
-/// `sqrt(Tensor)`, but not `std::sqrt` for a built-in number: hence these overloads, which must be visible first.
+#ifndef MOTIONLANG_HAS_CORE_PRECISION_HPP  // <motionlang/core/precision.hpp>
+#define MOTIONLANG_HAS_CORE_PRECISION_HPP
+/// The precision of matrix products.
 
-#include <cmath>   // the functions themselves
-#include <limits>  // infinity
+#include <atomic>       // one setting for all threads
+#include <optional>     // no such name
 
 #ifndef MOTIONLANG_HAS_VERSION_HPP  // <motionlang/version.hpp>
 #define MOTIONLANG_HAS_VERSION_HPP
-/// Version of the library and the inline namespace that carries it.
+/// The version of the library, and the inline namespace that carries it.
 
 #if __cplusplus < 202002L
 #error "motionlang needs C++20: compile with -std=c++20 (GCC 12 or Clang 14 and later)"
@@ -57,8 +54,8 @@
 #define MOTIONLANG_VERSION "0.2.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts, and without exceptions, so that object files built with different options do not link silently against each
-/// other.
+/// layouts, and without exceptions. So object files built with different options fail to link instead of mixing
+/// silently.
 #if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
 #elif defined(MOTIONLANG_DIAGNOSTICS)
@@ -69,13 +66,13 @@
 #define MOTIONLANG_ABI v0_no_exceptions
 #endif
 
-/// In front of every definition in a file *.ipp, which has the bodies of the header of the same name. Without
-/// motionlang::instantiated, the header includes it and all are inline. With it, units see declarations only, and the
-/// library's own units (instantiated/*.cpp) include the files *.ipp.
+/// Stands before every definition in a file *.ipp, which has the bodies of the header of the same name. Without
+/// motionlang::instantiated, the header includes that file and all functions are inline. With it, units see
+/// declarations only, and the library's own units (instantiated/*.cpp) include the files *.ipp.
 #define MOTIONLANG_BODY inline
 
-/// Opens and closes the namespace of the library. A macro, so that editors, clang-format and ctags need not know of the
-/// inline namespace: `ctags -R include` finds every name.
+/// Opens and closes the namespace of the library. It is a macro, so that editors, clang-format and ctags need not know
+/// the inline namespace: `ctags -R include` finds every name.
 #define MOTIONLANG_NAMESPACE_BEGIN \
   namespace motionlang {           \
   inline namespace MOTIONLANG_ABI {
@@ -83,6 +80,58 @@
   }                              \
   }
 #endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// fp32    the values as they are.
+/// bf16    Both factors are rounded to bfloat16 (8 bits of significand); products and sums are float. Prepared weights
+///         take half the memory. The speed is up to ten times as high where the processor has instructions for it. An
+///         element of a product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|. The sum,
+///         which may start with a bias, is also rounded. Values below 2^-126 may count as 0.
+/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added. It is for weights of 128 x 128
+///         and more; smaller ones, and other processors, use fp32. It has half the error of fp32 while products are
+///         above 2^-108 (below 2^-126 they count as 0). The last digits differ. Use it for many rows and few threads.
+///         With two threads, large products take 0.6 to 0.9 of the time, and those of a few rows up to four times as
+///         long. With 8 and 16 threads of one machine, large ones took 1.1 to 2.3 times as long, because AMX is slower
+///         there when every core uses it.
+/// All other arithmetic stays in float. Only the kernels of the Eigen and xtensor backends in float follow this.
+enum class Precision { fp32, bf16, bf16x3 };
+
+/// "fp32", ...
+inline const char* precision_name(Precision p) {
+  return p == Precision::bf16 ? "bf16" : p == Precision::bf16x3 ? "bf16x3" : "fp32";
+}
+/// The opposite. Nothing if the name is unknown.
+inline std::optional<Precision> precision_named(std::string_view name) {
+  for (const Precision p : {Precision::fp32, Precision::bf16, Precision::bf16x3}) {
+    if (name == precision_name(p)) return p;
+  }
+  return {};
+}
+
+namespace detail {
+inline std::atomic<Precision>& current_product_precision() {
+  static std::atomic<Precision> current{Precision::fp32};
+  return current;
+}
+}  // namespace detail
+
+/// Precision for the whole process, of weights that are prepared from now on and of products without a prepared weight.
+/// backend/precision.hpp changes it, and prepares a model in another.
+inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_acquire); }
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP  // <motionlang/core/scalar_math.hpp>
+#define MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP
+/// The elementary functions of `ScalarLike` types, for built-in types.
+///
+/// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Argument-dependent lookup finds
+/// `sqrt(Tensor)`, but not `std::sqrt` for a built-in type. These overloads fill that gap, and must be visible first.
+
+#include <cmath>   // the functions themselves
+#include <limits>  // infinity
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -100,8 +149,8 @@ inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
 /// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10. Its last digit often differs
-/// from that of the C library. Published tables of frequencies need it: after thousands of frames it decides the fourth
-/// digit.
+/// from that of the C library. Published tables of frequencies need it, because after thousands of frames it decides
+/// the fourth digit.
 inline float torch_exp(float x) {
   if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
   if (x > 100.0f) return std::numeric_limits<float>::infinity();
@@ -114,8 +163,8 @@ inline float torch_exp(float x) {
   return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
 }
 
-/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is to be
-/// differentiated, neither may be NaN, even where it is not taken.
+/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is
+/// differentiated, neither may be NaN, even where it is not chosen.
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
 constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
 
@@ -135,15 +184,16 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_CORE_ERROR_HPP
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
-/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
-/// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
-/// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
-/// thread. What is caught otherwise (a value in a file of weights that cannot be read is skipped) ends it too.
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program. Define
+/// MOTIONLANG_THROW(exception), the same in all units, to change that. It gets the exception as an object (an error,
+/// std::bad_alloc, cancelled) on the thread where it happens, and must not return; std::_Exit ends a program from any
+/// thread. Errors that the library would catch, for example to skip an unreadable value in a file of weights, also end
+/// it.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
-/// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
-/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids`
-/// below; every one has a test.
+/// layers.3.linear1`. It has the family and the id, the operation, the fault with both values, and (with
+/// MOTIONLANG_DIAGNOSTICS) the module path. Text from files appears in it as UTF-8 without control characters.
+/// `error_ids` below lists the ids; every one has a test.
 
 #include <cstdio>            // fputs
 #include <cstdlib>           // abort
@@ -154,8 +204,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP  // <motionlang/core/standard_library.hpp>
 #define MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP
-/// The parts of C++20 that libc++ lacks, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14),
-/// `from_chars` and `to_chars` of floating-point values. The same bits and the same characters as with every other
+/// The parts of C++20 that libc++ lacks on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14), and
+/// `from_chars` and `to_chars` of floating-point values. The bits and characters are the same as with every other
 /// standard library.
 
 #include <bit>       // bit_cast
@@ -165,11 +215,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_DETAIL_DECIMAL_HPP  // <motionlang/core/detail/decimal.hpp>
 #define MOTIONLANG_HAS_CORE_DETAIL_DECIMAL_HPP
-/// Floating-point values as decimal text, by the C library alone: for standard libraries without `from_chars` and
-/// `to_chars` for them (standard_library.hpp), whose results these functions give to the last character.
+/// Floating-point values as decimal text, made by the C library alone. This is for standard libraries that lack
+/// `from_chars` and `to_chars` for them (standard_library.hpp). The results are the same to the last character.
 ///
-/// strtod and printf of all C libraries round correctly, but their decimal point is the locale's. So strtod reads whole
-/// numbers with an exponent here, and whatever printf writes between digits is taken for a point. Slower than
+/// strtod and printf of all C libraries round correctly, but their decimal point is the locale's. So strtod gets whole
+/// numbers with an exponent here, and anything that printf writes between digits counts as a point. This is slower than
 /// `to_chars`: a microsecond or two for a value.
 
 #include <cassert>       // formats
@@ -197,7 +247,7 @@ struct Decimal {
   }
 };
 
-/// Begins with `word` in letters of any case?
+/// True if the text begins with `word` in letters of any case.
 inline bool starts_with_word(std::string_view text, std::string_view word) {
   if (text.size() < word.size()) return false;
   for (std::size_t i = 0; i < word.size(); ++i)
@@ -220,7 +270,7 @@ std::size_t read_word(std::string_view text, F& value) {
   return end != text.npos && text[end] == ')' ? end + 1 : 3;
 }
 
-/// The exponent at `p`, which is moved behind it; 0 if there is none.
+/// The exponent at `p`, and moves `p` past it; 0 if there is none.
 inline long long read_exponent(const char*& p, const char* last) {
   const char* at = p;
   if (at == last || (*at | 0x20) != 'e') return 0;
@@ -234,10 +284,10 @@ inline long long read_exponent(const char*& p, const char* last) {
   return negative ? -out : out;
 }
 
-/// The number at `p`, which is moved behind it; no digits if there is none.
+/// The number at `p`, and moves `p` past it; no digits if there is none.
 inline Decimal read_digits(const char*& p, const char* last) {
-  // More digits never decide: no value halfway between two doubles has more than 767. It only matters whether they are
-  // all zero, and one digit says so.
+  // More digits never decide, because no value halfway between two doubles has more than 767. It only matters if they
+  // are all zero, and one digit tells that.
   constexpr std::size_t most = 768;
   Decimal out;
   bool any = false, behind_point = false, more = false;
@@ -285,7 +335,7 @@ std::from_chars_result read_decimal(const char* first, const char* last, F& valu
   return {p, std::errc{}};
 }
 
-/// The text that printf wrote, with a point in place of the locale's, which may have several bytes.
+/// The text that printf wrote, with a point instead of the locale's decimal point, which may have several bytes.
 inline std::string with_point(std::string_view printed) {
   std::string out;
   bool inside = false;
@@ -308,7 +358,7 @@ inline std::string printed(const char* format, int places, double x) {
   return with_point(all);
 }
 
-/// x > 0 to `count` digits, the nearest such number.
+/// x > 0 rounded to `count` digits.
 inline Decimal rounded_decimal(double x, int count) {
   const std::string text = printed("%.*e", count - 1, x);
   const std::size_t e = text.find('e');
@@ -317,7 +367,7 @@ inline Decimal rounded_decimal(double x, int count) {
   return out;
 }
 
-/// The next number of as many digits.
+/// The next number with as many digits.
 inline Decimal next_decimal(Decimal d) {
   std::size_t i = d.digits.size();
   while (i > 0 && d.digits[i - 1] == '9') d.digits[--i] = '0';
@@ -328,11 +378,11 @@ inline Decimal next_decimal(Decimal d) {
   return d;
 }
 
-/// The fewest digits that are read back as x > 0; the nearest to x of those.
+/// The fewest digits that are read back as x > 0. Of several such numbers, the nearest to x.
 template <class F>
 Decimal shortest_decimal(F x) {
-  // A number of digits10 digits survives the way through a normal F. So the shortest, if it has no more digits than
-  // that, is what remains without the zeros at the end.
+  // A number of digits10 digits survives conversion to a normal F and back. So if the shortest has no more digits than
+  // that, it is this number without the zeros at its end.
   for (int count = x < std::numeric_limits<F>::min() ? 1 : std::numeric_limits<F>::digits10;; ++count) {
     Decimal out = rounded_decimal(x, count);
     // The gap above a power of two is twice the gap below. So the nearest number may be too far below, while the next
@@ -358,7 +408,7 @@ inline std::string scientific_text(const Decimal& d) {
 }
 /// ddd.ddd
 inline std::string fixed_text(const Decimal& d, double x) {
-  // The digits of a whole number are all written as they are.
+  // All digits of a whole number are written.
   if (d.exponent >= 0) return printed("%.*f", 0, x);
   std::string out = d.digits;
   const auto places = static_cast<std::size_t>(-d.exponent);
@@ -416,7 +466,7 @@ constexpr To bit_cast(const From& from) {
 using std::from_chars;
 using std::to_chars;
 #else
-// Templates, because libc++ has some of the functions for floating-point values and deletes the others.
+// These are templates, because libc++ has some of the functions for floating-point values and deletes the others.
 template <std::integral N>
 std::from_chars_result from_chars(const char* first, const char* last, N& value, int base = 10) {
   return std::from_chars(first, last, value, base);
@@ -451,7 +501,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP
 /// Objects of which every thread has its own.
 
-// MinGW's GCC gives the memory of thread_local variables back before it destroys them, so there the system keeps them.
+// MinGW's GCC frees the memory of thread_local variables before it destroys them, so there the system keeps them.
 #if defined(_WIN32) && !defined(__clang__)
 #define MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
 extern "C" {
@@ -463,8 +513,8 @@ __declspec(dllimport) int __stdcall FlsSetValue(unsigned long key, void* value);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one
-/// type apart.
+/// The calling thread's T. It is made at first use and destroyed when the thread ends. `Tag` distinguishes objects of
+/// one type.
 template <class T, class Tag = T>
 T& thread_object() {
 #ifdef MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
@@ -486,14 +536,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
 #define MOTIONLANG_HAS_CORE_UTF8_HPP
-/// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
+/// UTF-8, one code point at a time, strictly. text/unicode.hpp has the classes of characters.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The result of `decode_utf8` for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
 
-/// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
+/// The code point that starts at text[at]; moves `at` past it. Bytes that are not UTF-8 (stray or missing
 /// continuation bytes, overlong forms, surrogates, above U+10FFFF) give `invalid_code_point` and `at` moves by one.
 /// Needs at < text.size().
 constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
@@ -535,8 +585,8 @@ constexpr std::string_view utf8_head(std::string_view text, std::size_t bytes) {
 /// Appends the bytes of a code point (up to U+10FFFF).
 void append_utf8(std::string& out, char32_t c);
 
-/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
-/// in `keep` stays.
+/// For messages and lists: '?' replaces control characters, which terminals obey, and bytes that are not UTF-8.
+/// Characters in `keep` stay.
 std::string printable(std::string_view text, std::string_view keep = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -674,7 +724,7 @@ void append(std::string& out, T b) {
 template <class N>
 requires((std::integral<N> || std::floating_point<N>)&&!std::same_as<N, bool> &&
          !std::same_as<N, char>) void append(std::string& out, N n) {
-  if constexpr (std::floating_point<N>) {  // 10000000, not 1e+07: as far as whole numbers are exact
+  if constexpr (std::floating_point<N>) {  // 10000000, not 1e+07, while whole numbers are exact
     constexpr N exact = N(1ull << std::numeric_limits<N>::digits);
     if (n > -exact && n < exact && n != 0 && n == N(static_cast<long long>(n)))
       return append(out, static_cast<long long>(n));
@@ -689,8 +739,8 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
-/// A value on its way into a message: where it stands and how it is written. One type for all values and one for
-/// literals of all lengths, because messages are many and each would be compiled for its own list of types.
+/// A part of a message: where its value is and how it is written. There is one type for all values and one for literals
+/// of all lengths. Otherwise each of the many messages would compile code for its own list of types.
 struct TextPart {
   const void* value;
   void (*append)(std::string& out, const void* value);
@@ -704,12 +754,12 @@ TextPart text_part(const T& value) {
 }
 std::string concat_parts(std::initializer_list<TextPart> parts);
 
-/// A module that is being evaluated. Its name is given, or known by the fields of the module around it.
+/// A module that is being evaluated. Its name is given, or comes from the fields of the module around it.
 struct ModuleStep {
   std::string name;
   const void* module = nullptr;  // null: the name is given
-  const void* type = nullptr;    // tells a module from its first member, which lies in the same place
-  /// Path from `module` to one inside of it, "" if it has none such.
+  const void* type = nullptr;    // tells a module from its first member, which has the same address
+  /// The path from `module` to a module inside it. "" if that is not inside it.
   std::string (*path_to)(const void* module, const void* inner, const void* inner_type) = nullptr;
 };
 
@@ -723,7 +773,7 @@ struct ModulePath {
   static Steps& steps() { return thread_object<Steps, ModulePath>(); }
   /// "layers.3.linear1"
   static std::string text();
-  /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
+  /// While it lives, this thread is inside the modules of another thread, whose work it shares.
   class Continued {
    public:
 #ifdef MOTIONLANG_DIAGNOSTICS
@@ -743,13 +793,13 @@ struct ModulePath {
 
 }  // namespace detail
 
-/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them, whole ones without an exponent.
+/// The text of all arguments, one after the other. Numbers look as in `std::to_chars`, whole ones without an exponent.
 template <class... T>
 std::string concat_text(const T&... parts) {
   return detail::concat_parts({detail::text_part(parts)...});
 }
 
-/// Items of a list with `between` between them, each as text(item) is written: "left, right".
+/// The items of a list, each written by text(item), with `between` between them: "left, right".
 template <class R, class F>
 std::string join_text(const R& items, std::string_view between, F text) {
   std::string out;
@@ -767,7 +817,7 @@ std::string join_text(const R& items, std::string_view between = ", ") {
       items, between, [](const auto& item) -> const auto& { return item; });
 }
 
-/// A number of things: "1 frame", "2 frames"; of a word with another plural: counted(n, "pass", "passes").
+/// A number of things: "1 frame", "2 frames". For a word with another plural: counted(n, "pass", "passes").
 template <std::integral N>
 std::string counted(N n, std::string_view one, std::string_view several = {}) {
   std::string out = concat_text(n, ' ', n == 1 || several.empty() ? one : several);
@@ -775,8 +825,8 @@ std::string counted(N n, std::string_view one, std::string_view several = {}) {
   return out;
 }
 
-/// Names the module that is evaluated as long as the object lives: ModuleScope scope(*this) in its functions, or the
-/// text of all arguments. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
+/// Names the evaluated module while the object lives. Write ModuleScope scope(*this) in its functions, or give the text
+/// as arguments. It costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS
   template <class... T>
@@ -820,8 +870,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here
-/// (true) or goes on to the caller. Returns whether f came to its end.
+/// The one place that catches. Calls f. If f throws an E, calls handle(e), which returns true to stop the exception
+/// here and false to pass it on. Returns true if f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -836,7 +886,7 @@ bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #endif
   return true;
 }
-/// The same for whatever it throws: handle() sees std::current_exception().
+/// The same for any exception: handle() sees std::current_exception().
 template <class F, class H>
 bool guard_all(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -916,7 +966,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Sizes, positions and counts. Signed, so that differences are what they look like.
+/// Sizes, positions and counts. The type is signed, so that differences may be negative.
 using Index = std::ptrdiff_t;
 
 /// Up to six sizes, slowest axis first. A shape without axes is a scalar and has one element.
@@ -973,7 +1023,7 @@ class Shape {
 
 namespace detail {
 
-/// "(2, 60, 512)"; a negative size stands for any.
+/// "(2, 60, 512)"; a negative size means any size.
 std::string shape_text(std::span<const Index> sizes);
 
 }  // namespace detail
@@ -981,7 +1031,7 @@ std::string shape_text(std::span<const Index> sizes);
 /// "(2, 60, 512)"
 inline std::string to_string(const Shape& s) { return detail::shape_text(s.sizes()); }
 
-/// Axis counted from the end when negative; an error when out of range.
+/// An axis, counted from the end if negative. Throws shape_error 203 if it is out of range.
 constexpr int normalize_axis(int axis, int rank, const char* op) {
   const int a = axis < 0 ? axis + rank : axis;
   if (a < 0 || a >= rank) raise<shape_error>(203, op, ": axis ", axis, " of a tensor of rank ", rank);
@@ -1029,7 +1079,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <class S>
 concept Scalar = std::same_as<S, float> || std::same_as<S, double>;
 
-/// Something that calculates like a number: geometry needs nothing more.
+/// A type that calculates like a number. Geometry needs nothing more.
 /// Laws     those of a field, up to rounding; where_less(a, b, x, y) is x where a < b, else y
 /// Models   float, double, Dual<S>, Lane<S> (a SIMD register), Tensor<B, Rank> (element by element)
 template <class S>
@@ -1047,25 +1097,25 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
   { where_less(a, b, a, b) } -> std::convertible_to<S>;
 };
 
-/// Where tensors live and how they are calculated with: a scalar, a dense tensor type and 28 static operations.
+/// The place and the arithmetic of tensors: a scalar, a dense tensor type and 28 static operations.
 ///
-/// `tensor` is a cheap handle with value semantics and dynamic rank; operands are taken by value, so that an operation
-/// may reuse the memory of one that nobody else holds. Shapes have been checked by the caller (tensor/ops.hpp): a
-/// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
-/// add its own version under the same name (see tensor/fused.hpp).
+/// `tensor` is a cheap handle with value semantics and dynamic rank. Operands are taken by value, so that an operation
+/// may reuse memory that nobody else holds. The caller has checked shapes (tensor/ops.hpp): a backend only computes.
+/// Everything else (softmax, attention, ...) has a default in these primitives. A backend may add its own version under
+/// the same name (see tensor/fused.hpp).
 ///
 /// tensor    can be default-constructed, copied and moved. A default-constructed tensor has the shape (0), and to_span
-///           gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
-///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
-///           if the tensor has it, tells one from the other
+///           gives nothing; a moved-from one is the same. Tensor<B, Rank> refuses such a tensor before an operation of
+///           the backend sees it. A list of no values has the shape (0), too. If the tensor has `bool defined() const`,
+///           that tells one from the other
 /// Minimum   data      full, from_span, to_span, shape
 ///           elements  add sub mul div maximum atan2 (broadcasting), exp log sqrt tanh erf sin cos, where_less
 ///           reduce    sum max (one axis, which disappears)
 ///           product   matmul(a, b, transpose_a, transpose_b), equal leading axes
 ///           movement  reshape permute broadcast slice concat gather scatter_add
-/// Left out  which device, threads, in-place operations, other scalars than float and double, views of memory of others
-/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly; the
-///           algebra of tests/laws. examples/11_own_backend has a backend of one's own, and how to run the laws on it
+/// Left out  devices, threads, in-place operations, scalars other than float and double, views of foreign memory
+/// Laws      Every operation equals that of ReferenceBackend (tests/ops). Operands never change visibly. The algebra of
+///           tests/laws holds. examples/11_own_backend has a backend of your own, and runs the laws on it
 /// Models    ReferenceBackend<S>, EigenBackend<S>, XtensorBackend<S>, Autodiff<B>
 template <class B>
 concept Backend = Scalar<typename B::scalar> && std::semiregular<typename B::tensor> &&
@@ -1111,13 +1161,14 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
 };
 
 /// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in,
-/// taps): prepare(weight) keeps the weight in it beside the tensor, which must not change afterwards, and says whether
-/// all numbers are finite, which are read anyway.
+/// taps). prepare(weight, precision) keeps this layout beside the tensor, which must not change afterwards. It returns
+/// true if all values are finite, which it checks while it reads them. precision_of(weight) is that of its products.
 /// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>
-concept PackingBackend = Backend<B> && requires(const typename B::tensor weight) {
-  { B::prepare(weight) } -> std::same_as<bool>;
+concept PackingBackend = Backend<B> && requires(const typename B::tensor weight, Precision precision) {
+  { B::prepare(weight, precision) } -> std::same_as<bool>;
+  { B::precision_of(weight) } -> std::same_as<Precision>;
 };
 
 /// A type with parameters: `fields()` lists pairs (name, pointer to member); names are the official state-dict keys.
@@ -1128,7 +1179,7 @@ concept Module = requires {
   M::fields();
 };
 
-/// A source of random numbers that is passed, never global.
+/// A source of random numbers. It is passed to functions and never global.
 /// Laws     equal seeds give equal numbers; split(name) depends on the seed and the name only, not on what was drawn
 /// Models   Philox
 template <class G>
@@ -1307,22 +1358,21 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_BUFFER_POOL_HPP  // <motionlang/core/buffer_pool.hpp>
 #define MOTIONLANG_HAS_CORE_BUFFER_POOL_HPP
-/// Memory of tensors: counted buffers that are kept for reuse when nobody needs them any more.
+/// Memory of tensors: counted buffers, which are kept for reuse after their last user.
 ///
 /// Fresh pages cost more than the arithmetic that fills them (64 MiB: 26 ms). A loop that repeats the same computation
 /// finds all its buffers in the pool from the second round on and takes nothing from the system.
 
-#include <atomic>       // reference counts
 #include <cstring>      // memcpy
 #include <memory>       // owner of foreign memory
 #include <type_traits>  // is_trivially_copyable
 
 #ifndef MOTIONLANG_HAS_CORE_LIFETIME_HPP  // <motionlang/core/lifetime.hpp>
 #define MOTIONLANG_HAS_CORE_LIFETIME_HPP
-/// Help against memory that is used after it was freed: a mark for compilers, and marks of free memory for the address
-/// sanitizer.
+/// Protection against memory that is used after it was freed: a mark for compilers, and marks of free memory for the
+/// address sanitizer.
 
-/// Marks a member function or a parameter to which the result refers. Clang warns if it is a temporary, or a local
+/// Marks a member function or a parameter to which the result refers. Clang warns if that is a temporary, or a local
 /// variable of a function that returns the result. GCC has no such mark.
 #if defined(__has_cpp_attribute)
 #if __has_cpp_attribute(clang::lifetimebound)
@@ -1349,7 +1399,7 @@ inline constexpr bool address_sanitizer = false;
 inline constexpr bool address_sanitizer = false;
 #endif
 
-/// Forbids the use of memory until allow_access: the sanitizer reports every use. Without the sanitizer these calls do
+/// Forbids the use of memory until allow_access. The sanitizer reports every use. Without the sanitizer these calls do
 /// nothing.
 void forbid_access(const void* memory, std::size_t bytes);
 void allow_access(const void* memory, std::size_t bytes);
@@ -1400,14 +1450,14 @@ struct alignas(64) Buffer {
 
 }  // namespace detail
 
-/// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only what it made itself:
-/// buffers that one thread makes and another frees do not pile up. Once the pool of an ending thread is gone, memory
-/// comes from the system and returns to it. Under the address sanitizer, who uses a free buffer is reported.
+/// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only buffers that it made
+/// itself, so buffers that one thread makes and another frees do not pile up. After the pool of an ending thread is
+/// gone, memory comes from the system and returns to it. The address sanitizer reports uses of a free buffer.
 class BufferPool {
  public:
   static BufferPool& local() { return thread_object<BufferPool>(); }
 
-  /// A buffer of at least this many bytes, and its way back, for the calling thread.
+  /// A buffer of at least this many bytes for the calling thread, and the return of one.
   static detail::Buffer* take(std::size_t bytes) {
     const int bucket = bucket_of(bytes);
     return gone_ ? make(bucket, bytes, 0) : local().reuse(bucket, bytes);
@@ -1422,7 +1472,7 @@ class BufferPool {
   /// Returns all free buffers to the system.
   void trim();
 
-  /// How often this pool had to ask the system. Stands still in a loop that has settled.
+  /// The number of requests of this pool to the system. It stays constant in a loop that has settled.
   std::int64_t system_allocations() const { return system_allocations_; }
 
   static void release(detail::Buffer* b);
@@ -1497,7 +1547,7 @@ class BufferHandle {
   }
 
   void* data() const MOTIONLANG_LIFETIMEBOUND { return buffer_ == nullptr ? nullptr : buffer_->data; }
-  /// Nobody else sees this memory, and it may be written.
+  /// True if no other handle sees this memory and it may be written.
   bool unique() const {
     return buffer_ != nullptr && buffer_->bucket >= 0 && buffer_->references.load(std::memory_order_acquire) == 1;
   }
@@ -1514,8 +1564,8 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
-/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
+/// A list of values in memory of the pool, cheap to make again and again in a loop. It does only what such lists need:
+/// a std::vector with an allocator would compile sixty functions for every type.
 template <class T>
 class PoolVector {
   static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64,
@@ -1582,30 +1632,29 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP  // <motionlang/core/large_memory.hpp>
 #define MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP
-/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has
-/// them (Linux). Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as
-/// fast. It comes from the system itself and goes back there: a heap that mixes alignments of 2 MB with small things
-/// keeps the gaps (a quarter of the weights).
+/// Memory for weights and tables, which are read from end to end again and again. It has pages of 2 MB where the system
+/// has them (Linux). At the border of small pages the processor stops reading ahead, so a scan over large ones is up to
+/// 1.8 times as fast. The memory comes from the system and returns to it. A heap that mixes alignments of 2 MB with
+/// small objects would keep gaps of a quarter of the weights.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The largest of the small ones that Linux has: addresses of which none is used cost nothing.
+/// The largest small page size of Linux. Addresses that are not used cost nothing.
 inline constexpr std::size_t small_page = 65536, large_page = std::size_t{2} << 20;
 
 constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
 }  // namespace detail
 
-/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, mostly in
-/// large pages.
+/// `bytes` bytes at a multiple of 64, not initialised. The first `used` of them will be written, mostly in large pages.
 void* take_memory(std::size_t bytes, std::size_t used);
 
-/// Gives back what take_memory(bytes, ...) gave.
+/// Returns the memory of take_memory(bytes, ...).
 void give_memory(void* memory, std::size_t bytes) noexcept;
 
-/// Room for `count` numbers, not initialised.
+/// Room for `count` values, not initialised.
 template <class T>
 std::shared_ptr<T[]> large_table(std::size_t count) {
   const std::size_t bytes = count * sizeof(T);
@@ -1708,8 +1757,6 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_CORE_CONTEXT_HPP
 /// Settings of a model call besides its inputs. By default they are empty, and no dropout runs.
 
-#include <optional>  // no generator, no dropout
-
 #ifndef MOTIONLANG_HAS_CORE_RNG_HPP  // <motionlang/core/rng.hpp>
 #define MOTIONLANG_HAS_CORE_RNG_HPP
 /// Random numbers: a counter-based generator that can be split by name or number.
@@ -1724,7 +1771,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Philox4x32-10. `seed` is the key, `stream` and `position` are the counter: any number of any stream can be computed
+/// Philox4x32-10. `seed` is the key, `stream` and `position` are the counter. Any number of any stream can be computed
 /// without the ones before it, so results do not depend on batch order or threads.
 ///
 ///     Philox rng{.seed = 7};
@@ -1822,7 +1869,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct Context {
   std::optional<Philox> dropout{};
   mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
-  bool recompute = false;  // training keeps what enters a layer and calculates its inside again: less memory, more time
+  bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
 
   /// The generator of the next dropout mask. Only when `dropout` is set.
   Philox next_mask() const { return dropout->split(drawn++); }
@@ -1833,7 +1880,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_DROPOUT_HPP  // <motionlang/core/dropout.hpp>
 #define MOTIONLANG_HAS_CORE_DROPOUT_HPP
-/// Dropout masks that are a function of a key and a position: nothing is stored, and any thread computes any part.
+/// Dropout masks that are a function of a key and a position. Nothing is stored, and any thread computes any part.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -1910,7 +1957,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_FIELDS_HPP  // <motionlang/core/fields.hpp>
 #define MOTIONLANG_HAS_CORE_FIELDS_HPP
-/// Member lists: what a module is made of, and how to walk over it.
+/// Member lists: the parts of a module, and walks over them.
 ///
 ///     struct Model {
 ///       Tensor<B, 2> weight;
@@ -1921,9 +1968,9 @@ MOTIONLANG_NAMESPACE_END
 ///     visit(model, [](const std::string& path, auto& tensor) { use(path, tensor); });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is not a module here, and be empty where
-/// the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are a
-/// compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
+/// may contain dots ("tx_embedding.0") where the official key has a level that is not a module here. It may be empty
+/// where the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are
+/// a compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
 /// text, or a type that says so (is_option, tensor/module.hpp).
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -1960,7 +2007,7 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// True if a list has a member of this name. One of two optional members may be there, under the same name.
+/// True if a list has a member of this name. Two optional members may share a name if only one is there.
 template <bool optional, class M, class T, class Rest>
 constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name);
 template <bool optional>
@@ -1971,7 +2018,7 @@ template <bool optional, class M, class T, class Rest>
 constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name) {
   return (list.first.name == name && !(optional && is_optional<T>)) || has_name<optional>(list.rest, name);
 }
-/// The first name that is there twice, "" if there is none. (Several members may have no level of their own.)
+/// The first name that occurs twice, "" if there is none. (Several members may have no level of their own.)
 constexpr std::string_view repeated_name(const NoFields&) { return {}; }
 template <class M, class T, class Rest>
 constexpr std::string_view repeated_name(const FieldList<Field<M, T>, Rest>& list) {
@@ -1983,8 +2030,8 @@ template <class M>
 concept ConstantFields = requires {
   typename std::bool_constant<(static_cast<void>(M::fields()), true)>;
 };
-/// Two members of one name would share what is kept by name: a place in a file, the moments of an optimiser. A compile
-/// error where fields() is constexpr, else config_error 102.
+/// Two members of one name would share what is stored by name: a place in a file, the moments of an optimiser. This is
+/// a compile error where fields() is constexpr, else config_error 102.
 template <Module M>
 void check_names() {
   if constexpr (ConstantFields<M>) {
@@ -2025,7 +2072,7 @@ void visit_member(const std::string& path, F& f, First& first, Others&... others
   }
 }
 
-/// An object and those of its fields that are still to be walked over.
+/// An object and its remaining fields.
 template <class List, class Object>
 struct Walk {
   List list;
@@ -2075,7 +2122,7 @@ void zip(M& a, N& b, F f) { detail::visit_fields("", f, a, b); }
 
 namespace detail {
 
-/// A place that is another for every type.
+/// A variable whose address differs for every type.
 template <class M>
 inline constexpr char type_place = 0;
 
@@ -2182,10 +2229,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP  // <motionlang/core/instruction_set.hpp>
 #define MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP
-/// Instruction sets beyond the plain ones of the compiler, chosen while the program runs: one binary for all
-/// processors.
+/// Instruction sets beyond the compiler's default, chosen at run time: one binary for all processors.
 ///
-/// MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) in the environment chooses instead of the processor.
+/// The environment variable MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) overrides the choice.
 
 #if defined(__x86_64__)
 // Features for the target attribute of GCC and Clang in code for these sets; processor_has asks for them.
@@ -2213,7 +2259,7 @@ Isa wanted_isa();
 // Clang inlines less into such functions than GCC, and code that is not inlined uses narrow registers.
 #if defined(__x86_64__) && !defined(__clang__)
 #define MOTIONLANG_WIDER_COPIES
-/// avx512, avx2 or portable: the sets that differ for code without products of bfloat16.
+/// avx512, avx2 or portable: the sets that matter for code without products of bfloat16.
 Isa widest_vectors();
 template <class F>
 __attribute__((target(MOTIONLANG_AVX2), flatten)) void with_avx2(const F& f) {
@@ -2315,15 +2361,16 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_LANE_HPP  // <motionlang/core/lane.hpp>
 #define MOTIONLANG_HAS_CORE_LANE_HPP
-/// A handful of numbers that are calculated with at once: one SIMD register as a `ScalarLike`.
+/// Several values that are calculated together: one SIMD register as a `ScalarLike`.
 ///
-/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one; with
-/// `with_widest_lanes` as many as a register of this processor holds. The compiler's vector types are used, so the code
-/// is the same on every processor. Square roots are refined from an estimate (error below 2 ulp).
+/// Geometry over `Lane<float>` computes eight poses at a time with the source text for one. With `with_widest_lanes` it
+/// computes as many as a register of this processor holds. The compiler's vector types are used, so the code is the
+/// same on every processor. Square roots are refined from an estimate (error below 2 ulp).
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-// Everything below is inlined: how such vectors are passed between functions depends on the caller's instruction set.
+// Everything below is inlined, because the caller's instruction set decides how such vectors are passed between
+// functions.
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 
 template <Scalar S, int bytes = 32>
@@ -2333,10 +2380,10 @@ struct Lane {
   using Bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
   typedef Bits BitRegister __attribute__((vector_size(bytes)));
 
-  alignas(bytes) Register v{};  // said, since GCC aligns it less where such registers are not switched on
+  alignas(bytes) Register v{};  // stated, since GCC aligns it less if such registers are not switched on
 
   Lane() = default;
-  /// Not trivial on purpose: other functions then return a lane through memory, whatever their caller was compiled for.
+  /// Not trivial on purpose: functions then return a lane through memory, for any instruction set of their caller.
   MOTIONLANG_INLINE Lane(const Lane& other) : v(other.v) {}
   Lane& operator=(const Lane&) = default;
   template <class N>
@@ -2359,9 +2406,9 @@ struct Lane {
     return from(a.v < b.v ? x.v : y.v);
   }
 
-  /// 1 / sqrt(x) of a normal number x > 0, error below 2 ulp; finite of 0.
-  /// The well-known estimate by shifting the exponent, 3.5 % off, then Householder's iteration: with y = (1 + e) /
-  /// sqrt(x) and h = x y^2, the first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
+  /// 1 / sqrt(x) of a normal number x > 0, error below 2 ulp; finite for 0. It starts from the well-known estimate by
+  /// shifting the exponent, 3.5 % off. Householder's iteration follows: with y = (1 + e) / sqrt(x) and h = x y^2, the
+  /// first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
   friend MOTIONLANG_INLINE Lane inverse_sqrt(const Lane& x) {
     constexpr Bits magic = sizeof(S) == 4 ? static_cast<Bits>(0x5F375A86) : static_cast<Bits>(0x5FE6EB50C7B537A9);
     Register y = (Register)(magic - ((BitRegister)x.v >> 1));
@@ -2400,8 +2447,8 @@ static_assert(ScalarLike<Lane<float>> && ScalarLike<Lane<double>>);
 
 #undef MOTIONLANG_INLINE
 
-/// Calls f.operator()<Lane<S, bytes>>(), by GCC for the widest registers of this processor, compiled for them with all
-/// that it calls.
+/// Calls f.operator()<Lane<S, bytes>>() with the widest registers of this processor. GCC compiles f and everything that
+/// it calls for them.
 template <Scalar S, class F>
 void with_widest_lanes(const F& f) {
 #if defined(MOTIONLANG_WIDER_COPIES)
@@ -2417,10 +2464,10 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_LANE_ROWS_HPP  // <motionlang/core/lane_rows.hpp>
 #define MOTIONLANG_HAS_CORE_LANE_ROWS_HPP
-/// Rows of numbers into lanes, number k of row i in lane i of number k, and back.
+/// Moves rows of values into lanes and back. Value k of row i is lane i of value k.
 ///
-/// Floats go four at a time: a register is made of pieces of 16 bytes, and piece i of register r takes four numbers of
-/// row 4 i + r. In four such registers the squares of four by four that stand at the same piece are transposed.
+/// Floats are moved four at a time. A register consists of pieces of 16 bytes, and piece i of register r holds four
+/// values of row 4 i + r. In four such registers, the four-by-four squares at the same piece are transposed.
 
 #include <algorithm>  // min
 
@@ -2428,10 +2475,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-// Inlined, as all of lane.hpp.
+// Inlined, like all of lane.hpp.
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 
-/// Piece i of four numbers of a register is at from + i * step.
+/// Piece i of a register, four values, is at from + i * step.
 template <int bytes>
 MOTIONLANG_INLINE void load_pieces(const float* from, std::size_t step, Lane<float, bytes>& to) {
   if constexpr (bytes == 16) {
@@ -2462,7 +2509,7 @@ MOTIONLANG_INLINE void store_pieces(const Lane<float, bytes>& from, float* to, s
   }
 }
 
-/// In every piece: numbers p and q of a, then r and t of b.
+/// In every piece: values p and q of a, then r and t of b.
 template <int p, int q, int r, int t, int bytes>
 MOTIONLANG_INLINE Lane<float, bytes> mix(const Lane<float, bytes>& a, const Lane<float, bytes>& b) {
   constexpr int n = bytes / 4, from[4] = {p, q, n + r, n + t};
@@ -2474,7 +2521,7 @@ MOTIONLANG_INLINE Lane<float, bytes> mix(const Lane<float, bytes>& a, const Lane
   return mixed;
 }
 
-/// In every piece: number k of in[i] becomes number i of in[k].
+/// In every piece: value k of in[i] becomes value i of in[k].
 template <int bytes>
 MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
   const auto low_a = mix<0, 1, 0, 1>(in[0], in[1]), high_a = mix<2, 3, 2, 3>(in[0], in[1]),
@@ -2485,8 +2532,8 @@ MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
 
 }  // namespace detail
 
-/// Lane i of number k is from[i * step + k] for the first `count` lanes (at least one); further lanes are as the last
-/// of these.
+/// Lane i of value k is from[i * step + k] for the first `count` lanes (at least one). Further lanes repeat the last of
+/// these.
 template <Scalar S, int bytes>
 MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std::span<Lane<S, bytes>> numbers) {
   using L = Lane<S, bytes>;
@@ -2513,7 +2560,7 @@ MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std
   }
 }
 
-/// Number k of lane i goes to to[i * step + k] for the first `count` lanes.
+/// Value k of lane i goes to to[i * step + k] for the first `count` lanes.
 template <Scalar S, int bytes>
 MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::size_t step, int count, S* to) {
   using L = Lane<S, bytes>;
@@ -2547,8 +2594,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_MT19937_HPP  // <motionlang/core/mt19937.hpp>
 #define MOTIONLANG_HAS_CORE_MT19937_HPP
-/// The Mersenne Twister, with both of its seedings. Not for new work (see Philox in rng.hpp): the generators of
-/// PyTorch, NumPy and CPython are built on it, and published runs can be repeated number by number.
+/// The Mersenne Twister, with both of its seedings. Do not use it for new work (see Philox in rng.hpp). The generators
+/// of PyTorch, NumPy and CPython are built on it, and with them published runs can be repeated number by number.
 ///
 /// Source  Matsumoto and Nishimura, "Mersenne Twister" (ACM TOMACS 8, 1998), and the seeding of 2002. `std::mt19937` is
 ///         the same engine, but it has no init_by_array.
@@ -2634,7 +2681,7 @@ class NumpyRandom {
  public:
   explicit NumpyRandom(std::uint32_t seed) : words_(seed) {}
 
-  /// Uniform in low ... high-1. Throws config_error 101 if that is empty.
+  /// Uniform in low ... high-1. Throws config_error 101 if that range is empty.
   std::int64_t randint(std::int64_t low, std::int64_t high) {
     if (high <= low) raise<config_error>(101, "NumpyRandom::randint: from ", low, " to below ", high);
     const std::uint64_t largest = static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) - 1;
@@ -2670,7 +2717,7 @@ class NumpyRandom {
   /// Uniform in [0, 1) with 53 bits.
   double rand() { return words_.uniform53(); }
 
-  /// Standard normal number, by the polar method. Two are made at a time; the second is kept for the next call.
+  /// A standard normal value, by the polar method. Two are made at a time; the second is kept for the next call.
   double randn() {
     if (spare_) return *std::exchange(spare_, std::nullopt);
     double x = 0, y = 0, r2 = 0;
@@ -2707,12 +2754,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_OFFSETS_HPP  // <motionlang/core/offsets.hpp>
 #define MOTIONLANG_HAS_CORE_OFFSETS_HPP
-/// Where each sequence of a packed batch begins: an immutable shared list 0 = o_0 <= o_1 <= ... <= o_n = rows.
+/// The start of each sequence of a packed batch: an immutable shared list 0 = o_0 <= o_1 <= ... <= o_n = rows.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; whoever keeps a copy keeps the list alive.
-/// To move is to copy: what was moved from keeps its list.
+/// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; every copy keeps the list alive. A move is
+/// a copy, so a moved-from object keeps its list.
 class Offsets {
  public:
   Offsets() : Offsets(std::span<const Index>()) {}
@@ -2780,12 +2827,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_OPTION_ERROR_HPP  // <motionlang/core/option_error.hpp>
 #define MOTIONLANG_HAS_CORE_OPTION_ERROR_HPP
-/// Options that a caller cannot have meant.
+/// The error for a mistake in a caller's options.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Options that a model or a file does not take, or that contradict each other; a result that would take the place of
-/// what it is made from: a config_error that is the caller's, not the file's.
+/// A config_error that the caller caused, not a file. Examples are options that a model or a file does not take,
+/// options that contradict each other, and a result that would overwrite its source.
 struct option_error : config_error {
   using config_error::config_error;
 };
@@ -2795,11 +2842,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
 #define MOTIONLANG_HAS_CORE_PARALLEL_HPP
-/// A small pool of threads and `parallel_for`, their number, and the objects that threads of a program may share.
+/// A small pool of threads, `parallel_for`, the number of threads, and the rules for objects that threads share.
 ///
-/// How many   processor_count() threads calculate (core/processors.hpp: what the process is given, in a container too),
-///            at most 256. set_thread_count(n) changes that for the whole process. The results are the same bits
-/// From several threads of a program at once
+/// How many   processor_count() threads compute (core/processors.hpp: the limit of this process, also in a container),
+///            at most 256. set_thread_count(n) changes that for the whole process. The results have the same bits
+/// Objects and several threads of a program
 ///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Threads may
 ///                    copy and use handles of the same tensor. The pool serves one call at a time; other calls wait
 ///   may not          objects that change: a tensor that is assigned to, a generator that draws, an AdamW that steps, a
@@ -2808,10 +2855,10 @@ MOTIONLANG_NAMESPACE_END
 ///   Autodiff         variables may be shared; operations behind a loss belong to the thread that calls `backward`
 ///   at rest          set_thread_count and set_product_precision (backend/precision.hpp): while no work is running
 ///
-/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
-/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
-/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
-/// while an idle program costs nothing.
+/// Work is split into tasks that never share a sum, and the result of a task does not depend on the thread. So one
+/// thread and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the
+/// processor) and then sleep. So the many short regions of a transformer layer cost well below a microsecond each (on
+/// few cores), and an idle program costs nothing.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -2828,11 +2875,11 @@ int thread_count();
 /// Threads that `parallel_for` uses here: one inside a task.
 int parallel_width();
 
-/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at
-/// once.
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1. Tasks that run at the same time
+/// have different numbers.
 int thread_number();
 
-/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
+/// Changes the number of threads for the whole process. Do not call it while work is running. Throws config_error 101.
 void set_thread_count(int threads);
 
 /// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
@@ -2845,7 +2892,7 @@ void parallel_for(Index count, const F& f) {
 }
 
 namespace detail {
-inline constexpr Index worth_a_thread = 16384;  // numbers
+inline constexpr Index worth_a_thread = 16384;  // values
 }
 
 /// Calls f(first, last) for pieces of 0 ... count-1. Work that is too small for two threads is one piece (`cost` values
@@ -2862,9 +2909,9 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
-/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix with this many rows, for functions that go
-/// through the rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number
-/// of threads.
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix with this many rows. It is for functions
+/// that go through the rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any
+/// number of threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
   const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
@@ -2887,14 +2934,14 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_CORE_PROCESSORS_HPP  // <motionlang/core/processors.hpp>
 #define MOTIONLANG_HAS_CORE_PROCESSORS_HPP
 /// The number of useful threads: the processors on which this process may run, limited by the processor time of its
-/// control group (containers, batch systems). More threads would use up the group's time by waiting for each other, and
+/// control group (containers, batch systems). More threads would waste the group's time by waiting for each other, and
 /// the system would then stop all of them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` names the group of
+/// Linux' control groups, version 2, and version 1 where it does the counting. The file `processes` names the group of
 /// this process, and the folders of `root` hold its limits. A file that cannot be read sets no limit.
 struct ControlGroups {
   std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";
@@ -2946,7 +2993,7 @@ MOTIONLANG_BODY int ControlGroups::processors(int all) const {
     controllers.front() = controllers.back() = ',';
     const bool second_version = controllers == ",,";
     if (!second_version && controllers.find(",cpu,") == std::string::npos) return;
-    // The group, and those around it.
+    // The group and its parents.
     for (std::string path = line.substr(second + 1);; path.resize(path.rfind('/'))) {
       if (path.ends_with('/')) path.pop_back();
       const std::string folder = root + (second_version ? "" : "/cpu") + path;
@@ -2995,7 +3042,7 @@ class ThreadPool {
   }
 
   int size() const { return workers_ + 1; }
-  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
+  /// The number of threads that `run` uses here: inside a task it is 1.
   int width() const { return inside_ ? 1 : size(); }
   /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
   static int number() { return number_; }
@@ -3041,8 +3088,8 @@ class ThreadPool {
  private:
   static constexpr int spins_before_sleep = 20000;
 
-  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike,
-  /// one after the other, find them in the caches of the same thread.
+  /// The tasks that a thread takes first; a thread without tasks helps the others. If consecutive regions split the
+  /// same rows alike, each thread finds its rows in its caches.
   struct alignas(64) Share {
     std::atomic<Index> next{0};
     Index end = 0;
@@ -3052,7 +3099,7 @@ class ThreadPool {
 
   ThreadPool() {
     const auto start = [&] { resize(std::min(processor_count(), 256)); };
-    const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
+    const auto no_more = [](const std::system_error&) { return true; };  // the threads that began are enough
     guard<std::system_error>(start, no_more);
   }
   ~ThreadPool() { stop(); }
@@ -3074,9 +3121,9 @@ class ThreadPool {
     for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
-  /// The work of a thread. It is a function whose address std::thread takes: the code of a lambda would be a part of
-  /// std::thread's, which a program and a shared library, each with its own copy of this pool and of `inside_`, have in
-  /// common.
+  /// The work of a thread. It is a function, because std::thread takes its address. The code of a lambda would be a
+  /// part of std::thread's. A program and a shared library share that code, but each has its own copy of this pool and
+  /// of `inside_`.
   static void start(ThreadPool* pool, int number, unsigned seen) {
     number_ = number;
     pool->work(seen);
@@ -3154,59 +3201,15 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_CORE_PRECISION_HPP  // <motionlang/core/precision.hpp>
-#define MOTIONLANG_HAS_CORE_PRECISION_HPP
-/// How exactly products of matrices are computed.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// fp32    the numbers as they are.
-/// bf16    both factors rounded to bfloat16 (8 bits of significand), products and sums in float: half the memory for
-///         prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
-///         product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
-///         the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
-/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. From 128 rows on; else, and
-///         on other processors, fp32. Half its error while products are above 2^-108 (below 2^-126 they count as 0),
-///         other last digits (those of a few rows may differ alone and in a larger batch). For few threads: with two,
-///         large products take 0.6 to 0.9 of the time; with 8 and 16 of one machine they took 1.1 to 2.3 times as long,
-///         as all instructions of AMX are slower there when every core uses them.
-/// All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
-enum class Precision { fp32, bf16, bf16x3 };
-
-/// "fp32", ...
-inline const char* precision_name(Precision p) {
-  return p == Precision::bf16 ? "bf16" : p == Precision::bf16x3 ? "bf16x3" : "fp32";
-}
-/// The opposite. Nothing if no precision is called so.
-inline std::optional<Precision> precision_named(std::string_view name) {
-  for (const Precision p : {Precision::fp32, Precision::bf16, Precision::bf16x3}) {
-    if (name == precision_name(p)) return p;
-  }
-  return {};
-}
-
-namespace detail {
-inline std::atomic<Precision>& current_product_precision() {
-  static std::atomic<Precision> current{Precision::fp32};
-  return current;
-}
-}  // namespace detail
-
-/// Precision of products, for the whole process: set_product_precision (backend/precision.hpp) changes it.
-inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_acquire); }
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
 #ifndef MOTIONLANG_HAS_CORE_PROGRESS_HPP  // <motionlang/core/progress.hpp>
 #define MOTIONLANG_HAS_CORE_PROGRESS_HPP
 /// Reports the progress of long work to the caller, who may stop it.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
-/// Without exceptions false ends the program, like an error: there the C functions can be cancelled (motionlang/c).
-/// Like a pointer: the callable must outlive it, so a temporary one does not compile.
+/// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. It may be empty.
+/// Without exceptions, false ends the program like an error, but the C functions can be cancelled (motionlang/c). The
+/// callable must outlive it, so a temporary one does not compile.
 class Progress {
  public:
   Progress() = default;
@@ -3217,7 +3220,7 @@ class Progress {
           return (*reinterpret_cast<F*>(object))(done, total);
         }) {}
 
-  /// Throws `cancelled` if the caller answers false.
+  /// Throws `cancelled` if the caller returns false.
   void operator()(Index done, Index total) const {
     if (call_ != nullptr && !call_(object_, done, total)) detail::throw_exception(cancelled());
   }
@@ -3339,8 +3342,8 @@ class PythonRandom {
     return out;
   }
 
-  /// `random.sample(range(len(counts)), k, counts=counts)`: element i stands counts[i] times in the list that is drawn
-  /// from. Throws config_error 101 if there are fewer than k or a count is negative.
+  /// `random.sample(range(len(counts)), k, counts=counts)`: draws from a list that has element i counts[i] times.
+  /// Throws config_error 101 if the list has fewer than k elements or a count is negative.
   std::vector<Index> sample_counts(std::span<const Index> counts, Index k) {
     for (Index c : counts) {
       if (c < 0) raise<config_error>(101, "PythonRandom::sample_counts: count ", c);
@@ -3362,8 +3365,8 @@ class PythonRandom {
     if (n <= 0) raise<config_error>(101, "PythonRandom::", call, ": a list of ", n);
     return static_cast<std::uint64_t>(n);
   }
-  /// Up to this size a list is copied and drawn from, above it numbers are drawn again until they are new:
-  /// 21 + 4^ceil(log_4(3k)) for k > 5, else 21.
+  /// Up to this size, a list is copied and drawn from. Above it, numbers are drawn again until they are new. The size
+  /// is 21 + 4^ceil(log_4(3k)) for k > 5, else 21.
   static Index largest_pool(Index k) {
     Index table = 1;
     while (k > 5 && table < 3 * k) table *= 4;
@@ -3383,9 +3386,10 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The value that n others are not above; n below the number of values.
+/// The value at position n of the sorted values, counted from 0. n is less than their number.
 double nth_smallest(std::vector<double> values, std::size_t n);
-/// The value below which a share of the values is; 0 of none.
+/// The value at this share of the sorted values: 0 gives the smallest, 0.5 the median, 1 the largest. 0 for an empty
+/// list.
 double quantile(std::vector<double> values, double share);
 
 MOTIONLANG_NAMESPACE_END
@@ -3414,7 +3418,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_REQUIRE_VALUE_HPP  // <motionlang/core/require_value.hpp>
 #define MOTIONLANG_HAS_CORE_REQUIRE_VALUE_HPP
-/// Values of a configuration that have to lie in a range.
+/// Values of a configuration that must lie in a range.
 ///
 ///     require_value("lr", lr, lr >= 0, "0 or more");   // [motionlang.config.101] lr is -1, expected 0 or more
 
@@ -3446,12 +3450,12 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Python's `round(x, places)`: the decimal number nearest to the binary value of x. 2.675 is a little less than it
-/// looks and becomes 2.67. Throws config_error 101 unless 0 <= places <= 15.
+/// Python's `round(x, places)`: the decimal number nearest to the binary value of x. 2.675 is stored as slightly less
+/// than it looks, so it becomes 2.67. Throws config_error 101 unless 0 <= places <= 15.
 double python_round(double x, int places);
 
 /// NumPy's `round(x, places)`: x 10^places to the nearest integer, halves to the even one, then back. 2.675 becomes
-/// 2.68, because the product is rounded before. Throws config_error 101 unless 0 <= places <= 15.
+/// 2.68, because the product is rounded first. Throws config_error 101 unless 0 <= places <= 15.
 double numpy_round(double x, int places);
 
 MOTIONLANG_NAMESPACE_END
@@ -3464,7 +3468,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Places that make sense of a double. Throws config_error 101.
+/// Throws config_error 101 for more places than a double can have.
 inline void require_places(const char* function, int places) {
   if (places < 0 || places > 15) raise<config_error>(101, function, ": ", places, " decimal places");
 }
@@ -3490,55 +3494,15 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_CORE_ROWS_TOGETHER_HPP  // <motionlang/core/rows_together.hpp>
-#define MOTIONLANG_HAS_CORE_ROWS_TOGETHER_HPP
-/// How many rows belong together that are multiplied a few at a time.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail {
-
-/// While it lives, products of this thread count as parts of one of this many rows (0: each as what it is), unless
-/// another lives already. In bf16x3 the instructions depend on the number of rows, and with them the last digit: where
-/// that must not depend on how rows are shared by threads, or on what else is in a batch, say so by this. As `many`, a
-/// product of a few rows takes up to four times as long. Threads that help need one of
-/// their own (for_products, in_groups).
-class RowsTogether {
- public:
-  static constexpr Index few = 1, many = 1 << 20;
-
-  explicit RowsTogether(Index rows) : before_(counted()) {
-    if (before_ == 0) counted() = rows;
-  }
-  ~RowsTogether() { counted() = before_; }
-  RowsTogether(const RowsTogether&) = delete;
-  RowsTogether& operator=(const RowsTogether&) = delete;
-
-  /// 0: none lives.
-  static Index count() { return counted(); }
-
- private:
-  struct Count {
-    Index rows = 0;
-  };
-  static Index& counted() { return thread_object<Count, RowsTogether>().rows; }
-
-  Index before_;
-};
-
-}  // namespace detail
-MOTIONLANG_NAMESPACE_END
-#endif
-
 #ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
 #define MOTIONLANG_HAS_CORE_SORT_HPP
-/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty
-/// functions.
+/// Sorts short lists. std::sort is faster on long ones, but each use of it compiles some thirty functions.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps
-/// whatever the list. `List` is a vector.
+/// Sorts by `less`. The order of equal elements is not defined. Heap sort: n log n steps for any list. `List` is a
+/// vector.
 template <class List, class Less>
 void sort(List& list, Less less) {
   const auto sift_down = [&](std::size_t i, std::size_t size) {
@@ -3561,15 +3525,15 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_TEXT_ENCODING_HPP  // <motionlang/core/text_encoding.hpp>
 #define MOTIONLANG_HAS_CORE_TEXT_ENCODING_HPP
-/// Texts in other encodings than UTF-8, which some programs write, as UTF-8.
+/// Converts texts in other encodings, which some programs write, to UTF-8.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A text in UTF-16 or UTF-32 as UTF-8, known by its byte order mark or by the zero bytes of its first two letters;
-/// nothing if it is neither. Units without a character become U+FFFD.
+/// A text in UTF-16 or UTF-32 as UTF-8. It is recognised by its byte order mark, or by the zero bytes of its first two
+/// letters. Nothing if it is neither. Units without a character become U+FFFD.
 std::optional<std::string> from_wide_text(std::string_view bytes);
 
-/// A text of which each byte is one character, U+0000 to U+00FF (ISO 8859-1), as UTF-8.
+/// A text with one byte per character, U+0000 to U+00FF (ISO 8859-1), as UTF-8.
 std::string from_latin1(std::string_view bytes);
 
 MOTIONLANG_NAMESPACE_END
@@ -3582,7 +3546,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// How the units of a text are stored.
+/// The storage of a text's units.
 struct WideText {
   std::size_t width = 0;  // bytes of a unit; 0: the text has single bytes
   bool big_endian = false;
@@ -3646,15 +3610,15 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_TEXT_LINES_HPP  // <motionlang/core/text_lines.hpp>
 #define MOTIONLANG_HAS_CORE_TEXT_LINES_HPP
-/// Texts line by line, their blanks and small letters.
+/// Splits texts into lines, trims blanks, and lower-cases letters.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// A letter of ASCII in small, whatever the locale.
+/// The lower case of an ASCII letter, in any locale.
 constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-/// Without the blanks at both ends.
+/// The text without the blanks at both ends.
 constexpr std::string_view trim(std::string_view s) {
   constexpr std::string_view blanks = " \t\r\n\v\f";
   const std::size_t first = s.find_first_not_of(blanks);
@@ -3680,18 +3644,18 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_CORE_TORCH_RANDOM_HPP  // <motionlang/core/torch_random.hpp>
 #define MOTIONLANG_HAS_CORE_TORCH_RANDOM_HPP
 /// PyTorch's CPU generator: `torch.manual_seed(seed)` followed by `torch.randn` or `torch.rand`, for parity with
-/// published runs. CUDA streams are another generator and not covered.
+/// published runs. The streams of CUDA come from another generator, which is not covered.
 ///
 /// Source      torch 1.13, aten/src/ATen/native/cpu/DistributionTemplates.h (normal_fill) and
 ///             ATen/core/DistributionsHelper.h (small draws)
-/// Differs     by less than 1e-6 from torch's vectorised kernels, which approximate log and cos; uniform numbers and
-///             the float64 path have no such difference
+/// Differs     by less than 1e-6 from torch's vectorised kernels, which approximate log and cos. Uniform values and the
+///             float64 path do not differ
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 class TorchRandom {
  public:
-  /// The low 32 bits of the seed count, as in PyTorch.
+  /// Only the low 32 bits of the seed count, as in PyTorch.
   explicit TorchRandom(std::uint64_t seed = 5489) : words_(static_cast<std::uint32_t>(seed)) {}
 
   /// `torch.rand`: 24 bits of one word for float, 53 bits of two words for double.
@@ -3701,10 +3665,10 @@ class TorchRandom {
   }
   void uniform(std::span<float> out) { uniform<float>(out); }
 
-  /// `torch.randn` of a whole tensor of out.size() elements. The result depends on how a draw is cut into tensors:
-  ///   fewer than 16 elements: one pair of numbers at a time in double, the second kept for the next small draw;
-  ///   otherwise all are filled with uniform numbers first and then every block of 16 is transformed (Box-Muller,
-  ///   element j with element j + 8); when blocks do not fit, the last 16 elements are drawn again.
+  /// `torch.randn` of a whole tensor of out.size() elements. The result depends on the division of a draw into tensors.
+  /// Fewer than 16 elements: one pair of values at a time in double, the second kept for the next small draw.
+  /// Otherwise, all elements are first filled with uniform values. Then every block of 16 is transformed (Box-Muller,
+  /// element j with element j + 8). If blocks do not fit, the last 16 elements are drawn again.
   template <Scalar S>
   void normal(std::span<S> out) {
     if (out.size() < block) {
@@ -3759,19 +3723,19 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_ARG_MAX_HPP  // <motionlang/tensor/arg_max.hpp>
 #define MOTIONLANG_HAS_TENSOR_ARG_MAX_HPP
-/// Where rows have their largest number.
+/// The place of the largest value in each row.
 
 #ifndef MOTIONLANG_HAS_TENSOR_TENSOR_HPP  // <motionlang/tensor/tensor.hpp>
 #define MOTIONLANG_HAS_TENSOR_TENSOR_HPP
-/// Tensor<B, Rank>: what user code sees. The backend and the rank are types, the sizes are values.
+/// Tensor<B, Rank> for user code. The backend and the rank are types, the sizes are values.
 ///
-/// A handle with value semantics: copying shares memory, writing never shows through another handle. A wrong rank is a
-/// compile error; wrong sizes are a `shape_error` from the operation, thrown before any backend runs.
+/// A handle with value semantics: copying shares memory, but a write is never visible through another handle. A wrong
+/// rank is a compile error. Wrong sizes are a `shape_error` from the operation, thrown before any backend runs.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A backend's tensor, row-major numbers that fill(scalar*) writes: into the tensor itself where it can be written, so
-/// that a large table is not there twice.
+/// A backend's tensor with row-major values that fill(scalar*) writes. It writes directly into the tensor if possible,
+/// so that a large table does not exist twice.
 template <Backend B, class F>
 typename B::tensor written_tensor(const Shape& shape, const F& fill) {
   using S = typename B::scalar;
@@ -3798,14 +3762,14 @@ class Tensor {
   using scalar = typename B::scalar;
   static constexpr int rank = Rank;
 
-  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it. A tensor that was
-  /// moved from is the same.
+  /// No tensor yet: its shape is (0) for any rank, it has no values, and operations refuse it. A moved-from tensor is
+  /// the same.
   Tensor() = default;
-  /// Wraps a backend's tensor. Throws shape_error 206 if its rank is another.
+  /// Wraps a backend's tensor. Throws shape_error 206 if its rank differs.
   explicit Tensor(typename B::tensor data) : data_(std::move(data)) {
     if (shape().rank() != Rank) raise<shape_error>(206, "Tensor: rank ", Rank, " expected, shape is ", shape());
   }
-  /// One number with all sizes 1: broadcasts against anything.
+  /// One value with all sizes 1, which broadcasts against anything.
   template <class N>
   requires std::is_arithmetic_v<N>
   explicit Tensor(N value) : data_(B::full(ones(), static_cast<scalar>(value))) {}
@@ -3814,7 +3778,7 @@ class Tensor {
     return Tensor(B::full(checked(shape), static_cast<scalar>(value)));
   }
   static Tensor zeros(const Shape& shape) { return full(shape, 0); }
-  /// Row-major values. Throws shape_error 205 if their number is not the shape's.
+  /// Row-major values. Throws shape_error 205 if their number does not fit the shape.
   static Tensor from(std::span<const scalar> values, const Shape& shape) {
     if (static_cast<Index>(values.size()) != shape.count()) {
       raise<shape_error>(205, "Tensor: ", Index(values.size()), " values for shape ", shape);
@@ -3824,12 +3788,12 @@ class Tensor {
   static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
     return from(std::span<const scalar>(values), shape);
   }
-  /// Row-major numbers that fill(scalar*) writes (written_tensor).
+  /// Row-major values that fill(scalar*) writes (written_tensor).
   template <class F>
   static Tensor written(const Shape& shape, const F& fill) {
     return Tensor(written_tensor<B>(checked(shape), fill));
   }
-  /// Standard normal numbers.
+  /// Standard normal values.
   static Tensor randn(const Shape& shape, Rng auto& rng) {
     return written(shape,
                    [&](scalar* to) { rng.normal(std::span<scalar>(to, static_cast<std::size_t>(shape.count()))); });
@@ -3837,32 +3801,32 @@ class Tensor {
 
   const typename B::tensor& data() const& MOTIONLANG_LIFETIMEBOUND { return data_; }
   typename B::tensor data() && { return std::move(data_); }
-  /// For code that replaces the value in place (optimisers, loaders).
+  /// For code that replaces the values in place (optimisers, loaders).
   typename B::tensor& mutable_data() MOTIONLANG_LIFETIMEBOUND { return data_; }
 
   Shape shape() const { return B::shape(data_); }
   Index size(int axis) const { return shape()[normalize_axis(axis, Rank, "Tensor::size")]; }
   Index count() const { return shape().count(); }
-  /// True if there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  /// True if there is a tensor, perhaps an empty one. False before it is made, and after a move.
   bool defined() const {
     if constexpr (Rank == 1 && requires(const typename B::tensor& t) { t.defined(); }) return data_.defined();
     return shape().rank() == Rank;
   }
 
-  /// The numbers, row-major; valid as long as this tensor lives and is not assigned to.
+  /// The values, row-major; valid while this tensor lives and is not assigned to.
   std::span<const scalar> span() const& MOTIONLANG_LIFETIMEBOUND { return B::to_span(data_); }
-  std::span<const scalar> span() const&& = delete;  // values of a temporary end with it: name it, or to_vector()
+  std::span<const scalar> span() const&& = delete;  // values of a temporary end with it: name it, or use to_vector()
   std::vector<scalar> to_vector() const {
     const auto s = span();
     return {s.begin(), s.end()};
   }
-  /// The only number of a tensor with one element. Throws shape_error 205.
+  /// The only value of a tensor with one element. Throws shape_error 205.
   scalar item() const {
     if (count() != 1) raise<shape_error>(205, "Tensor::item: shape ", shape(), " has ", count(), " elements");
     return span()[0];
   }
-  /// The value at an index for each axis: t.at(0, 2). For many values take span(). Throws shape_error 203 for an index
-  /// outside its axis, 206 if there is no tensor.
+  /// The value at an index for each axis: t.at(0, 2). For many values use span(). Throws shape_error 203 for an index
+  /// outside its axis, and 206 if there is no tensor.
   template <std::integral... I>
   requires(sizeof...(I) == Rank) scalar at(I... index)
   const {
@@ -3894,7 +3858,7 @@ class Tensor {
 
 namespace detail {
 
-/// Throws shape_error 206 for a tensor that is not made yet, or was moved from.
+/// Throws shape_error 206 for an unset or moved-from tensor.
 template <Backend B, int R>
 void require_tensor(std::string_view op, const Tensor<B, R>& t) {
   if (!t.defined()) raise<shape_error>(206, op, ": no tensor yet, or moved from; rank ", R, " expected");
@@ -3912,7 +3876,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// For each row the column of the largest number, of equals the first. Throws shape_error 205 for rows of no numbers.
+/// For each row the column of the largest value, the first among equals. Throws shape_error 205 for empty rows.
 template <Backend B>
 std::vector<Index> arg_max(const Tensor<B, 2>& x) {
   const Index rows = x.size(0), width = x.size(1);
@@ -3931,10 +3895,10 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_FUSED_HPP  // <motionlang/tensor/fused.hpp>
 #define MOTIONLANG_HAS_TENSOR_FUSED_HPP
-/// Operations that a backend may have as one kernel: each is defined here in primitives, which is what it means.
+/// Operations for which a backend may have a kernel. Each is defined here in primitives, which are its meaning.
 ///
 /// `if constexpr (requires { B::linear(...); })` takes the kernel of a backend that has one. `Autodiff<B>` has the
-/// operation, with a hand-written derivative, exactly when B has its kernels; otherwise the definition below is
+/// operation, with a hand-written derivative, exactly if B has its kernels. Otherwise the definition below is
 /// differentiated.
 
 #ifndef MOTIONLANG_HAS_TENSOR_OPS_HPP  // <motionlang/tensor/ops.hpp>
@@ -4098,7 +4062,7 @@ template <Backend B, int R>
 requires(R > 0) Tensor<B, R - 1> mean(const Tensor<B, R>& a, int axis) {
   return sum(a, axis) / static_cast<double>(a.size(axis));
 }
-/// Sum and mean of everything.
+/// Sum and mean of all elements.
 template <Backend B, int R>
 Tensor<B, 0> sum(const Tensor<B, R>& a) {
   detail::require_tensor("sum", a);
@@ -4133,19 +4097,19 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_SEQUENCES_HPP  // <motionlang/tensor/sequences.hpp>
 #define MOTIONLANG_HAS_TENSOR_SEQUENCES_HPP
-/// A batch of sequences without padding: the rows of all sequences one after the other, and where each begins.
+/// A batch of sequences without padding: the rows of all sequences in order, and the start of each.
 ///
-/// Layers that treat rows alike (linear, norms, nonlinearities, losses) see only rows; attention, positions and pooling
-/// take the offsets. Padded tensors and masks exist only at the edge, for loaders and for comparison with other
+/// Layers that treat rows alike (linear, norms, nonlinearities, losses) see only rows. Attention, positions and pooling
+/// take the offsets. Padded tensors and masks exist only at the borders: for loaders and for comparison with other
 /// programs.
 
 #ifndef MOTIONLANG_HAS_TENSOR_INDEX_HPP  // <motionlang/tensor/index.hpp>
 #define MOTIONLANG_HAS_TENSOR_INDEX_HPP
-/// Moving numbers: reshape, permute, slice, concat, gather, scatter.
+/// Moves values: reshape, permute, slice, concat, gather, scatter.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The same numbers in another shape; one size may be -1 and is then computed. Throws shape_error 205.
+/// The same values in another shape. One size may be -1 and is then computed. Throws shape_error 205.
 template <int New, Backend B, int R>
 Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& sizes) {
   detail::require_tensor("reshape", a);
@@ -4192,7 +4156,8 @@ requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shap
   return Tensor<B, New>(B::broadcast(a.data(), s));
 }
 
-/// Indices first ... last-1 along an axis; all of them are the tensor itself, without a copy. Throws shape_error 203.
+/// Indices first ... last-1 along an axis. If these are all, it is the tensor itself, without a copy. Throws
+/// shape_error 203.
 template <Backend B, int R>
 Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
   detail::require_tensor("slice", a);
@@ -4240,7 +4205,7 @@ namespace detail {
 void check_rows(const char* op, std::span<const Index> rows, Index n);
 }  // namespace detail
 
-/// out[i] = a[rows[i]]: picks along the first axis; rows may repeat. Throws shape_error 203.
+/// out[i] = a[rows[i]]: selects along the first axis; rows may repeat. Throws shape_error 203.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R> gather(const Tensor<B, R>& a, std::span<const Index> rows) {
   detail::require_tensor("gather", a);
@@ -4304,8 +4269,8 @@ struct Sequences {
 
 /// For every row the number of its sequence.
 PoolVector<Index> sequence_of_row(const Offsets& offsets);
-/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204
-/// for another count.
+/// Repeats one row per sequence for all rows of the sequence: (sequences, width) -> (rows, width). Throws shape_error
+/// 204 for another count.
 template <Backend B>
 Tensor<B, 2> repeat_for_rows(const Tensor<B, 2>& per_sequence, const Offsets& offsets) {
   if (per_sequence.size(0) != offsets.count())
@@ -4324,9 +4289,9 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
 
 namespace detail {
 
-/// The lengths of the sequences `which`: numbers that there are, in any order, with repetition.
+/// The lengths of the sequences `which`: existing numbers in any order, with repetition.
 Offsets some_sequences(const Offsets& offsets, std::span<const Index> which);
-/// The sequences `which`; without copying if these are all of them in order.
+/// The sequences `which`, without copying if these are all of them in order.
 template <Backend B>
 Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which) {
   const Index first = which.empty() ? 0 : which.front(), count = std::ssize(which);
@@ -4341,15 +4306,15 @@ Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which)
   }
   return {gather(x.rows, rows), offsets};
 }
-/// Number i times.length(i) times. Throws shape_error 204 for another number of times.
+/// Number i, times.length(i) times. Throws shape_error 204 for another number of times.
 PoolVector<Index> repeated_numbers(Index sequences, const Offsets& times);
 
-/// Rows to pick, and how long the sequences of them are.
+/// Rows to select, and the lengths of their sequences.
 struct PickedRows {
   PoolVector<Index> rows;
   Offsets offsets;
 };
-/// For concat_tokens, of the parts one behind the other. Throws shape_error 204 if the counts differ.
+/// For concat_tokens: the parts in order. Throws shape_error 204 if the counts differ.
 PickedRows joined_sequences(std::span<const Offsets* const> parts);
 /// For last_rows. Throws shape_error 204, 207.
 PoolVector<Index> last_rows_of(const Offsets& offsets, const Offsets& tail);
@@ -4360,7 +4325,7 @@ std::vector<unsigned char> mask_of_lengths(const Shape& shape, std::span<const I
 
 }  // namespace detail
 
-/// Sequence i times.length(i) times, one after the other. Throws shape_error 204 for another number of times.
+/// Sequence i, times.length(i) times, in order. Throws shape_error 204 for another number of times.
 Offsets repeat_lengths(const Offsets& offsets, const Offsets& times);
 template <Backend B>
 Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
@@ -4414,7 +4379,7 @@ Tensor<B, 3> to_padded(const Sequences<B>& x, double value = 0, Index time = 0) 
   if (time == 0) time = x.offsets.longest();
   if (time < x.offsets.longest())
     raise<shape_error>(205, "to_padded: ", time, " frames for a sequence of ", x.offsets.longest());
-  // a last row of padding, which all padded positions pick
+  // A last row of padding, which all padded positions select.
   const auto rows = concat(0, x.rows, Tensor<B, 2>::full({1, x.width()}, value));
   std::vector<Index> pick;
   for (Index i = 0; i < x.count(); ++i) {
@@ -4573,7 +4538,7 @@ Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
       case Activation::none:
         return x;
       case Activation::relu:
-        return maximum(x, Tensor<B, R>(0.0));  // slope 1 at 0; of the kernels, as in PyTorch, 0
+        return maximum(x, Tensor<B, R>(0.0));  // slope 1 at 0; 0 in the kernels, as in PyTorch
       case Activation::gelu:
         return x * 0.5 * (erf(x * std::sqrt(0.5)) + 1.0);
       case Activation::silu:
@@ -4614,7 +4579,7 @@ void check_linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tenso
 }  // namespace detail
 
 /// y = dropout(act(x W^T + bias)) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) ->
-/// (rows, out) Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
+/// (rows, out). Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
 template <Backend B>
 Tensor<B, 2> linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tensor<B, 1>* bias,
                     Activation act = Activation::none, const Tensor<B, 2>* residual = nullptr,
@@ -4683,9 +4648,20 @@ Tensor<B, 2> softmax(const Tensor<B, 2>& x) {
 
 struct AttentionOptions {
   Index heads = 1;
-  bool causal = false;  // a query sees the keys up to its own position only
-  Dropout dropout{};    // on the attention weights
+  bool causal = false;                        // a query only sees keys up to its own position
+  Dropout dropout{};                          // on the attention weights
+  Precision precision = product_precision();  // layers take that of their weights
 };
+
+/// In which precision products with a weight are computed: that of `prepare`, else the one of the process.
+template <Backend B, int R>
+Precision precision_of(const Tensor<B, R>& weight) {
+  if constexpr (PackingBackend<B>) {
+    return B::precision_of(weight.data());
+  } else {
+    return product_precision();
+  }
+}
 
 namespace detail {
 
@@ -4762,9 +4738,9 @@ Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B
 
 /// Multi-head attention over packed sequences (Vaswani et al. 2017, eq. 1); heads are contiguous slices of the width.
 ///     O_h = softmax(Q_h K_h^T / sqrt(width / heads) + R_h) V_h     within each sequence
-/// q (query rows, width), k and v (key rows, width) -> (query rows, width). Padding does not exist here: a key that is
-/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the
-/// distance j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
+/// q (query rows, width), k and v (key rows, width) -> (query rows, width). There is no padding: a masked key is not in
+/// the sequence (see from_padded). R may be null. Element (i, j) of R_h is the value for the distance j - i: column j -
+/// i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
 template <Backend B>
 Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
                        const Offsets& k_offsets, const AttentionOptions& options,
@@ -4797,7 +4773,7 @@ Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tenso
   }
 }
 
-/// The same with q, k and v side by side, as one projection makes them: qkv (rows, 3 width) -> (rows, width).
+/// The same with q, k and v side by side, the result of one projection: qkv (rows, 3 width) -> (rows, width).
 template <Backend B>
 Tensor<B, 2> self_attention(const Tensor<B, 2>& qkv, const Offsets& offsets, const AttentionOptions& options) {
   if (qkv.size(1) % 3 != 0) raise<shape_error>(204, "self_attention: ", qkv.shape(), " is not three parts wide");
@@ -4848,7 +4824,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_GRADIENT_HPP  // <motionlang/tensor/gradient.hpp>
 #define MOTIONLANG_HAS_TENSOR_GRADIENT_HPP
-/// Differentiation as user code sees it: variables, `backward`, and gradients as a value.
+/// Differentiation for user code: variables, `backward`, and gradients as a value.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -4880,7 +4856,7 @@ class Gradients {
   typename A::GradientMap map_;
 };
 
-/// Gradients of a scalar with respect to all variables behind it. Only for Autodiff backends.
+/// Gradients of a scalar with respect to all variables behind it. It needs an Autodiff backend.
 template <Backend A>
 auto backward(const Tensor<A, 0>& loss) {
   static_assert(AutodiffBackend<A>,
@@ -4888,25 +4864,25 @@ auto backward(const Tensor<A, 0>& loss) {
   return Gradients<A>(A::gradients(loss.data()));
 }
 
-/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...),
-/// which has to give y once more. Training needs the memory of one such piece instead of all, for a second forward
-/// pass.
+/// Returns y, but the graph keeps only `inputs` and not the path from them to y. The backward pass calls
+/// again(inputs...), which must compute y again. Training then needs the memory of one such piece instead of all, and a
+/// second forward pass.
 /// Source   Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost" (2016), section 4.1
-/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been
-///          calculated has to be an input (config_error 102). Gradients are the same bits as without
+/// Caution  `again` is copied and called by `backward`. It may hold parameters and constants, but every computed tensor
+///          must be an input (config_error 102). Gradients have the same bits as without it
 template <AutodiffBackend A, int R, class F, int... Q>
 Tensor<A, R> keep_inputs(const Tensor<A, R>& y, F again, const Tensor<A, Q>&... inputs) {
   return Tensor<A, R>(A::checkpoint(
       y.data(), [again = std::move(again)](const auto&... values) { return again(Tensor<A, Q>(values)...).data(); },
       inputs.data()...));
 }
-/// f(inputs...), of which the graph keeps the inputs only.
+/// f(inputs...), but the graph keeps only the inputs.
 template <class F, AutodiffBackend A, int... Q>
 auto checkpoint(const F& f, const Tensor<A, Q>&... inputs) {
   return keep_inputs(f(inputs...), f, inputs...);
 }
 
-/// A leaf that gradients are wanted for.
+/// A leaf for which gradients are computed.
 template <AutodiffBackend A, int R>
 Tensor<A, R> variable(const Tensor<typename A::inner, R>& value) {
   return Tensor<A, R>(A::variable(value.data()));
@@ -4916,7 +4892,7 @@ template <AutodiffBackend A, int R>
 Tensor<typename A::inner, R> value_of(const Tensor<A, R>& t) {
   return Tensor<typename A::inner, R>(A::value(t.data()));
 }
-/// The same value as a constant: gradients stop here. Where there are none it is the tensor itself.
+/// The same value as a constant: gradients stop here. On a backend without gradients it is the tensor itself.
 template <Backend B, int R>
 Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
   if constexpr (AutodiffBackend<B>)
@@ -4930,7 +4906,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_ID_SEQUENCES_HPP  // <motionlang/tensor/id_sequences.hpp>
 #define MOTIONLANG_HAS_TENSOR_ID_SEQUENCES_HPP
-/// Sequences of symbols, packed like Sequences<B>: what models that read and write words or motion tokens take.
+/// Sequences of symbols, packed like Sequences<B>, for models that read and write words or motion tokens.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -4945,7 +4921,7 @@ struct IdSequences {
   static IdSequences one(std::span<const Index> list) {
     return {{list.begin(), list.end()}, Offsets{std::ssize(list)}};
   }
-  /// Rows of `width` ids; those that are `pad` are left out. Throws shape_error 205 unless they are whole rows.
+  /// Rows of `width` ids, without those that equal `pad`. Throws shape_error 205 unless they are whole rows.
   static IdSequences from_padded(std::span<const Index> padded, Index width, Index pad);
 
   Index count() const { return offsets.count(); }
@@ -4953,8 +4929,8 @@ struct IdSequences {
     return std::span(ids).subspan(static_cast<std::size_t>(offsets.begin(i)),
                                   static_cast<std::size_t>(offsets.length(i)));
   }
-  /// Each without its first or last ids: what is to be written, and what it is written after. Throws shape_error 207
-  /// for a sequence that is shorter.
+  /// Each without its first or last ids, for example the symbols to predict and those before them. Throws shape_error
+  /// 207 for a sequence that is shorter.
   IdSequences without_ends(Index first, Index last) const;
 };
 
@@ -5021,9 +4997,10 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
-/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
-/// itself (`static constexpr bool is_option = true`, or a specialisation of this variable): sizes, computed tables.
-/// Other types need fields() of their own. Without them their tensors would be skipped, hence a compile error.
+/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and types that say
+/// so (`static constexpr bool is_option = true`, or a specialisation of this variable), such as sizes and computed
+/// tables. Other types need fields() of their own. Without them their tensors would be skipped, so this is a compile
+/// error.
 template <class T>
 inline constexpr bool is_option = [] {
   if constexpr (requires { T::is_option; })
@@ -5032,7 +5009,7 @@ inline constexpr bool is_option = [] {
     return std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
 }();
 
-/// A tensor of a module, whatever its rank: its path, and its data to read or replace. (In a const module it is const.)
+/// A tensor of a module, of any rank: its path, and its data to read or replace. (In a const module it is const.)
 template <Backend B, class Data = typename B::tensor>
 struct ModuleTensor {
   std::string path;
@@ -5042,14 +5019,14 @@ struct ModuleTensor {
   bool trainable = true;  // is_trainable of the module that lists it
 
   Shape shape() const { return B::shape(*data); }
-  /// The numbers, row-major.
+  /// The values, row-major.
   std::span<const typename B::scalar> span() const { return B::to_span(*data); }
 };
 
 namespace detail {
 
-/// The common properties of the tensors below a type: their backend (void: there are none), and which ranks they have,
-/// a bit for each.
+/// The common properties of the tensors below a type: their backend (void: there are none), and their ranks, one bit
+/// for each.
 template <class T>
 struct TensorsBelow {
   static_assert(is_option<T>,
@@ -5083,8 +5060,8 @@ struct TensorsBelow<FieldList<Field<M, T>, Rest>> {
 template <Module M>
 struct TensorsBelow<M> : TensorsBelow<decltype(M::fields())> {};
 
-/// Lists tensors. One function for every type of module, whatever is done with the tensors then: models are large, and
-/// each of their modules would be walked over again for every purpose.
+/// Lists tensors. It is one function for every type of module and every use of the tensors. Models are large, and
+/// otherwise each of their modules would be compiled again for every use.
 template <Backend B>
 class TensorLister {
  public:
@@ -5135,7 +5112,7 @@ class TensorLister {
   bool trainable_ = true;
 };
 
-/// f(path, tensor) with the tensor's rank as a type again.
+/// Calls f(path, tensor) with the tensor's rank as a type.
 template <class M, unsigned ranks, Backend B, class F, int R = 0>
 void with_rank(const ModuleTensor<B>& t, F& f) {
   if constexpr ((ranks >> R & 1) != 0) {
@@ -5177,8 +5154,8 @@ void visit_tensors(M& module, F f) {
   }
 }
 
-/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, perhaps over
-/// different backends. Throws shape_error 204 if they are not.
+/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, possibly over
+/// different backends. Throws shape_error 204 if the structures differ.
 template <class M, class N, class F>
 void zip_tensors(M& a, N& b, F f) {
   const auto first = tensors_of(a);
@@ -5192,7 +5169,7 @@ void zip_tensors(M& a, N& b, F f) {
   }
 }
 
-/// Numbers in all tensors of a module.
+/// The number of values in all tensors of a module.
 template <Module M>
 Index parameter_count(const M& module) {
   Index n = 0;
@@ -5223,7 +5200,7 @@ void convert_member(To& to, const From& from) {
   } else if constexpr (std::is_same_v<To, From>) {
     to = from;
   } else {
-    to = To(from);  // tables that are computed, not stored
+    to = To(from);  // computed tables, not stored
   }
 }
 
@@ -5235,7 +5212,7 @@ void convert_module(To& to, const From& from) {
 
 }  // namespace detail
 
-/// The same model over another backend, with copies of all numbers. On an Autodiff backend every trainable tensor
+/// The same model over another backend, with copies of all values. On an Autodiff backend every trainable tensor
 /// becomes a variable.
 template <Backend To, template <class> class M, class From>
 M<To> convert(const M<From>& model) {
@@ -5243,7 +5220,7 @@ M<To> convert(const M<From>& model) {
   detail::convert_module(out, model);
   return out;
 }
-/// From training to use: the model without a tape.
+/// The model without a tape, after training.
 template <template <class> class M, AutodiffBackend A>
 M<typename A::inner> to_inner(const M<A>& model) {
   return convert<typename A::inner>(model);
@@ -5251,33 +5228,50 @@ M<typename A::inner> to_inner(const M<A>& model) {
 
 namespace detail {
 
-/// Matrices, and what has the axes of a convolution's weight: (out, in, taps), (out, in, taps, 1).
+/// True for the ranks of matrices and of a convolution's weight: (out, in, taps), (out, in, taps, 1).
 template <class B>
 bool has_panels(int rank) {
   return PackingBackend<B> && rank >= 2 && rank <= 4;
 }
 
-/// Packs a weight; returns whether all its values are finite.
+/// Packs a weight; returns true if all its values are finite.
 template <PackingBackend B>
-bool pack_weight(const typename B::tensor& weight) {
+bool pack_weight(const typename B::tensor& weight, Precision precision = product_precision()) {
   const Shape shape = B::shape(weight);
-  if (shape.rank() < 4) return B::prepare(weight);
-  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}));
+  if (shape.rank() < 4) return B::prepare(weight, precision);
+  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}), precision);
+}
+
+template <Module M>
+void prepare_in(M& model, Precision precision) {
+  using B = module_backend<M>;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (has_panels<B>(t.rank)) pack_weight<B>(*t.data, precision);
+    }
+  }
 }
 
 }  // namespace detail
 
-/// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
-/// (and whatever else has two to four axes). The model must not be changed afterwards. Nothing happens on backends
-/// without such a layout.
+/// Prepares a model for inference: packs the weights of linear layers and convolutions for the backend's kernels (and
+/// other tensors with two to four axes). It uses the precision of the process; backend/precision.hpp offers others. The
+/// model must not change afterwards. Does nothing on backends without such a layout.
 template <Module M>
 void prepare(M& model) {
+  detail::prepare_in(model, product_precision());
+}
+
+/// The precision of products with the first weight of a model.
+template <Module M>
+Precision precision_of(const M& model) {
   using B = module_backend<M>;
   if constexpr (PackingBackend<B>) {
     for (const auto& t : tensors_of(model)) {
-      if (detail::has_panels<B>(t.rank)) detail::pack_weight<B>(*t.data);
+      if (detail::has_panels<B>(t.rank)) return B::precision_of(*t.data);
     }
   }
+  return product_precision();
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -5285,20 +5279,20 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_NORMALIZE_HPP  // <motionlang/tensor/normalize.hpp>
 #define MOTIONLANG_HAS_TENSOR_NORMALIZE_HPP
-/// Rows of length 1: what cosine similarity needs, in losses and in encoders.
+/// Rows of length 1, for cosine similarity in losses and encoders.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Rows divided by max(norm, 1e-12). The sums are a product with ones, whose order does not depend on the number of
-/// rows: a row has the same bits alone and among others.
+/// rows. So a row has the same bits alone and among others.
 template <Backend B>
 Tensor<B, 2> normalize_rows(const Tensor<B, 2>& x) {
   const auto squared = matmul(square(x), Tensor<B, 2>::full({x.size(1), 1}, 1));
   return x / sqrt(maximum(squared, Tensor<B, 2>(1e-24)));
 }
 
-/// S_ij = cos(x_i, y_j), (rows of x, rows of y); 0 where a row is zero. Every element is summed in the same order, so
-/// that equal rows have equal similarities bit by bit: ranks count ties.
+/// S_ij = cos(x_i, y_j), (rows of x, rows of y); 0 if a row is zero. Every element is summed in the same order, so
+/// equal rows have equal similarities bit by bit. Ranks depend on such ties.
 template <Backend B>
 Tensor<B, 2> cosine_similarity(const Tensor<B, 2>& x, const Tensor<B, 2>& y) {
   return matmul(normalize_rows(x), normalize_rows(y), {.transpose_b = true});
@@ -5309,7 +5303,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_PRINT_HPP  // <motionlang/tensor/print.hpp>
 #define MOTIONLANG_HAS_TENSOR_PRINT_HPP
-/// Tensors as text, for people: shape and numbers.
+/// Tensors as readable text: shape and values.
 ///
 ///     const auto x = Tensor<B, 2>::from({1, 2.5, -3, 4}, {2, 2});
 ///     std::cout << x << "\n";
@@ -5321,14 +5315,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The text of numbers in row-major order; number(numbers, i) is that of number i.
+/// The text of values in row-major order; number(numbers, i) returns the text of value i.
 std::string array_text(const Shape& shape, const void* numbers, std::string (*number)(const void*, Index));
 
 }  // namespace detail
 
-/// Shape and numbers in brackets, the innermost axis in a line: "(2, 2) [[1, 2.5],\n        [-3, 4]]". Numbers have as
-/// many digits as read back the same. Of more than 1000 numbers, axes of more than six have their first and last three.
-/// A tensor that is not made yet, or was moved from, is "no tensor".
+/// Shape and values in brackets, with the innermost axis in a line: "(2, 2) [[1, 2.5],\n        [-3, 4]]". Values have
+/// as many digits as needed to read them back. If there are more than 1000 values, axes of more than six show their
+/// first and last three. An unset or moved-from tensor is "no tensor".
 template <Backend B, int R>
 std::string to_string(const Tensor<B, R>& t) {
   if (!t.defined()) return "no tensor";
@@ -5338,7 +5332,7 @@ std::string to_string(const Tensor<B, R>& t) {
   });
 }
 
-/// For who includes <ostream>.
+/// For code that includes <ostream>.
 template <Backend B, int R>
 std::ostream& operator<<(std::ostream& out, const Tensor<B, R>& t) {
   return out << to_string(t);
@@ -5358,11 +5352,11 @@ struct ArrayWriter {
   const Shape& shape;
   const void* numbers;
   std::string (*number)(const void*, Index);
-  std::string indent;  // of the lines behind the first
+  std::string indent;  // of the lines after the first
   bool all;            // nothing is left out
   std::string out{};
 
-  /// The part of the axes axis, axis + 1, ... that begins with number `first`.
+  /// The part of the axes axis, axis + 1, ... that begins with value `first`.
   void write(int axis, Index first) {
     if (axis == shape.rank()) {
       out += number(numbers, first);
@@ -5383,7 +5377,7 @@ struct ArrayWriter {
     }
     out += ']';
   }
-  /// Between two parts of an axis: a blank in a line, else as many ends of lines as there are axes inside.
+  /// Between two parts of an axis: a blank within a line, else as many line ends as there are axes inside.
   void separate(int axis) {
     const int inside = shape.rank() - 1 - axis;
     out += inside == 0 ? ", " : ",";
@@ -5457,7 +5451,7 @@ template <class S>
 S norm(const Vec3<S>& a) {
   return sqrt(dot(a, a));
 }
-/// |a| of a vector or quaternion, with slope 0 where a is 0 (shorter than 1e-15) and |a| has none.
+/// a| of a vector or quaternion. The slope is 0 where a is 0 (shorter than 1e-15) and |a| has no slope.
 template <class V>
 auto norm_or_zero(const V& a) {
   const auto squared = dot(a, a);
@@ -5473,7 +5467,7 @@ Vec3<S> normalized(const Vec3<S>& a, double floor = 1e-12) {
   const S squared = dot(a, a), least = S(floor * floor);
   const S floored = where_less(squared, least, least, squared);
   if constexpr (requires { inverse_sqrt(floored); }) {
-    return inverse_sqrt(floored) * a;  // in a register that is cheaper than three divisions
+    return inverse_sqrt(floored) * a;  // cheaper in a register than three divisions
   } else {
     const S length = sqrt(floored);
     return {a.x / length, a.y / length, a.z / length};
@@ -5491,7 +5485,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Three by three numbers, row by row: m[3 * row + column].
+/// Three by three values, row by row: m[3 * row + column].
 template <class S>
 struct Matrix3 {
   std::array<S, 9> m{};
@@ -5596,7 +5590,7 @@ Vec3<S> rotate(const Quaternion<S>& q, const Vec3<S>& v) {
   return v + S(2) * (q.w * uv + cross(q.vec(), uv));
 }
 
-/// Matrix of a quaternion; one that is not of unit length is tolerated: factor 2 / (q . q).
+/// The matrix of a quaternion. One that is not of unit length is tolerated: factor 2 / (q . q).
 template <class S>
 Matrix3<S> to_matrix(const Quaternion<S>& q) {
   const S k = S(2) / dot(q, q);
@@ -5607,9 +5601,9 @@ Matrix3<S> to_matrix(const Quaternion<S>& q) {
            k * (xz - wy), k * (yz + wx), S(1) - k * (xx + yy)}};
 }
 
-/// The quaternion with w >= 0 of a rotation matrix; accurate everywhere, also near half turns.
-/// Source  Shepperd (1978): divide by the largest of |w|, |x|, |y|, |z|. All four candidates are computed and one is
-///         chosen by where_less, so that SIMD lanes and tensors can do it, too.
+/// The quaternion with w >= 0 of a rotation matrix. It is accurate everywhere, also near half turns.
+/// Source  Shepperd (1978): divide by the largest of |w|, |x|, |y|, |z|. All four candidates are computed, and
+///         where_less chooses one, so that SIMD lanes and tensors can do it, too.
 template <class S>
 Quaternion<S> to_quaternion(const Matrix3<S>& r) {
   const S m00 = r(0, 0), m11 = r(1, 1), m22 = r(2, 2), zero = S(0), tiny = S(1e-12);
@@ -5672,7 +5666,7 @@ Quaternion<S> from_axis_angle(const Vec3<S>& axis, const S& angle) {
   return to_quaternion(AxisAngle<S>{angle * axis});
 }
 
-/// The shortest rotation vector (length at most pi). Right up to and at pi; smooth at 0.
+/// The shortest rotation vector (length at most pi). Correct up to and at pi; smooth at 0.
 ///     v = 2 atan2(n, |w|) / n (x, y, z) sign(w),   n = |(x, y, z)|
 ///     for small n the factor is 2/w (1 - n^2 / (3 w^2))
 template <class S>
@@ -5704,12 +5698,12 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Its sides are along the axes.
+/// A box with sides along the axes.
 struct Box {
   Vec3<double> low, high;
 };
 
-/// The box of all positions. Throws config_error 101 without one.
+/// The box around all positions. Throws config_error 101 without a position.
 inline Box box_of(std::span<const Vec3<double>> positions) {
   if (positions.empty()) raise<config_error>(101, "box_of: no position");
   Box box{positions.front(), positions.front()};
@@ -5738,8 +5732,8 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_GEOMETRY_EULER_HPP
 /// Euler angles in all twelve orders.
 ///
-/// Intrinsic angles: order "ZXY" means R = Rz(a) Rx(b) Ry(c) on column vectors, the first letter outermost, which is
-/// the order of BVH channels and of pytorch3d's conventions.
+/// Intrinsic angles: order "ZXY" means R = Rz(a) Rx(b) Ry(c) on column vectors, the first letter outermost. This is the
+/// order of BVH channels and of pytorch3d's conventions.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -5788,9 +5782,9 @@ Matrix3<S> to_matrix(const EulerAngles<S>& e) {
          axis_rotation(e.order.axis[2], e.c);
 }
 
-/// The angles of a rotation. The middle one lies in [-pi/2, pi/2] for three different axes, in [0, pi] for a proper
-/// order (ZXZ). Arc tangents only, so nothing needs clamping. Where the first and last axis coincide (gimbal lock,
-/// within 1e-6) the last angle is `last` and the first takes up the rest.
+/// The angles of a rotation. The middle one is in [-pi/2, pi/2] for three different axes, and in [0, pi] for a proper
+/// order (ZXZ). Only arc tangents are used, so nothing needs clamping. If the first and last axis coincide (gimbal
+/// lock, within 1e-6), the last angle is `last` and the first takes the rest.
 template <class R>
 requires Rotation<R>
 auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
@@ -5809,7 +5803,7 @@ auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
   e.b = proper ? atan2(other, middle) : atan2(middle, other);
   const S first = proper ? atan2(m(j, i), -(plus * m(l, i))) : atan2(-(plus * m(j, k)), m(k, k));
   const S third = proper ? atan2(m(i, j), plus * m(i, l)) : atan2(-(plus * m(i, j)), m(i, i));
-  // Locked: with c given, column j of R Rk(-c) = Ri(a) Rj(b) is that of Ri(a) alone.
+  // Locked: given c, column j of R Rk(-c) = Ri(a) Rj(b) is that of Ri(a) alone.
   const S c = S(last);
   const Vec3<S> column = m * axis_rotation(k, -c).column(j);
   const std::array<S, 3> turned{column.x, column.y, column.z};
@@ -5825,18 +5819,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_GUO_HPP  // <motionlang/geometry/guo.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_GUO_HPP
-/// The quaternion formulas of HumanML3D, T2M and TM2T, for parity with their features. What is not here is the same as
-/// in quaternion.hpp, rotation6d.hpp, euler.hpp (`to_euler`) and axis_angle.hpp.
+/// The quaternion formulas of HumanML3D, T2M and TM2T, for parity with their features. Formulas that are missing here
+/// are the same as in quaternion.hpp, rotation6d.hpp, euler.hpp (`to_euler`) and axis_angle.hpp.
 ///
-/// They differ where the general functions are safer: `between` has no answer for opposite vectors, `slerp` takes the
-/// long way if the quaternions lie in different hemispheres. Use them to reproduce published numbers, not otherwise.
+/// They differ where the general functions are safer. `between` has no answer for opposite vectors, and `slerp` takes
+/// the longer arc if the quaternions are in different hemispheres. Use them only to reproduce published numbers.
 /// Source  Guo et al. (CVPR 2022), HumanML3D common/quaternion.py
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace guo {
 
 /// The shortest rotation from a to b, of any length:  q ~ (|a||b| + a . b, a x b).  NaN for opposite vectors.
-/// lengths = |a||b|, where it is known.
+/// lengths = |a||b|, if it is known.
 template <class S>
 Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b, const S& lengths) {
   const Vec3<S> c = cross(a, b);
@@ -5847,8 +5841,8 @@ Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b) {
   return between(a, b, sqrt(dot(a, a) * dot(b, b)));
 }
 
-/// Signs such that each quaternion and the same joint's in the frame before are no more than a half turn apart.
-/// rotations (frames, joints). Throws shape_error 205.
+/// Chooses signs so that each quaternion is at most a half turn from the same joint's in the frame before. rotations
+/// (frames, joints). Throws shape_error 205.
 template <Scalar S>
 std::vector<Quaternion<S>> continuous(std::span<const Quaternion<S>> rotations, Index joints) {
   if (joints <= 0 || std::ssize(rotations) % joints != 0) {
@@ -5872,7 +5866,8 @@ Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& b, const S& t) 
   return Quaternion<S>{cos(t * h), u.x, u.y, u.z} * from;
 }
 
-/// The quaternion whose component that the published code divides by is positive; w may be negative.
+/// Among q and -q, the quaternion whose component by which the published code divides is positive. So w may be
+/// negative.
 template <Scalar S>
 Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
   const Quaternion<S> q = to_quaternion(m);
@@ -5880,8 +5875,8 @@ Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
   return divisor < 0 ? -q : q;
 }
 
-/// From angles about x, y and z in degrees, whatever the order. For the cyclic orders xyz, yzx and zxy the sign of the
-/// quaternion is the other one.
+/// From angles about x, y and z in degrees, in any order. For the cyclic orders xyz, yzx and zxy the quaternion has the
+/// opposite sign.
 template <Scalar S>
 Quaternion<S> from_euler_degrees(const Vec3<S>& angles, EulerOrder order) {
   Quaternion<S> q = Quaternion<S>::identity();
@@ -5901,17 +5896,18 @@ MOTIONLANG_NAMESPACE_END
 /// The rotation formulas that the published systems share (an old version of pytorch3d), for parity with their
 /// features.
 ///
-/// They differ from quaternion.hpp and axis_angle.hpp where those are more accurate: matrix_to_quaternion loses half of
-/// the digits near 0 and near pi and is wrong at pi for axes of mixed signs; quaternion_to_axis_angle does not take the
-/// shorter way round. Use them to reproduce published numbers, not otherwise.
+/// They differ from quaternion.hpp and axis_angle.hpp, which are more accurate. matrix_to_quaternion loses half of the
+/// digits near 0 and near pi, and is wrong at pi for axes of mixed signs. quaternion_to_axis_angle does not take the
+/// shorter arc. Use them only to reproduce published numbers.
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP  // <motionlang/geometry/rotation6d.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP
-/// Six numbers for a rotation: two of the three rows, or two of the three columns, of its matrix.
+/// Six values for a rotation: two of the three rows, or two of the three columns, of its matrix.
 ///
 /// Source   Zhou et al., "On the continuity of rotation representations in neural networks" (CVPR 2019), section B.
-/// Two conventions are in use and must not be mixed, hence two types: ACTOR, TEMOS, TEACH, SINC and the 205-vector take
-/// the first two ROWS, row by row; the 263-vector of HumanML3D takes the first two COLUMNS, column by column.
+/// Two conventions are in use and must not be mixed, so there are two types. ACTOR, TEMOS, TEACH, SINC and the
+/// 205-vector take the first two ROWS, row by row. The 263-vector of HumanML3D takes the first two COLUMNS, column by
+/// column.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -5924,7 +5920,7 @@ struct Rotation6dColumns {
   Vec3<S> a{}, b{};
 };
 
-/// Gram-Schmidt: b1 = a / |a|, b2 = (b - (b1 . b) b1) normalised, b3 = b1 x b2; norms are floored at 1e-12.
+/// Gram-Schmidt: b1 = a / |a|, b2 = (b - (b1 . b) b1) normalised, b3 = b1 x b2; norms are at least 1e-12.
 template <class S>
 Matrix3<S> to_matrix(const Rotation6dRows<S>& r) {
   const Vec3<S> b1 = normalized(r.a);
@@ -5956,8 +5952,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 namespace pytorch3d {
 
-/// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; signs of x, y, z are those of the antisymmetric part (0 counts as
-/// +).
+/// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; x, y and z have the signs of the antisymmetric part (0 counts as +).
 template <class S>
 Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
   const S zero = S(0), one = S(1);
@@ -6030,7 +6025,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_SO3_HPP  // <motionlang/geometry/so3.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_SO3_HPP
-/// Operations of every rotation, whatever its representation: the API deduced from `to_matrix`.
+/// Operations of every rotation in any representation: the API that follows from `to_matrix`.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -6068,7 +6063,7 @@ auto log_so3(const R& r) {
   return to_axis_angle(r).v;
 }
 
-/// Angle between two rotations, radians in [0, pi]. Its slope is taken as 0 where they are equal.
+/// The angle between two rotations, radians in [0, pi]. Its slope counts as 0 where they are equal.
 template <Rotation A, Rotation B>
 auto distance(const A& a, const B& b) {
   const auto q = to_quaternion(transpose(to_matrix(a)) * to_matrix(b));
@@ -6076,13 +6071,13 @@ auto distance(const A& a, const B& b) {
   return S(2) * atan2(norm_or_zero(q.vec()), where_less(q.w, S(0), -q.w, q.w));
 }
 
-/// The shortest rotation that turns direction `from` into direction `to`. For opposite directions: half a turn about
-/// some orthogonal axis, and so up to 1.5e-6 rad from them.
+/// The shortest rotation that turns direction `from` into direction `to`. For opposite directions, and up to 1.5e-6 rad
+/// from them, it is half a turn about some orthogonal axis.
 template <class S>
 Quaternion<S> rotation_between(const Vec3<S>& from, const Vec3<S>& to) {
   const Vec3<S> a = normalized(from), sum = a + normalized(to), c = cross(a, sum);
   const S w = S(0.5) * dot(sum, sum), ax = where_less(a.x, S(0), -a.x, a.x), limit = S(0.6);
-  // an axis orthogonal to a: cross with x or with y, whichever is farther from a
+  // An axis orthogonal to a: cross with x or with y, whichever is farther from a.
   const Vec3<S> with_x = cross(a, Vec3<S>{S(1), S(0), S(0)}), with_y = cross(a, Vec3<S>{S(0), S(1), S(0)});
   auto pick = [&](const S& near, const S& far) { return where_less(ax, limit, near, far); };
   const Vec3<S> any{pick(with_x.x, with_y.x), pick(with_x.y, with_y.y), pick(with_x.z, with_y.z)};
@@ -6098,7 +6093,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Spherical linear interpolation: a at t = 0, b at t = 1, constant angular velocity in between.
 ///     slerp = (sin((1-t) h) a + sin(t h) b) / sin h,   h = angle between the quaternions (shorter arc)
-/// Source  Shoemake, "Animating rotation with quaternion curves" (SIGGRAPH 1985). Below h = 1e-3 a normalised lerp.
+/// Source  Shoemake, "Animating rotation with quaternion curves" (SIGGRAPH 1985). For h < 1e-3 it is a normalised lerp.
 template <class S>
 Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& other, const S& t) {
   const S d = dot(a, other), sign = where_less(d, S(0), S(-1), S(1));
@@ -6118,12 +6113,12 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_BACKEND_AUTODIFF_HPP
 /// Autodiff<B>: a backend that computes with B and remembers how, so that `backward` gives gradients (reverse mode).
 ///
-/// Each operation below stands next to its derivative (vjp: vector-Jacobian product): g is the gradient of the result,
-/// the answer is the gradient of each operand. The graph hangs off the tensors; there is no global tape. A closure
-/// keeps only the tensors that its derivative needs, and `backward` frees them as it goes: a graph can be walked once.
-/// Results of layer norms and of a sequence's attention to itself, which are cheap, are not kept: a product that needs
-/// one has it calculated again. `checkpoint` does the same with any function (Chen, Xu, Zhang, Guestrin: "Training deep
-/// nets with sublinear memory cost", 2016). Gradients are returned as a value and live on the inner backend.
+/// Each operation below stands next to its derivative (vjp: vector-Jacobian product). g is the gradient of the result,
+/// and the vjp returns the gradient of each operand. The tensors own the graph; there is no global tape. A closure
+/// keeps only the tensors that its derivative needs, and `backward` frees them as it goes, so a graph can be walked
+/// once. The results of layer norms and of self-attention are cheap, so they are not kept: a product that needs one
+/// computes it again. `checkpoint` does the same with any function (Chen, Xu, Zhang, Guestrin: "Training deep nets with
+/// sublinear memory cost", 2016). Gradients are returned as a value and live on the inner backend.
 ///
 /// Threads may differentiate losses over the same variables at once: a walk writes only to the operations behind its
 /// own loss. Losses that share operations belong to one thread.
@@ -6187,8 +6182,8 @@ struct Autodiff {
   class Node {
    public:
     std::vector<std::shared_ptr<Node>> inputs;
-    Index order = -1;                      // of an operation: its place in the walk that is going on
-    const std::uint64_t number = ++made_;  // operands have smaller numbers than what is made of them
+    Index order = -1;                      // of an operation: its place in the current walk
+    const std::uint64_t number = ++made_;  // operands have smaller numbers than their results
     bool variable = true;
 
     Node() = default;
@@ -6198,10 +6193,10 @@ struct Autodiff {
     virtual void vjp(const Value&, const Sink&) const {}
     virtual void forget() {}  // drops what the vjp keeps
     virtual bool forgotten() const { return false; }
-    virtual bool cheap() const { return false; }  // to calculate again
+    virtual bool cheap() const { return false; }  // to compute again
     virtual Value again() const { return {}; }    // the result, of a cheap operation that has forgotten nothing
 
-    /// Without recursion: a chain of two million operations must not overflow the stack.
+    /// Not recursive: a chain of two million operations must not overflow the stack.
     void release_inputs() {
       std::vector<std::shared_ptr<Node>> waiting = std::move(inputs);
       while (!waiting.empty()) {
@@ -6341,7 +6336,7 @@ struct Autodiff {
         B::sum(a.value, axis), [sa = shape(a), axis](const Value& g, const Sink& s) { s.add(0, along(g, sa, axis)); },
         a);
   }
-  static tensor max(const tensor& a, int axis) {  // every element that attains the maximum takes the whole gradient
+  static tensor max(const tensor& a, int axis) {  // every element that equals the maximum takes the whole gradient
     Value y = B::max(a.value, axis);
     return record(
         y,
@@ -6546,8 +6541,8 @@ struct Autodiff {
 
   // Recomputation.
 
-  /// y as one operation that keeps its inputs only: again(inputs...) gives y once more, and its graph is made during
-  /// the backward pass. What else `again` uses has to be constant or variable.
+  /// Makes y one operation that keeps only its inputs. again(inputs...) computes y again during the backward pass, and
+  /// makes its graph then. Everything else that `again` uses must be a constant or a variable.
   template <class F, class... T>
   static tensor checkpoint(const tensor& y, F again, const T&... inputs) {
     if (y.node == nullptr || y.node->variable) return y;
@@ -6568,7 +6563,8 @@ struct Autodiff {
   // The walk.
 
   /// Gradients of a number with respect to all variables that it depends on. Frees the graph behind it. Throws
-  /// config_error 102 if the graph has been walked before, or if a checkpoint hides what it uses.
+  /// config_error 102 if the graph has been walked before, or if a checkpoint uses a variable that is not one of its
+  /// inputs.
   static GradientMap gradients(const tensor& loss) {
     GradientMap result;
     Sink sink;
@@ -6578,9 +6574,9 @@ struct Autodiff {
   }
 
  private:
-  /// Sends the gradients of all variables behind `last`, whose own gradient is g, to the sink. Operations are walked
-  /// from the last made to the first: what a layer kept is free before the layer below begins, and sums of gradients
-  /// have one order, with checkpoints or without.
+  /// Sends the gradients of all variables behind `last` to the sink; g is the gradient of `last` itself. Walks
+  /// operations from the last made to the first. So the memory of a layer is free before the layer below begins. Sums
+  /// of gradients have the same order with checkpoints and without.
   static void walk(const tensor& last, Value g_last, Sink& sink) {
     if (last.node == nullptr) return;
     if (last.node->variable) return sink.add_variable(last.node.get(), std::move(g_last));
@@ -6601,8 +6597,7 @@ struct Autodiff {
           found.push_back(input.get());
         } else if (input->order >= std::ssize(found) || found[static_cast<std::size_t>(input->order)] != input.get()) {
           let_go();
-          raise<config_error>(
-              102, "backward: what is calculated again uses a result that is not one of the inputs of its checkpoint");
+          raise<config_error>(102, "backward: a checkpoint recomputes with a result that is not one of its inputs");
         }
       }
     }
@@ -6633,7 +6628,7 @@ struct Autodiff {
     std::optional<F> f_;
   };
 
-  /// An operation whose result `forward` calculates again from what the vjp keeps anyway.
+  /// An operation whose result `forward` computes again from the values that the vjp keeps anyway.
   template <class F, class G>
   class CheapOperation final : public Node {
    public:
@@ -6649,7 +6644,8 @@ struct Autodiff {
   };
 
   /// An operand whose value the derivative for `other` needs; nothing if other is a constant. The result of a cheap
-  /// operation is not kept: that operation is among the inputs of the node that asks, and is walked after it.
+  /// operation is not kept. That operation is among the inputs of the node that needs it, and is walked after that
+  /// node.
   class Operand {
    public:
     Operand(const tensor& other, const tensor& x)
@@ -6729,38 +6725,39 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_BACKEND_REFERENCE_HPP  // <motionlang/backend/reference.hpp>
 #define MOTIONLANG_HAS_BACKEND_REFERENCE_HPP
-/// The definition of every primitive, in plain loops. Slow, readable, and what the other backends are tested against.
+/// The definition of every primitive, in plain loops. It is slow and readable, and the other backends are tested
+/// against it.
 ///
 /// Read this file to know what an operation means; read eigen.hpp or detail/kernels.hpp to see how it is made fast.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP  // <motionlang/backend/dense_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP
-/// Operations that all backends over Dense storage share: making tensors, moving values, and how a reduction
-/// is shared by threads.
+/// Operations that all backends over Dense storage share: making tensors, moving values, and sharing a reduction among
+/// threads.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_HPP  // <motionlang/backend/dense.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_HPP
 /// Dense row-major storage: the tensor type of the reference, Eigen and xtensor backends.
 ///
-/// A handle to a shared buffer plus a shape. Copying shares memory; whoever wants to write asks `unique()` first.
-/// Always contiguous: reshaping and taking leading rows are views, everything else copies.
+/// A handle to a shared buffer plus a shape. Copying shares memory; check `unique()` before writing.
+/// Always contiguous: reshaping and taking leading rows give views, everything else copies.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 class Dense {
  public:
-  /// Nothing yet: an empty list.
+  /// No tensor yet: the shape (0).
   Dense() = default;
   /// Uninitialised.
   explicit Dense(const Shape& shape) : buffer_(static_cast<std::size_t>(shape.count()) * sizeof(S)), shape_(shape) {}
-  /// Numbers that somebody else owns and nobody writes (a mapped file).
+  /// Values that somebody else owns and that do not change (a mapped file).
   Dense(const S* values, const Shape& shape, std::shared_ptr<const void> owner)
       : buffer_(values, std::move(owner)), shape_(shape) {}
 
   Dense(const Dense&) = default;
   Dense& operator=(const Dense&) = default;
-  /// A tensor that was moved from holds nothing.
+  /// A moved-from tensor holds nothing.
   Dense(Dense&& o) noexcept
       : buffer_(std::move(o.buffer_)), shape_(std::exchange(o.shape_, nothing)), offset_(std::exchange(o.offset_, 0)) {}
   Dense& operator=(Dense&& o) noexcept {
@@ -6785,22 +6782,22 @@ class Dense {
   const Shape& shape() const MOTIONLANG_LIFETIMEBOUND { return shape_; }
   Index count() const { return shape_.count(); }
   const S* data() const MOTIONLANG_LIFETIMEBOUND { return static_cast<const S*>(buffer_.data()) + offset_; }
-  /// For writing: only right after construction or when `unique()`.
+  /// For writing, only right after construction or if `unique()`.
   S* data() MOTIONLANG_LIFETIMEBOUND { return static_cast<S*>(buffer_.data()) + offset_; }
   std::span<const S> span() const MOTIONLANG_LIFETIMEBOUND { return {data(), static_cast<std::size_t>(count())}; }
-  /// True if there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  /// True if there is a tensor, perhaps an empty one. False before it is made, and after a move.
   bool defined() const { return static_cast<bool>(buffer_); }
 
-  /// Nobody else can see the numbers, so an operation may overwrite them.
+  /// True if no other handle sees the values, so that an operation may overwrite them.
   bool unique() const { return buffer_.unique() && !buffer_.packed(); }
 
-  /// The same numbers in another shape of the same count.
+  /// The same values in another shape of the same count.
   Dense reshaped(const Shape& shape) const {
     Dense d(*this);
     d.shape_ = shape;
     return d;
   }
-  /// Leading indices first ... last-1, without copying.
+  /// The leading indices first ... last-1, without copying.
   Dense rows(Index first, Index last) const {
     Dense d(*this);
     d.offset_ += first * shape_.count(1, shape_.rank());
@@ -6808,7 +6805,7 @@ class Dense {
     return d;
   }
 
-  /// Attaches the same numbers in the layout of a kernel. They live and die with the buffer.
+  /// Attaches the same values in the layout of a kernel. They live as long as the buffer.
   void attach(std::shared_ptr<const void> packed) const { buffer_.packed() = std::move(packed); }
   const void* attached() const { return buffer_ && offset_ == 0 ? buffer_.packed().get() : nullptr; }
 
@@ -6826,8 +6823,8 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-/// A reduction along an axis of (outer, axis, inner), by all threads: of the last axis rows(first, last), rows of the
-/// memory; of another columns(i, first, last), columns of matrix i of `outer`.
+/// A reduction along an axis of (outer, axis, inner), on all threads. Along the last axis it calls rows(first, last)
+/// for rows of the memory. Along another axis it calls columns(i, first, last) for columns of matrix i of `outer`.
 template <class Rows, class Columns>
 void for_reduction(const Shape& s, int axis, const Rows& rows, const Columns& columns) {
   const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
@@ -6924,7 +6921,7 @@ struct DenseOps {
  protected:
   using Strides = std::array<Index, Shape::max_rank>;
 
-  /// For i = 0 ... count-1: n numbers of from(i) to to(i).
+  /// For i = 0 ... count-1: copies n values from from(i) to to(i).
   template <class From, class To>
   static void copy_pieces(Index count, Index n, const From& from, const To& to) {
     if (n == 0) return;
@@ -6956,13 +6953,13 @@ struct DenseOps {
   struct Axis {
     Index size = 1, in = 1, out = 1;
   };
-  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump
-  /// through the memory of a, and those along another axis do not, some lines are made at once: a line of the cache
-  /// serves all of them.
+  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. If these lines jump through
+  /// the memory of a, and lines along another axis do not, several lines are made together. They then share the cache
+  /// lines that they read.
   static tensor strided_copy(const tensor& a, const Shape& s, const Strides& stride) {
     tensor out(s);
     if (s.count() == 0) return out;
-    std::array<Axis, Shape::max_rank> axes;  // from the last to the first, those that are one to the memory joined
+    std::array<Axis, Shape::max_rank> axes;  // from the last to the first; axes that are one in memory are joined
     int count = 0;
     const auto own = strides_of(s);
     for (int i = s.rank() - 1; i >= 0; --i) {
@@ -7003,7 +7000,7 @@ struct DenseOps {
     });
     return out;
   }
-  /// Line l of n numbers:  to[l * pitch + i] = from[l + i * step]. Several lines only where step > 1.
+  /// Line l of n values:  to[l * pitch + i] = from[l + i * step]. Several lines only where step > 1.
   static void copy_lines(const S* from, Index step, Index n, S* to, Index lines, Index pitch) {
     if (step == 1) {
       std::memcpy(to, from, static_cast<std::size_t>(n) * sizeof(S));
@@ -7152,30 +7149,30 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BLEND_HPP  // <motionlang/kinematics/blend.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BLEND_HPP
-/// Blending clips: one into another, the end of a clip into its start, so that it can be repeated for ever, and frames
-/// into those beside them.
+/// Blends clips: one into another, the end of a clip into its start, so that it can be repeated for ever, and frames
+/// into their neighbours.
 ///
 ///     Motion both = blend_into(walk, run, 10);      // half a second at 20 frames per second
 ///     Motion cycle = make_loop(in_place(walk), 8).motion;
-///     Motion whole = without_jump(motion, 20, 30);  // frame 20 follows on frame 19, frame 30 is as it was
+///    Motion whole = without_jump(motion, 20, 30);  // frame 20 continues frame 19, frame 30 is unchanged
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP  // <motionlang/kinematics/root_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP
-/// Where a clip stands and goes on the floor: moving a whole clip, clips in place, and the path of the root as a track
-/// of its own, as game engines want it. Y up, metres, radians; a turn to the left is positive.
+/// The place and path of a clip on the floor: moving a whole clip, clips in place, and the path of the root as a track
+/// of its own for game engines. Y up, metres, radians; a turn to the left is positive.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MOTION_HPP
 /// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
 ///
-/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
-/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
-/// to the last printed digit.
+/// Inside the library every clip is Y up, right-handed and in metres, and a rest pose faces +Z. Readers and writers
+/// convert from and to other conventions (BVH files in centimetres, AMASS with Z up, ...). Values are double, so files
+/// and features are exact to the last printed digit.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
-/// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
-/// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see
+/// Forward kinematics: from local rotations to joint positions. One function serves a single pose (S = float, double),
+/// derivatives (Dual), poses side by side in a register (Lane) and a differentiable batch (Tensor; see
 /// forward_batch.hpp).
 ///
 ///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
@@ -7184,12 +7181,12 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_KINEMATICS_SKELETON_HPP
 /// A kinematic tree: names, parents and rest offsets of joints, depth first.
 ///
-/// Established here and relied upon everywhere: parents[0] = -1, 0 <= parents[j] < j, names are unique. Algorithms over
-/// a skeleton are therefore one loop over j in which the parent has been visited already.
+/// Every skeleton guarantees this: parents[0] = -1, 0 <= parents[j] < j, names are unique. So algorithms over a
+/// skeleton are one loop over j, which visits the parent first.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One joint as it is written down: its parent by name ("" for the root) and its rest position relative to the parent,
+/// One joint in its written form: its parent by name ("" for the root) and its rest position relative to the parent,
 /// metres.
 struct Joint {
   std::string name;
@@ -7201,8 +7198,8 @@ struct Skeleton {
   std::vector<std::string> names;
   std::vector<int> parents;
   std::vector<Vec3<double>> offsets;
-  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have
-  /// them. One for each joint, (0, 0, 0) where it is not known, or none at all.
+  /// The ends of the bones of joints without children, relative to them: tips of toes and fingers, as in BVH files. One
+  /// for each joint, (0, 0, 0) if it is not known, or none at all.
   std::vector<Vec3<double>> ends{};
 
   /// From joints in an order in which parents come first. Throws config_error 106.
@@ -7232,7 +7229,7 @@ struct Skeleton {
 
   /// Throws config_error 106 unless the promises above hold.
   void validate() const;
-  /// Poses of one fit the other: `ends` are of no account.
+  /// True if poses of one fit the other. `ends` do not count.
   bool operator==(const Skeleton& s) const { return names == s.names && parents == s.parents && offsets == s.offsets; }
 };
 
@@ -7326,7 +7323,7 @@ struct Pose {
   Vec3<S> root{};
   std::vector<Quaternion<S>> local;
 
-  /// All rotations the identity, the root where the skeleton puts it.
+  /// All rotations are the identity, and the root is at its place in the skeleton.
   static Pose rest(const Skeleton& skeleton) {
     return {vec_cast<S>(skeleton.offset(0)),
             std::vector<Quaternion<S>>(static_cast<std::size_t>(skeleton.size()), Quaternion<S>::identity())};
@@ -7342,7 +7339,7 @@ struct JointTransforms {
 
 namespace detail {
 
-/// Position of joint j, whose parent is done, and its rotation unless nothing hangs on it.
+/// Computes the position of joint j after its parent, and its rotation if it has children.
 template <Rotation R, ScalarLike S>
 void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate,
                  JointTransforms<S>& world) {
@@ -7390,7 +7387,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Rotations (frames x joints) of a clip that is made by sampling another; 1.6 GB. More are a frame rate typed wrong.
+/// The limit for rotations (frames x joints) of a clip that samples another one; 1.6 GB. More come from a mistyped
+/// frame rate.
 inline constexpr double max_rotations = 5e7;
 
 struct Motion {
@@ -7482,9 +7480,9 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The turn about the vertical that brings rotation `from` nearest to `to`, in [-pi, pi]. Whatever the local axes of
-/// the root are: turn_between(q, Ry(a) q) = a.
-///     max over a of |<to, Ry(a) from>|:   a = 2 atan2(d_y, d_w),   d = to from^-1
+/// The turn about the vertical that brings rotation `from` nearest to `to`, in [-pi, pi]. It does not depend on the
+/// local axes of the root: turn_between(q, Ry(a) q) = a.
+///    max over a of |<to, Ry(a) from>|:   a = 2 atan2(d_y, d_w),   d = to from^-1
 inline double turn_between(const Quaternion<double>& from, const Quaternion<double>& to) {
   const Quaternion<double> d = to * inverse(from);
   return std::remainder(2 * std::atan2(d.y, d.w), 2 * std::numbers::pi);
@@ -7499,8 +7497,8 @@ struct Placement {
   Vec3<double> operator()(const Vec3<double>& p) const { return rotate(rotation(), p) + shift; }
 };
 
-/// The transform that moves the root in frame `from` of one clip over the place and heading of the root in frame `to`
-/// of another. Heights stay. The frames exist.
+/// The transform that moves the root in frame `from` of one clip to the place and heading of the root in frame `to` of
+/// another. Heights stay. Both frames must exist.
 Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to);
 
 /// The whole clip moved.
@@ -7509,10 +7507,10 @@ Motion placed(const Motion& motion, const Placement& placement);
 struct InPlaceOptions {
   bool keep_height = true;  // false: the root stays at the height of the first frame
 };
-/// The clip with its root over the origin, x = z = 0, in all frames. Rotations stay, headings with them.
+/// The clip with its root over the origin, x = z = 0, in all frames. Rotations, and so headings, stay.
 Motion in_place(const Motion& motion, const InPlaceOptions& options = {});
 
-/// The way of a root over the floor.
+/// The path of a root over the floor.
 struct RootMotion {
   double fps = 20;
   std::vector<Vec3<double>> position;  // (frames), y = 0
@@ -7520,15 +7518,15 @@ struct RootMotion {
 };
 struct ExtractedRoot {
   RootMotion path;
-  Motion pose;  // in place, and always facing where the first frame faces
+  Motion pose;  // in place, always with the heading of the first frame
 };
 
-/// Takes the way of the root out of a clip. apply_root_motion puts it back.
-///     position = (x, 0, z) of the root,   heading_f = turn_between(q_0, q_f)
-///     pose: root (0, y, 0), rotation of the root Ry(-heading_f) q_f, all others as they are
+/// Removes the path of the root from a clip. apply_root_motion adds it again.
+///    position = (x, 0, z) of the root,   heading_f = turn_between(q_0, q_f)
+///    pose: root (0, y, 0), rotation of the root Ry(-heading_f) q_f, all others unchanged
 ExtractedRoot extract_root_motion(const Motion& motion);
 
-/// A clip carried along a path, frame by frame. Throws shape_error 204 unless both have as many frames.
+/// A clip moved along a path, frame by frame. Throws shape_error 204 unless both have the same number of frames.
 Motion apply_root_motion(const Motion& pose, const RootMotion& path);
 
 MOTIONLANG_NAMESPACE_END
@@ -7595,15 +7593,15 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// `second` after `first`, with `frames` frames over which the first blends into the second. The second clip is
-/// turned and moved over the floor so that in the middle of these frames both roots stand over one place and have one
-/// heading; heights are only blended. The result has frames(first) + frames(second) - frames frames.
-/// Throws config_error 102 if skeletons or frame rates differ, 101 unless 1 <= frames <= those of each clip.
+/// `second` after `first`. The first clip blends into the second over `frames` frames. The second clip is turned and
+/// moved over the floor until both roots have the same place and heading in the middle of these frames. Heights are
+/// only blended. The result has frames(first) + frames(second) - frames frames. Throws config_error 102 if skeletons or
+/// frame rates differ, and 101 unless 1 <= frames <= those of each clip.
 Motion blend_into(const Motion& first, const Motion& second, Index frames);
 
-/// The clip without the jump into frame `from`: that frame goes where the ones before it lead, and what this moves it
-/// by fades away until frame `to`, which is as it was. With to < from the same backwards in time: for the jump out of
-/// frame `from`. k is the frame before `from`, k' the one before that (k, where the clip has none).
+/// The clip without the jump into frame `from`. That frame moves to where the frames before it lead, and the correction
+/// fades away until frame `to`, which is unchanged. With to < from it works backwards in time, for the jump out of
+/// frame `from`. k is the frame before `from`, and k' the one before that (k if there is none).
 ///     r'_i = r_i + w_i (2 r_k - r_k' - r_from),   q'_i = q_i exp(w_i log(q_from^-1 q_k q_k'^-1 q_k)),
 ///     w_i = 1 - smoothstep(|i - from| / |to - from|)
 /// Source  "Inertialization", D. Bollo, GDC 2018; here with the weights of the other blends
@@ -7613,14 +7611,13 @@ Motion without_jump(const Motion& motion, Index from, Index to);
 /// One round of a loop.
 struct LoopRound {
   Motion motion;
-  Placement next;  // moves the clip of one round to that of the next
+  Placement next;  // moves the clip of one round to the next round
 };
 
-/// The clip as one round of a loop: its last `frames` frames are blended into its first ones and then cut off, so that
-/// after the last frame the first one, moved by `next`, is the natural following one. `next` turns and moves over the
-/// floor only; it is what brings the middle of the first frames over the middle of the last. A walk so goes on from
-/// round to round; make a clip in place first and `next` is at most a turn.
-/// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
+/// The clip as one round of a loop. Its last `frames` frames are blended into its first ones and then cut off. So after
+/// the last frame, the first one, moved by `next`, continues the motion. `next` only turns and moves over the floor: it
+/// brings the middle of the first frames over the middle of the last. A walk goes on from round to round. For a clip in
+/// place, `next` is at most a turn. Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
 LoopRound make_loop(const Motion& motion, Index frames);
 
 MOTIONLANG_NAMESPACE_END
@@ -7631,7 +7628,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_GAUSSIAN_SMOOTH_HPP  // <motionlang/kinematics/gaussian_smooth.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_GAUSSIAN_SMOOTH_HPP
-/// Smoothing of curves over time.
+/// Smooths curves over time.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -7640,7 +7637,7 @@ constexpr double smoothstep(double s) { return s * s * (3 - 2 * s); }
 
 /// Gaussian filter along time.
 ///     y_t = sum_k w_k x_{t+k},   w_k ~ exp(-k^2 / (2 sigma^2)),   |k| <= floor(4 sigma + 1/2),   sum w = 1
-/// Beyond the ends the first and last frame go on. The sum is taken in double, as scipy does.
+/// Beyond the ends, the first and last frame are repeated. The sum is computed in double, as in scipy.
 /// Source  scipy.ndimage.gaussian_filter1d, mode "nearest"; MotionDiffuse smooths joints with sigma 1
 /// Shapes  values (frames, width) -> the same
 /// Throws  config_error 101 (sigma), shape_error 205 (size)
@@ -7660,7 +7657,7 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
   }
   for (double& w : kernel) w /= sum;
   const Index frames = std::ssize(values) / width, size = frames * width;
-  std::vector<double> longer, sums(values.size());  // the values with the ends going on
+  std::vector<double> longer, sums(values.size());  // the values with repeated ends
   for (Index t = -radius; t < frames + radius; ++t) {
     const auto row = values.subspan(static_cast<std::size_t>(std::clamp<Index>(t, 0, frames - 1) * width));
     for (Index c = 0; c < width; ++c) longer.push_back(static_cast<double>(row[static_cast<std::size_t>(c)]));
@@ -7678,18 +7675,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP  // <motionlang/kinematics/motion_tools.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP
-/// Editing clips: crop, resample, change speed, join, mirror, and take away the T-pose at the start of CMU files. Pure
-/// functions; the clip that is passed stays as it is.
+/// Edits clips: crop, resample, change speed, join, mirror, and remove the T-pose at the start of CMU files. The
+/// functions do not change their argument.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames first ... last - 1. Throws shape_error 203 unless 0 <= first <= last <= frames.
 Motion crop(const Motion& motion, Index first, Index last);
 
-/// The clip at another frame rate: frame i shows the moment i / fps, as long as the clip lasts (its last frame stands
-/// at (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Moments that
-/// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip.
-/// Throws config_error 101 unless fps > 0, and for more than max_rotations.
+/// The clip at another frame rate. Frame i shows the time i / fps, up to the end of the clip (its last frame is at
+/// (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Times that
+/// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip. Throws
+/// config_error 101 unless fps > 0, and for more than max_rotations.
 Motion resample(const Motion& motion, double fps);
 
 /// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
@@ -7703,28 +7700,27 @@ void require_same_kind(std::string_view function, const Motion& first, const Mot
 
 }  // namespace detail
 
-/// `second` after `first`, as they stand (no blending, no alignment: see blend.hpp). Throws config_error 102 if
-/// skeletons or frame rates differ.
+/// `second` after `first`, without blending or alignment (see blend.hpp). Throws config_error 102 if skeletons or frame
+/// rates differ.
 Motion concatenate(const Motion& first, const Motion& second);
 
 /// For each joint its partner on the other side, found by name; a joint in the middle is its own partner.
 /// Throws config_error 103 if a name says "left" or "right" and its partner is missing.
 std::vector<int> mirror_partners(const Skeleton& skeleton);
 
-/// The clip in a mirror that stands in the sagittal plane x = 0: left becomes right.
-///     p'_partner(j) = (-x, y, z)_j,   q'_partner(j) = (w, x, -y, -z)_j
-/// The skeleton is mirrored too, so that positions are exact images whatever its local axes; a symmetric one stays as
-/// it is. Throws config_error 102 if the partners do not pair up or their parents are not partners.
+/// The clip mirrored at the sagittal plane x = 0: left becomes right.
+///    p'_partner(j) = (-x, y, z)_j,   q'_partner(j) = (w, x, -y, -z)_j
+/// The skeleton is mirrored, too, so that positions are exact images for any local axes; a symmetric one does not
+/// change. Throws config_error 102 if the partners do not pair up or their parents are not partners.
 Motion mirror(const Motion& motion, std::span<const int> partners);
-/// With the partners that the names of the joints tell.
+/// The same with the partners that the names of the joints give.
 inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partners(motion.skeleton)); }
 
-/// How many frames at the start are not performed but an inserted T-pose: exporters put the zero pose in front of CMU
-/// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
-///
+/// The number of frames at the start that are an inserted T-pose, not performed. Exporters put the zero pose before CMU
+/// trials, and some blend out of it (Daz files, with a spline that swings over for the same time).
 /// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
-/// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last
-/// digit counts as one frame. Returns 0 for skeletons whose zero pose is not a T-pose: call it before retargeting.
+/// than it moves afterwards. A performer who really starts in a T-pose is not affected. A pose that repeats exactly
+/// counts as one frame. Returns 0 for skeletons whose zero pose is not a T-pose, so call it before retargeting.
 Index detect_t_pose_lead_in(const Motion& motion);
 
 /// The clip without those frames.
@@ -7740,7 +7736,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_HPP  // <motionlang/kinematics/joint_sides.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_HPP
-/// The side of the body that the name of a joint tells, and what its partner may be called.
+/// The side of the body in the name of a joint, and possible names of its partner.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -7749,11 +7745,11 @@ enum class Side : int { middle, left, right };
 
 namespace detail {
 
-/// The side that a joint's name tells: left, Left, l_, _L, .l, _L_, lHand, LHip and the same for the right.
+/// The side in a joint's name: left, Left, l_, _L, .l, _L_, lHand, LHip, and the same for the right.
 Side side_of_name(std::string_view name);
 
 bool has_side_word(std::string_view name);
-/// Possible names of the joint on the other side. A letter may be a coincidence ("lowerback"): look the names up.
+/// Possible names of the joint on the other side. A letter may be a coincidence ("lowerback"), so look the names up.
 std::vector<std::string> other_side(const std::string& name);
 
 }  // namespace detail
@@ -7774,7 +7770,7 @@ namespace detail {
 /// The characters that separate the words of a name.
 inline bool is_separator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
 
-/// Where a letter stands alone inside of a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
+/// The place of a single letter inside a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
 inline std::size_t lone_letter(std::string_view name, char letter) {
   for (std::size_t at = 1; at + 1 < name.size(); ++at) {
     if (name[at] == letter && is_separator(name[at - 1]) && is_separator(name[at + 1])) return at;
@@ -7799,7 +7795,8 @@ MOTIONLANG_BODY Side side_of_name(std::string_view name) {
   return Side::middle;
 }
 
-/// How names mark their side: words anywhere, single letters at either end or alone (lThigh, UpperArm_L, J_Bip_L_Hand).
+/// Marks of the side in names: words anywhere, single letters at either end or alone (lThigh, UpperArm_L,
+/// J_Bip_L_Hand).
 inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
 
 inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
@@ -8058,7 +8055,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_HPP  // <motionlang/kinematics/body.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_HPP
-/// A body: its model, its surface, its hands; and what is public about the SMPL family: sizes, and the vertices that
+/// A body: its model, its surface and its hands. Also the public facts of the SMPL family: sizes, and the vertices that
 /// serve as extra joints. Bodies come from the user's own files (formats/body_file.hpp) or from any skeleton
 /// (formats/figure_body.hpp).
 ///
@@ -8070,30 +8067,30 @@ MOTIONLANG_NAMESPACE_END
 /// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any
 /// backend.
 ///
-/// On a bare backend every lane of a register holds another pose (Lane), and a block of vertices at a time gets its
-/// blend shapes and is skinned while it is in the cache, on all threads (`prepare` the model first: its blend shapes
-/// are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses, so that vertices
-/// and joints can be differentiated by shape, rotations and translation.
+/// On a bare backend, every lane of a register holds another pose (Lane). All threads take blocks of vertices, compute
+/// their blend shapes and skin them while they are in the cache. (`prepare` the model first, so that its blend shapes
+/// are packed once.) On an Autodiff backend, every value of the chain is a tensor over the poses. So vertices and
+/// joints can be differentiated by shape, rotations and translation.
 ///
 /// Source    Loper et al. (2015), eq. 2-12; vchoutas/smplx smplx/lbs.py. The model's arrays come from the user's own
 ///           file (formats/body_file.hpp) or from a skeleton (formats/figure_body.hpp).
 /// Notation  V vertices, J joints, K shape coefficients, N poses; beta -> betas, R_j -> rotations, tau -> translation
-/// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions,
-///           which is the same sum in another order
+/// Differs   from the smplx package: rest joints come from a regressor that is folded into template and shape
+///           directions. This is the same sum in another order
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SKINNING_HPP  // <motionlang/kinematics/skinning.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SKINNING_HPP
-/// Linear blend skinning of many poses on a processor: the kernel of body models on bare backends.
+/// Linear blend skinning of many poses on the CPU: the kernel of body models on bare backends.
 ///
 ///     vertex_i = sum_j w_ij (R_j v_i + t_j)
 ///
-/// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Every lane of a
-/// register holds another pose.
+/// A vertex follows few joints (SMPL: at most four), so only nonzero weights are visited. Every lane of a register
+/// holds another pose.
 /// Source    Loper et al. (2015), eq. 2
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The weights that are not 0, vertex by vertex.
+/// The nonzero weights, vertex by vertex.
 template <Scalar S>
 class SkinWeights {
  public:
@@ -8102,7 +8099,7 @@ class SkinWeights {
     S weight;
   };
   SkinWeights() = default;
-  /// From all of them, (vertices, joints).
+  /// From all weights, (vertices, joints).
   SkinWeights(std::span<const S> dense, Index joints) {
     for (std::size_t at = 0; at < dense.size(); at += static_cast<std::size_t>(joints)) {
       for (Index j = 0; j < joints; ++j) {
@@ -8124,23 +8121,23 @@ class SkinWeights {
   std::vector<std::size_t> ends_{0};
 };
 
-/// Numbers of a joint's transform, row by row: [R | t].
+/// The values of a joint's transform, row by row: [R | t].
 inline constexpr Index skin_transform_size = 12;
-/// Bytes of the transforms of this many poses, filled up to whole registers of any width.
+/// The number of bytes for the transforms of this many poses, padded to whole registers of any width.
 template <Scalar S>
 constexpr std::size_t skin_transform_bytes(Index poses, Index joints) {
   constexpr Index most = 64 / sizeof(S);
   return static_cast<std::size_t>((poses + most - 1) / most * most * joints * skin_transform_size) * sizeof(S);
 }
 
-/// Vertices first ... last - 1 of up to L::size poses.
+/// Skins vertices first ... last - 1 of up to L::size poses.
 /// posed        (poses, last - first, 3): the vertices before they are moved
 /// transforms   (joints, 12)
-/// vertices     (poses, all vertices, 3): from the first pose on
+/// vertices     (poses, all vertices, 3), starting with the first pose
 template <class L, Scalar S>
 void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const S* posed, const L* transforms,
                    int poses, S* vertices) {
-  constexpr Index some = 4;  // vertices, whose twelve numbers are three fours, as load_rows likes them
+  constexpr Index some = 4;  // vertices, whose twelve values are three fours, for load_rows
   const auto row = static_cast<std::size_t>(3 * (last - first)),
              whole_row = static_cast<std::size_t>(3 * weights.vertices());
   for (Index v = first; v < last; v += some) {
@@ -8149,7 +8146,7 @@ void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const
     const auto numbers = std::span<L>(&points[0].x, static_cast<std::size_t>(3 * count));
     static_assert(sizeof(points) == 3 * some * sizeof(L));
     load_rows(posed + 3 * (v - first), row, poses, numbers);
-    for (int i = 0; i < poses; ++i)  // where they will be written some steps later
+    for (int i = 0; i < poses; ++i)  // the place of the results of some steps later
       __builtin_prefetch(vertices + static_cast<std::size_t>(i) * whole_row + 3 * std::min(v + 4 * some, last), 1);
     for (Index i = 0; i < count; ++i) {
       std::array<L, skin_transform_size> m;
@@ -8172,7 +8169,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Posed points. vertices (N, V, 3), joints (N, J, 3), extra (N, E, 3): points picked from the vertices.
+/// Posed points. vertices (N, V, 3), joints (N, J, 3), extra (N, E, 3): selected vertices.
 template <Backend B>
 struct PosedBody {
   Tensor<B, 3> vertices, joints, extra;
@@ -8202,8 +8199,8 @@ void walk_chain(std::span<const int> parents, JointTransforms<S>& world, Rest re
 
 }  // namespace detail
 
-/// Rotations of F numbers each, (N, J, F), as the matrices that a body model takes: (N, J, 9), row by row. matrix_of
-/// makes a Matrix3 from a span of F numbers; on an Autodiff backend a number is a tensor over all rotations.
+/// Converts rotations of F values each, (N, J, F), to the matrices that a body model takes: (N, J, 9), row by row.
+/// matrix_of makes a Matrix3 from a span of F values. On an Autodiff backend a value is a tensor over all rotations.
 template <Backend B, class F>
 Tensor<B, 3> rotation_rows(const Tensor<B, 3>& rotations, F matrix_of) {
   const Index n = rotations.size(0), j = rotations.size(1), width = rotations.size(2);
@@ -8227,7 +8224,7 @@ Tensor<B, 3> rotation_rows(const Tensor<B, 3>& rotations, F matrix_of) {
     });
   }
 }
-/// The same of rotation vectors (N, J, 3). Differentiable, also at 0.
+/// The same for rotation vectors (N, J, 3). Differentiable, also at 0.
 template <Backend B>
 Tensor<B, 3> rotation_rows(const Tensor<B, 3>& axis_angles) {
   return rotation_rows(axis_angles, [](const auto& v) { return to_matrix(AxisAngle{Vec3{v[0], v[1], v[2]}}); });
@@ -8249,8 +8246,8 @@ struct BodyModel {
     Tensor<B, 1> mean;        // (3 J)
     Tensor<B, 2> directions;  // (3 J, K)
   };
-  /// Blend shapes in blocks of vertices, packed; the weights that are not 0; the regressor folded into template and
-  /// shape directions.
+  /// Blend shapes in packed blocks of vertices, the nonzero weights, and the regressor folded into template and shape
+  /// directions.
   struct Surface {
     struct Block {
       Index first, last;
@@ -8261,7 +8258,7 @@ struct BodyModel {
     SkinWeights<typename B::scalar> weights;
     RestJoints rest;
   };
-  // by `prepare`: the tensors must stay as they are from then on, in copies too
+  // Made by `prepare`. After that the tensors must not change, nor those of copies.
   std::shared_ptr<const Surface> packed{};
 
   static constexpr auto fields() {
@@ -8275,7 +8272,7 @@ struct BodyModel {
   Index joints() const { return static_cast<Index>(parents.size()); }
 
   /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its
-  /// child, 101 for an extra joint at no vertex.
+  /// child, and 101 for an extra joint without a vertex.
   void validate() const {
     const Index v = vertices(), j = joints();
     const bool blends = posedirs.shape() == Shape{3 * v, 9 * (j - 1)} || posedirs.shape() == Shape{3 * v, 0};
@@ -8322,7 +8319,7 @@ struct BodyModel {
     return out;
   }
 
-  /// The work of `prepare`: blend shapes are laid out and packed in blocks of vertices. Nothing on an Autodiff backend.
+  /// The work of `prepare`: packs blend shapes in blocks of vertices. Does nothing on an Autodiff backend.
   void pack_surface() {
     if constexpr (!AutodiffBackend<B>) {
       Surface made = empty_surface();
@@ -8335,7 +8332,7 @@ struct BodyModel {
     }
   }
 
-  /// Joints only: no vertex is touched. (N, J, 3)
+  /// Joints only: vertices are not computed. (N, J, 3)
   Tensor<B, 3> posed_joints(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations,
                             const Tensor<B, 2>& translation) const {
     check(betas, rotations, translation);
@@ -8377,7 +8374,7 @@ struct BodyModel {
     const Index n = rotations.size(0), j = joints();
     return concat(1, betas, reshape<2>(slice(rotations, 1, 1, j) - identity_row(), {n, 9 * (j - 1)}));
   }
-  /// A copy of both directions side by side, of vertices first ... last - 1: (3 (last - first), K + 9 (J - 1)).
+  /// A copy of both directions side by side, for vertices first ... last - 1: (3 (last - first), K + 9 (J - 1)).
   Tensor<B, 2> directions(Index first, Index last) const {
     return concat(1, slice(shapedirs, 0, 3 * first, 3 * last), slice(posedirs, 0, 3 * first, 3 * last));
   }
@@ -8392,8 +8389,8 @@ struct BodyModel {
     return linear(coefficients, directions, &mean);
   }
 
-  // Both and the directions between them fit the second cache; SMPL is 54 blocks of vertices, which threads share
-  // evenly.
+  // A block of vertices and a block of poses, with the directions between them, fit into the second-level cache. SMPL
+  // has 54 blocks of vertices, which threads share evenly.
   static constexpr Index block_vertices = 128, block_poses = 256;
   Index blocks() const { return (vertices() + block_vertices - 1) / block_vertices; }
   typename Surface::Block block(Index i) const {
@@ -8402,7 +8399,7 @@ struct BodyModel {
   }
   Surface empty_surface() const { return {.blocks = {}, .weights = SkinWeights(weights.span(), joints()), .rest = {}}; }
 
-  /// The vertices of all poses, (N, V, 3), from what posed_joints wrote.
+  /// The vertices of all poses, (N, V, 3), from the output of posed_joints.
   Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const S* transforms) const {
     const std::shared_ptr<const Surface> made = packed ? packed : std::make_shared<const Surface>(empty_surface());
     const Index n = coefficients.size(0);
@@ -8423,7 +8420,7 @@ struct BodyModel {
     });
   }
 
-  /// All poses at once: every number is a tensor (N, 1).
+  /// All poses at once: every value is a tensor (N, 1).
   Chain posed_chain(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations) const {
     using T = Tensor<B, 2>;
     const Index n = rotations.size(0);
@@ -8468,15 +8465,15 @@ struct BodyModel {
     return concat(std::span<const Tensor<B, 3>>(axes), 2);
   }
 
-  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms, (groups of poses, J, 12, lanes), unless
-  /// that is null.
+  /// The joints (N, J, 3), moved by the translation. Unless `transforms` is null, also writes the transforms for
+  /// skin_vertices, (groups of poses, J, 12, lanes).
   Tensor<B, 3> posed_joints(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation,
                             S* transforms) const {
     const Index n = rotations.size(0);
     const auto j = parents.size();
     const S *rest_at = rest.span().data(), *rotation_at = rotations.span().data(), *tau_at = translation.span().data();
     return Tensor<B, 3>::written({n, joints(), 3}, [&](S* positions) {
-      constexpr Index block = 64;  // poses for a thread at a time: whole groups, whatever the lanes
+      constexpr Index block = 64;  // poses for a thread at a time: whole groups for any number of lanes
       parallel_for((n + block - 1) / block, [&](Index part) {
         with_widest_lanes<S>([&]<class L>() {
           JointTransforms<L> world;
@@ -8509,7 +8506,7 @@ struct BodyModel {
   }
 };
 
-/// Makes a body ready for use. The model must not be changed afterwards.
+/// Prepares a body for use. The model must not change afterwards.
 template <Backend B>
 void prepare(BodyModel<B>& model) {
   model.pack_surface();
@@ -8520,7 +8517,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SURFACE_POINTS_HPP  // <motionlang/kinematics/surface_points.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SURFACE_POINTS_HPP
-/// Points on the surface of a body that move with it: face landmarks.
+/// Points on the surface of a body that move with it, such as face landmarks.
 ///
 ///     point = w_0 v_a + w_1 v_b + w_2 v_c      on the triangle (a, b, c)
 /// Source  vchoutas/smplx smplx/lbs.py vertices2landmarks; lmk_faces_idx and lmk_bary_coords of the model files
@@ -8534,8 +8531,8 @@ struct SurfacePoints {
   Index size() const { return static_cast<Index>(corners.size()); }
 };
 
-/// vertices (N, V, 3) -> (N, points, 3). Differentiable. Throws shape_error 203 for a vertex that does not exist, 204
-/// unless each point has weights.
+/// vertices (N, V, 3) -> (N, points, 3). Differentiable. Throws shape_error 203 for a vertex that does not exist, and
+/// 204 unless each point has weights.
 template <Backend B>
 Tensor<B, 3> surface_points(const Tensor<B, 3>& vertices, const SurfacePoints& points) {
   using S = typename B::scalar;
@@ -8560,7 +8557,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The family of a body: told by its number of joints. `other`: a body of the same form, but not of the family.
+/// The kind of a body, recognised by its number of joints. `other`: a body of the same form that is not of the family.
 enum class BodyKind { smpl, smplh, smplx, other };
 enum class BodyGender { neutral, male, female };
 
@@ -8569,7 +8566,7 @@ struct BodyKindInfo {
   std::string_view name;
   Index joints, vertices;
   int left_hand, right_hand;  // first finger joint; -1: the model has none
-  std::string_view site;      // where its files can be had
+  std::string_view site;      // where to download its files
 };
 inline constexpr std::array<BodyKindInfo, 3> body_kinds{{
     {BodyKind::smpl, "SMPL", 24, 6890, -1, -1, "https://smpl.is.tue.mpg.de"},
@@ -8586,10 +8583,10 @@ inline std::string to_string(BodyKind kind) {
   return kind == BodyKind::other ? "other" : std::string(body_kinds[static_cast<std::size_t>(kind)].name);
 }
 
-/// A point of the body: its name and the vertex that it is.
+/// A point of the body: its name and its vertex.
 struct BodyPoint {
   std::string_view name;
-  Index smpl, smplx;  // vertex of SMPL and SMPL-H, of SMPL-X
+  Index smpl, smplx;  // vertex in SMPL and SMPL-H, vertex in SMPL-X
 };
 /// In the order in which they follow the joints.
 inline constexpr std::array<BodyPoint, 21> body_points{{
@@ -8634,15 +8631,15 @@ struct HandPoses {
   static constexpr auto fields() {
     return motionlang::fields("components", &HandPoses::components, "mean", &HandPoses::mean);
   }
-  /// coefficients (N, n) of the first n components -> rotation vectors (N, 15, 3). `flat`: a hand of all zeros is
-  /// stretched out, not the mean pose. Throws shape_error 203 if there are fewer components.
+  /// coefficients (N, n) of the first n components -> rotation vectors (N, 15, 3). `flat`: all zeros mean a stretched
+  /// hand, not the mean pose. Throws shape_error 203 if there are fewer components.
   Tensor<B, 3> operator()(const Tensor<B, 2>& coefficients, bool flat = false) const {
     const auto offset = matmul(coefficients, slice(components, 0, 0, coefficients.size(1)));
     return reshape<3>(flat ? offset : offset + reshape<2>(mean, {1, 45}), {coefficients.size(0), 15, 3});
   }
 };
 
-/// A body with its surface. Nothing of it is trained.
+/// A body with its surface. Nothing in it is trained.
 template <Backend B>
 struct Body {
   static constexpr bool trainable = false;
@@ -8652,12 +8649,11 @@ struct Body {
   Index expressions = 0;                    // of the model's coefficients, the last ones
   std::optional<HandPoses<B>> left_hand, right_hand;
   SurfacePoints landmarks{};              // of the face; surface_points.hpp places them
-  std::vector<SurfacePoints> contours{};  // of the face, one for each direction from which it is seen
+  std::vector<SurfacePoints> contours{};  // of the face, one for each direction of view
 };
 
-/// Rotations (N, n, 9) of all joints of a body, where `rotations` may end before the fingers: then both hands have
-/// their mean pose. Throws config_error 106 if the body has no such hands, shape_error 204 for another number of
-/// joints.
+/// Rotations (N, n, 9) of all joints of a body. If `rotations` end before the fingers, both hands have their mean pose.
+/// Throws config_error 106 if the body has no such hands, and shape_error 204 for another number of joints.
 template <Backend B>
 Tensor<B, 3> with_mean_hands(const Body<B>& body, const Tensor<B, 3>& rotations) {
   const Index n = rotations.size(0), given = rotations.size(1), joints = body.model.joints();
@@ -8673,9 +8669,9 @@ Tensor<B, 3> with_mean_hands(const Body<B>& body, const Tensor<B, 3>& rotations)
   return concat(1, rotations, mean(*body.left_hand), mean(*body.right_hand));
 }
 
-/// The body in every frame of a motion. The motion's joints are the first ones of the model, which keeps the others
-/// (fingers, say) as they are at rest; the root joint is where the motion has it. betas (K): one shape for all frames,
-/// none means zeros.
+/// The body in every frame of a motion. The motion's joints are the first ones of the model; the others (for example
+/// fingers) stay at rest. The root joint is at the place in the motion. betas (K): one shape for all frames; none means
+/// zeros.
 /// Throws  config_error 106 if the joints of the motion are not the first ones of the model, shape_error 204
 template <Backend B>
 PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion,
@@ -8713,12 +8709,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_JOINTS_HPP  // <motionlang/kinematics/body_joints.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_JOINTS_HPP
-/// Which joints of a known skeleton are the hips, knees, feet, shoulders, elbows, wrists and the head. The tables of
-/// retargeting say so.
+/// The hips, knees, feet, shoulders, elbows, wrists and the head of a known skeleton, from the tables of retargeting.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Numbers of joints; -1 where the skeleton has none.
+/// Numbers of joints; -1 if the skeleton lacks one.
 struct BodyJoints {
   struct Pair {
     int left = -1, right = -1;
@@ -8739,36 +8734,40 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP  // <motionlang/kinematics/skeleton_tables.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP
-/// Which joint of a known skeleton has the part of which joint of SMPL: the tables behind retargeting, and how to
-/// recognise one. They are read in both directions: SMPL's 24 joints are what all skeletons have in common.
+/// The tables for retargeting, which map the joints of known skeletons to those of SMPL, and functions that recognise a
+/// skeleton. Tables are used in both directions, because SMPL's 24 joints are common to all skeletons.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_HPP  // <motionlang/kinematics/skeleton_table.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_HPP
-/// Which joint of a kind of skeleton has the part of which joint of SMPL: one table. Those that are known are in
-/// skeleton_tables.hpp.
+/// One table that maps the joints of a kind of skeleton to those of SMPL. The known ones are in skeleton_tables.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
-/// "mixamorig1:" and, where colons were lost, "mixamorig".
+/// A joint's name without prefixes of programs: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
+/// "mixamorig1:" and, without its colon, "mixamorig".
 std::string_view bare_joint_name(std::string_view name);
 
-/// The number of a joint by its name, or else by its bare name, or else by that without regard to capital letters
-/// ("Hips" is "hips": Unity and Godot write VRM's names so); -1.
+/// The common beginning of the names of at least three quarters of the joints, up to a separator: "Character1_",
+/// "ValveBiped.Bip01_". "" if they have none in common.
+std::string common_name_prefix(const Skeleton& skeleton);
+
+/// The number of a joint: by its name, else by its bare name, else by that in any case ("Hips" is "hips": Unity and
+/// Godot write VRM's names so) and with any blanks ("L_Thigh" is "L Thigh"), else by that without the common prefix. -1
+/// if none.
 int find_joint(const Skeleton& skeleton, std::string_view name);
 
 /// One joint of SMPL and the joint of the known skeleton whose orientation it takes.
 struct MappedJoint {
   std::string target;  // name in SMPL
   std::string source;
-  /// The two local axes of the source joint that point to the left and up while the figure stands in a T-pose. "+x+y"
-  /// for files whose rotations are all zero in that pose.
+  /// The two local axes of the source joint that point to the left and up in the T-pose. "+x+y" for files in which all
+  /// rotations are zero in that pose.
   std::string axes = "+x+y";
-  /// How the frame given by `axes` is turned in the T-pose besides: rotation vector in degrees, x left, y up, z
+  /// An additional turn of the frame that `axes` gives in the T-pose: rotation vector in degrees, x left, y up, z
   /// forward.
   Vec3<double> turn{};
-  /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, else of
-  /// its parent.
+  /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, otherwise
+  /// of its parent.
   std::string second{};
   double share = 0;
 
@@ -8782,17 +8781,17 @@ struct MappedJoint {
 struct SkeletonTable {
   std::string name;
   std::vector<MappedJoint> joints;
-  /// True if limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
+  /// True if limbs are turned so that the source's bones take the directions of the target's. False if the zero pose
   /// (with `turn`) is known to be the T-pose although its bones are not straight.
   bool straighten = true;
-  /// True if the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
-  /// skin is bound. Otherwise feet lean to the side with their shins.
+  /// True if the soles are level in the zero pose although the legs are apart, as in the bind pose of a character's
+  /// skin. Otherwise feet lean to the side with their shins.
   bool level_soles = false;
 
   const MappedJoint* find(std::string_view target) const;
   /// The first joint that the table needs and the skeleton lacks; empty if there is none.
   std::string missing(const Skeleton& source) const;
-  /// How many of its joints the skeleton has.
+  /// The number of its joints that the skeleton has.
   int found(const Skeleton& source) const;
 };
 
@@ -8812,21 +8811,79 @@ MOTIONLANG_BODY std::string_view bare_joint_name(std::string_view name) {
   return rest == name.npos ? name : name.substr(rest);
 }
 
+MOTIONLANG_BODY std::string common_name_prefix(const Skeleton& skeleton) {
+  const std::size_t enough = (3 * skeleton.names.size() + 3) / 4;
+  std::string prefix;
+  std::vector<std::string_view> fitting(skeleton.names.begin(), skeleton.names.end());
+  while (skeleton.size() > 3) {
+    const std::size_t at = prefix.size();
+    std::erase_if(fitting, [at](std::string_view name) { return name.size() <= at; });
+    char next = 0;  // that of most names, if there is one
+    std::size_t lead = 0;
+    for (const std::string_view name : fitting) {
+      if (lead == 0) next = name[at];
+      lead = name[at] == next ? lead + 1 : lead - 1;
+    }
+    std::erase_if(fitting, [&](std::string_view name) { return name[at] != next; });
+    if (fitting.size() < enough) break;
+    prefix += next;
+  }
+  return prefix.substr(0, prefix.find_last_of("_:-. |") + 1);  // npos + 1 = 0
+}
+
 namespace detail {
 
-inline bool same_but_for_capitals(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
+/// Capital letters are as good as small ones, and "_" is as good as a blank.
+inline bool similar_names(std::string_view a, std::string_view b) {
+  const auto plain = [](char c) { return c == '_' ? ' ' : lower(c); };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return plain(x) == plain(y); });
 }
+
+/// "Hips" of "Hips_01" and of "Hips.001"; else the whole name.
+inline std::string_view without_number(std::string_view name) {
+  const std::size_t last = name.find_last_not_of("0123456789");
+  const bool numbered =
+      last != name.npos && last > 0 && last + 1 < name.size() && (name[last] == '_' || name[last] == '.');
+  return numbered ? name.substr(0, last) : name;
+}
+
+/// Names without what most of them begin with, and without numbers if three quarters end with one: Sketchfab numbers
+/// all nodes of a file, and Blender the joints of a copy.
+class SharedHabits {
+ public:
+  explicit SharedHabits(const Skeleton& skeleton) : prefix_(common_name_prefix(skeleton)) {
+    std::size_t numbered = 0;
+    for (const std::string& name : skeleton.names) numbered += without_number(name).size() < name.size() ? 1 : 0;
+    numbered_ = 4 * numbered >= 3 * skeleton.names.size();
+  }
+  std::string_view bare(std::string_view name) const {
+    if (name.starts_with(prefix_)) name.remove_prefix(prefix_.size());
+    return bare_joint_name(numbered_ ? without_number(name) : name);
+  }
+
+ private:
+  std::string prefix_;
+  bool numbered_ = false;
+};
 
 }  // namespace detail
 
 MOTIONLANG_BODY int find_joint(const Skeleton& skeleton, std::string_view name) {
   if (const int j = skeleton.find(name); j >= 0) return j;
   int similar = -1;
+  bool ends_like = false;  // a name, except for its number: only then habits matter
   for (int k = 0; k < skeleton.size(); ++k) {
-    const std::string_view bare = bare_joint_name(skeleton.name(k));
+    const std::string_view whole = skeleton.name(k), bare = bare_joint_name(whole);
     if (bare == name) return k;
-    if (similar < 0 && detail::same_but_for_capitals(bare, name)) similar = k;
+    if (similar < 0 && detail::similar_names(bare, name)) similar = k;
+    const std::string_view core = detail::without_number(whole);
+    const bool longer = core.size() >= name.size();
+    ends_like = ends_like || (longer && detail::similar_names(core.substr(core.size() - name.size()), name));
+  }
+  if (similar >= 0 || !ends_like) return similar;
+  const detail::SharedHabits habits(skeleton);
+  for (int k = 0; k < skeleton.size() && similar < 0; ++k) {
+    if (detail::similar_names(habits.bare(skeleton.name(k)), name)) similar = k;
   }
   return similar;
 }
@@ -8868,10 +8925,10 @@ inline constexpr std::string_view own_table_hint =
 /// The built-in tables.
 const std::vector<SkeletonTable>& skeleton_tables();
 
-/// The table whose joints the skeleton has; of several one by which it stands at rest, then the one with the most. Null
-/// if none fits.
+/// The table whose joints the skeleton has. Among several it prefers one whose rest pose fits, then the one with the
+/// most joints. Null if none fits.
 const SkeletonTable* find_skeleton_table(const Skeleton& source);
-/// The same. Throws config_error 103 with the joint that the closest table misses if none fits.
+/// The same. If none fits, throws config_error 103 with the joint that is missing for the closest table.
 const SkeletonTable& detect_skeleton_table(const Skeleton& source);
 /// A built-in table by name. Throws config_error 103.
 const SkeletonTable& skeleton_table(std::string_view name);
@@ -8884,24 +8941,28 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_HPP  // <motionlang/kinematics/standing_skeleton.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_HPP
-/// A skeleton as it stands in its T-pose, by the axes that its table states.
+/// A skeleton in its T-pose, by the axes in its table.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A joint of a limb and the one where its bone ends, by SMPL's names.
+/// A joint of a limb and the joint at the end of its bone, by SMPL's names.
 struct LimbBone {
   std::string_view joint, end;
 };
 
-/// True if a text names two different axes, as "+x+y" does.
+/// True if a text names two different axes, such as "+x+y".
 bool is_axes(std::string_view axes);
 /// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
 Quaternion<double> axes_rotation(const MappedJoint& joint);
 
-/// A skeleton as its table sees it, standing in its T-pose, turned by quarters of a circle about y until its left is
-/// nearest to +X. Where its limbs do not point to the sides or down, `bone` says where they point.
+/// The table of a mirror image, in which each side has the names of the other. Nothing for a table with turns or axes
+/// other than "+x+y", which a mirror changes.
+std::optional<SkeletonTable> mirrored_table(const SkeletonTable& table);
+
+/// A skeleton in the T-pose of its table, turned by quarters of a circle about y until its left is nearest to +X. If
+/// its limbs do not point to the sides or down, `bone` has their directions.
 class StandingSkeleton {
  public:
   Skeleton skeleton;
@@ -8909,20 +8970,22 @@ class StandingSkeleton {
   std::vector<Quaternion<double>> rotation;  // of each joint in the world
 
   StandingSkeleton(Skeleton s, SkeletonTable t);
+  /// The skeleton by its table, or by the mirrored table if it stands only by that, shoulders as well as hips.
+  static StandingSkeleton of(const Skeleton& s, const SkeletonTable& t);
 
   /// The reason why it does not stand and face forward: the head is not over the pelvis, the hips are not side by side,
-  /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.
+  /// or toes point back because left and right are exchanged. "" if it stands, or lacks these joints.
   std::string lies() const;
 
-  /// The joint with a role, a name of SMPL's; -1 if there is none.
+  /// The joint with a role, which is a name of SMPL's; -1 if there is none.
   int joint(std::string_view role) const {
     const MappedJoint* row = table.find(role);
     return row == nullptr ? -1 : find_joint(skeleton, row->source);
   }
-  /// The role of a joint: that which it fills with the largest share, of several the last. "" if it has none.
+  /// The role of a joint: the one with its largest share, the last among equals. "" if it has none.
   std::string role(int joint) const;
-  /// A bone of a limb; zero without its joints. Where the table says that the zero pose is the T-pose although bones
-  /// are not straight: as in SMPL.
+  /// A bone of a limb; zero without its joints. If the table says that the zero pose is the T-pose although bones are
+  /// not straight, the bone is that of SMPL.
   Vec3<double> bone(const LimbBone& limb) const;
   double length(const LimbBone& limb) const;
 
@@ -8942,7 +9005,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_KNOWN_SKELETONS_HPP  // <motionlang/kinematics/known_skeletons.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_KNOWN_SKELETONS_HPP
-/// The skeletons of the field: names, order and parents as published; the bone lengths are those of a neutral figure of
+/// The skeletons of the field: names, order and parents as published. The bone lengths are those of a neutral figure of
 /// our own (1.75 m), so that no licensed body model is needed. Rest pose: standing, arms to the sides, Y up, facing +Z,
 /// left at +X, metres.
 
@@ -8954,7 +9017,7 @@ const Skeleton& smpl24_skeleton();
 /// HumanML3D, 22 joints: SMPL without the hands.
 const Skeleton& humanml3d22_skeleton();
 
-/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the coordinates of the data set have other
+/// KIT Motion-Language, 21 joints of the Master Motor Map, in metres here. The coordinates of the data set have other
 /// units.
 const Skeleton& kit21_skeleton();
 
@@ -9039,6 +9102,33 @@ MOTIONLANG_BODY Quaternion<double> axes_rotation(const MappedJoint& joint) {
   const Vec3<double> left = local_axis(axes.substr(0, 2)), up = local_axis(axes.substr(2, 2));
   const auto frame = to_quaternion(Matrix3<double>::from_rows(left, up, cross(left, up)));
   return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
+}
+
+MOTIONLANG_BODY std::optional<SkeletonTable> mirrored_table(const SkeletonTable& table) {
+  SkeletonTable out = table;
+  out.name += ", mirrored";
+  for (MappedJoint& m : out.joints) {
+    if (m.axes != "+x+y" || m.turn != Vec3<double>{}) return std::nullopt;
+    const bool left = m.target.starts_with("left_"), right = m.target.starts_with("right_");
+    if (!left && !right) continue;
+    const MappedJoint* other = table.find((left ? "right_" : "left_") + m.target.substr(left ? 5 : 6));
+    if (other == nullptr) return std::nullopt;
+    m.source = other->source, m.second = other->second, m.share = other->share;
+  }
+  return out;
+}
+
+MOTIONLANG_BODY StandingSkeleton StandingSkeleton::of(const Skeleton& s, const SkeletonTable& t) {
+  StandingSkeleton own(s, t);
+  if (own.lies().empty()) return own;
+  if (auto mirrored = mirrored_table(t)) {
+    StandingSkeleton other(s, std::move(*mirrored));
+    const int left = other.joint("left_shoulder"), right = other.joint("right_shoulder");
+    const auto x_of = [&](int j) { return other.position_[static_cast<std::size_t>(j)].x; };
+    const bool sides = left >= 0 && right >= 0 && x_of(left) > x_of(right);
+    if (sides && other.lies().empty()) return other;
+  }
+  return own;
 }
 
 MOTIONLANG_BODY StandingSkeleton::StandingSkeleton(Skeleton s, SkeletonTable t)
@@ -9232,9 +9322,9 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
       {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}},
      true, true},
-    // Ubisoft's LaFAN1 has Mixamo's names, but in its zero pose all bones lie along x. In a T-pose x runs along the bone
-    // and y to the front (of feet up); sides are mirrored by z. Offsets show that of the trunk; limbs are taken to be
-    // alike, which was not compared with recordings. Feet are turned by the slope of SMPL's.
+    // Ubisoft's LaFAN1 has Mixamo's names, but in its zero pose all bones lie along x. In a T-pose x runs along the
+    // bone and y to the front (for feet up); z mirrors the sides. Offsets show this for the trunk. Limbs are assumed to
+    // be alike, which was not compared with recordings. Feet are turned by the slope of SMPL's.
     {"LaFAN1",
      {{"pelvis", "Hips", "+z+x"}, {"spine1", "Spine", "+z+x"}, {"spine2", "Spine1", "+z+x"}, {"spine3", "Spine2", "+z+x"}, {"neck", "Neck", "+z+x"}, {"head", "Head", "+z+x"},
       {"left_hip", "LeftUpLeg", "-z-x"}, {"left_knee", "LeftLeg", "-z-x"}, {"left_ankle", "LeftFoot", "-z+y", {23, 0, 0}}, {"left_foot", "LeftToe", "-z+y"},
@@ -9337,7 +9427,22 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "J_Bip_L_Shoulder"}, {"left_shoulder", "J_Bip_L_UpperArm"}, {"left_elbow", "J_Bip_L_LowerArm"}, {"left_wrist", "J_Bip_L_Hand"}, {"left_hand", "J_Bip_L_Middle1"},
       {"right_collar", "J_Bip_R_Shoulder"}, {"right_shoulder", "J_Bip_R_UpperArm"}, {"right_elbow", "J_Bip_R_LowerArm"}, {"right_wrist", "J_Bip_R_Hand"}, {"right_hand", "J_Bip_R_Middle1"}},
      true, true},
-    // The Master Motor Map as KIT and TEMOS have it, see known_skeletons.hpp. The joints of the shoulders hang on the lower neck.
+    // Bipeds of 3ds Max and of games, whose names all begin with "Bip01 ", "Bip001_" or "ValveBiped.Bip01_".
+    {"Biped",
+     {{"pelvis", "Pelvis"}, {"spine1", "Spine"}, {"spine2", "Spine1"}, {"spine3", "Spine2"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "L Thigh"}, {"left_knee", "L Calf"}, {"left_ankle", "L Foot"}, {"left_foot", "L Toe0"},
+      {"right_hip", "R Thigh"}, {"right_knee", "R Calf"}, {"right_ankle", "R Foot"}, {"right_foot", "R Toe0"},
+      {"left_collar", "L Clavicle"}, {"left_shoulder", "L UpperArm"}, {"left_elbow", "L Forearm"}, {"left_wrist", "L Hand"}, {"left_hand", "L Finger2"},
+      {"right_collar", "R Clavicle"}, {"right_shoulder", "R UpperArm"}, {"right_elbow", "R Forearm"}, {"right_wrist", "R Hand"}, {"right_hand", "R Finger2"}},
+     true, true},
+    {"Biped with two links in the spine",
+     {{"pelvis", "Pelvis"}, {"spine1", "Spine"}, {"spine2", "Spine", "+x+y", {}, "Spine1", 0.5}, {"spine3", "Spine1"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "L Thigh"}, {"left_knee", "L Calf"}, {"left_ankle", "L Foot"}, {"left_foot", "L Toe0"},
+      {"right_hip", "R Thigh"}, {"right_knee", "R Calf"}, {"right_ankle", "R Foot"}, {"right_foot", "R Toe0"},
+      {"left_collar", "L Clavicle"}, {"left_shoulder", "L UpperArm"}, {"left_elbow", "L Forearm"}, {"left_wrist", "L Hand"}, {"left_hand", "L Finger2"},
+      {"right_collar", "R Clavicle"}, {"right_shoulder", "R UpperArm"}, {"right_elbow", "R Forearm"}, {"right_wrist", "R Hand"}, {"right_hand", "R Finger2"}},
+     true, true},
+    // The Master Motor Map as in KIT and TEMOS, see known_skeletons.hpp. The shoulders are children of the lower neck.
     {"MMM",
      {{"pelvis", "root"}, {"spine1", "BP"}, {"spine2", "BP", "+x+y", {}, "BT", 0.5}, {"spine3", "BT"}, {"neck", "BLN"}, {"head", "BUN"},
       {"left_hip", "LH"}, {"left_knee", "LK"}, {"left_ankle", "LA"}, {"left_foot", "LMrot"},
@@ -9408,21 +9513,21 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_MOTION_HPP  // <motionlang/kinematics/body_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_MOTION_HPP
-/// A motion on the joints of a body of the SMPL family: what its mesh, skin and files need.
+/// A motion on the joints of a body of the SMPL family, for its mesh, skin and files.
 ///
 ///     const Motion own = motion_on_body(body, on_smpls_joints, betas);
 ///     const PosedBody<B> posed = pose_body(body.model, own, betas);
 ///
-/// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Unless the motion has all
-/// joints of the body, fingers have the mean pose of the body's hands, or are stretched out; jaw and eyes are at rest.
-/// The path is scaled with the length of the legs.
-/// Source  smplx body_models.py and joint_names.py: what SMPL, SMPL-H and SMPL-X call their joints
+/// Rotations are used unchanged, because the rest poses of SMPL and of the motion are both a T-pose. Unless the motion
+/// has all joints of the body, fingers have the mean pose of the body's hands, or are stretched. Jaw and eyes are at
+/// rest. The path is scaled with the length of the legs.
+/// Source  smplx body_models.py and joint_names.py: the names of SMPL, SMPL-H and SMPL-X for their joints
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 enum class BodyHands { mean, flat };
 
-/// Names of a body's joints in their order; of a body of another kind "joint_0", "joint_1", ...
+/// Names of a body's joints in their order. For a body of another kind "joint_0", "joint_1", ...
 std::vector<std::string> body_joint_names(BodyKind kind, Index joints);
 
 /// The skeleton of a body for one shape; none means zeros. Throws shape_error 204 for another number of coefficients.
@@ -9517,8 +9622,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_HPP  // <motionlang/kinematics/body_partition.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_HPP
-/// The parts that a body is divided into: their names, and the part that carries the path over the floor. Timelines,
-/// plans and feature layouts hold one; the default is the human body of STMC (body_parts.hpp).
+/// The parts of a body: their names, and the part that carries the path over the floor. Timelines, plans and feature
+/// layouts hold such a partition; the default is the human body of STMC (body_parts.hpp).
 ///
 ///     const BodyPartition dog({.names = {"front left", "front right", "hind left", "hind right", "trunk"},
 ///                              .path = "trunk",
@@ -9531,8 +9636,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP  // <motionlang/kinematics/body_parts.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP
-/// Body parts: the five of STMC with their names, sets of parts, and the joints of each part on a skeleton. Parts of
-/// other bodies are named by a BodyPartition (body_partition.hpp).
+/// Body parts: the five of STMC with their names, sets of parts, and the joints of each part on a skeleton. A
+/// BodyPartition (body_partition.hpp) names the parts of other bodies.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -9552,7 +9657,7 @@ inline constexpr std::array<std::pair<std::string_view, BodyPart>, 6> body_part_
     {"left leg", BodyPart::legs},
     {"right leg", BodyPart::legs},
 }};
-/// A body has this many parts at most.
+/// A body has at most this many parts.
 inline constexpr int most_body_parts = 32;
 
 /// A set of body parts, one bit for each.
@@ -9574,7 +9679,7 @@ struct BodyParts {
   constexpr bool operator==(const BodyParts&) const = default;
 };
 
-/// The human part that a timeline file names, also by a synonym. Case-sensitive, as published. Nothing for an unknown
+/// The human part with this name or synonym in a timeline file. Case-sensitive, as published. Nothing for an unknown
 /// name.
 constexpr std::optional<BodyPart> parse_body_part(std::string_view name) {
   for (int p = 0; p < body_part_count; ++p) {
@@ -9620,7 +9725,7 @@ struct PartSynonym {
   std::string name, part;
 };
 
-/// A word that tells which parts a text moves: lower-case letters, the beginning of the word ("walk" for "walking").
+/// A word that tells which parts a text moves: lower-case letters, the beginning of a word ("walk" for "walking").
 struct PartWord {
   std::string stem;
   std::vector<std::string> parts;
@@ -9634,19 +9739,19 @@ struct BodyPartNames {
   std::vector<PartWord> words{};        // for guesses, see guess_body_parts
 };
 
-/// A value that copies share; it never changes.
+/// A value that copies share. It never changes.
 class BodyPartition {
  public:
   /// The human body: the five parts of STMC, whose legs carry the path.
   BodyPartition() = default;
   /// Throws config_error 101 without a part, for more than `most_body_parts`, for a name that a timeline file cannot
-  /// hold (it is empty, has '#', a line end or outer blanks, or is not UTF-8) and for a word of other characters than
-  /// a ... z; 102 for a name that is duplicated; 103 for a part that is not one of the names.
+  /// hold (it is empty, has '#', a line end or outer blanks, or is not UTF-8), and for a word with characters other
+  /// than a ... z. Throws 102 for a duplicate name, and 103 for a part that is not one of the names.
   explicit BodyPartition(const BodyPartNames& names);
 
   int size() const { return static_cast<int>(names().size()); }
   const std::vector<std::string>& names() const { return state().names; }
-  /// Throws config_error 101 for a number that the body does not have.
+  /// Throws config_error 101 for a number that the body lacks.
   const std::string& name(BodyPart part) const;
   /// The part that carries the path: its texts are preferred as base texts, and features of the root belong to it.
   BodyPart path() const { return state().path; }
@@ -9672,7 +9777,7 @@ class BodyPartition {
   /// Empty for the human body, whose lexicon is in compose/body_part_lexicon.hpp.
   const std::vector<Word>& words() const { return state().words; }
 
-  /// The same names in the same order, and the same part for the path. Synonyms and words do not count.
+  /// True for the same names in the same order and the same part for the path. Synonyms and words do not count.
   bool operator==(const BodyPartition& other) const;
 
  private:
@@ -9714,7 +9819,7 @@ MOTIONLANG_BODY BodyPartition::BodyPartition(const BodyPartNames& names) {
     raise<config_error>(101, "BodyPartition: ", counted(names.names.size(), "part"), ", expected 1 to ",
                         most_body_parts);
   const auto made = std::make_shared<State>();
-  state_ = made;  // find and parts look at what is there so far
+  state_ = made;  // find and parts read the present state
   const auto check_new = [&](const std::string& name) {
     detail::check_part_name(name);
     if (find(name)) raise<config_error>(102, "BodyPartition: '", name, "' is the name of two body parts");
@@ -9792,25 +9897,26 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_ROOT_HPP  // <motionlang/kinematics/body_root.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_ROOT_HPP
-/// Where a body begins in a skeleton that has more than a body. Files put control bones, cameras and props above or
-/// beside the hips; the hips walk, so that they must be the root of a motion's skeleton.
+/// The root of a body in a skeleton that has more than a body. Files put control bones, cameras and props above or
+/// beside the hips. The hips walk, so they must be the root of a motion's skeleton.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The lowest joint with all those at or below it that the table needs: the pelvis, unless trunk and legs hang on
-/// another joint. -1 if the skeleton lacks one of them.
+/// The lowest joint with all joints of the table at or below it: the pelvis, unless trunk and legs start at another
+/// joint. -1 if the skeleton lacks one of them.
 int body_root(const Skeleton& skeleton, const SkeletonTable& table);
-/// The same by the built-in table that fits; 0, the root of the skeleton, if none fits.
+/// The same for the built-in table that fits. 0, the root of the skeleton, if none fits.
 int body_root(const Skeleton& skeleton);
 
-/// How a joint moves against the joint before it, in a whole file.
+/// The movement of a joint relative to the joint before it, in a whole file.
 struct JointMovement {
-  double way = 0;      // across which its position goes, in the unit of the offsets
-  bool turns = false;  // whether its rotation changes
+  double way = 0;      // the extent of its positions, in the unit of the offsets
+  bool turns = false;  // its rotation changes
 };
-/// Where a body begins if names tell nothing: from the root down, the only child that moves, or the one that moves and
-/// has most of the joints below it. Below a joint that moves itself, and beside joints that turn, as legs do beside a
-/// spine, it has to move farther than its longest chain of bones is long: a bone that stretches is not a root.
+/// The root of a body if names do not help. From the root down it follows the only child that moves, or the moving
+/// child that has most of the joints below it. Below a moving joint, and beside joints that turn (as legs do beside a
+/// spine), only a large movement counts: more than the length of its longest chain of bones. A bone that stretches is
+/// not a root.
 /// movements  of each joint
 int moving_root(const Skeleton& skeleton, std::span<const JointMovement> movements);
 
@@ -9851,7 +9957,7 @@ MOTIONLANG_BODY int moving_root(const Skeleton& skeleton, std::span<const JointM
   const auto joints = static_cast<std::size_t>(skeleton.size());
   std::vector<int> count(joints, 1);        // joints below, with the joint itself
   std::vector<double> reach(joints, 0);     // length of the longest chain of bones below
-  std::vector<bool> lively(joints, false);  // whether it or one below it moves or turns
+  std::vector<bool> lively(joints, false);  // true if it or a joint below it moves or turns
   std::vector<std::vector<int>> children(joints);
   for (int j = skeleton.size() - 1; j >= 0; --j) {
     const auto here = static_cast<std::size_t>(j);
@@ -9916,8 +10022,8 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_KINEMATICS_CHAIN_KINEMATICS_HPP
 /// Rotations from joint positions and back, along chains of bones: the analytic inverse kinematics of HumanML3D.
 ///
-/// The rotation of a joint is that of the bone that ENDS at it; it has no twist; the first rotation of a chain is
-/// relative to the root even where the chain begins at another joint. These are not SMPL's rotations.
+/// The rotation of a joint is that of the bone that ENDS at it, without twist. The first rotation of a chain is
+/// relative to the root, even if the chain begins at another joint. These are not SMPL's rotations.
 ///
 ///     g_j = between(direction_j, p_j - p_parent(j)),   g_0 = root,   q_j = g_before(j)^-1 g_j
 ///     back:  g_j = g_before(j) q_j,   p_j = p_parent(j) + g_j offset_j
@@ -9926,8 +10032,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_HPP  // <motionlang/kinematics/guo_chains.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_HPP
-/// A body as chains of joints with one zero direction for every bone: what HumanML3D and KIT need to know of a
-/// skeleton.
+/// A body as chains of joints with one zero direction for every bone, for HumanML3D and KIT.
 ///
 /// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), HumanML3D
 ///         paramUtil.py
@@ -9935,28 +10040,28 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The bone that ends at `joint`. `before` is the joint whose rotation goes ahead of it: the one before in its chain,
-/// but the root for the first bone of a chain, also where the chain branches off elsewhere.
+/// The bone that ends at `joint`. `before` is the joint whose rotation precedes it: the joint before in its chain. For
+/// the first bone of a chain it is the root, even if the chain branches off elsewhere.
 struct ChainBone {
   std::size_t joint = 0, parent = 0, before = 0;
 };
 
-/// Chains are walked one after the other; each begins at the root (joint 0) or at a joint of an earlier chain.
+/// Chains are processed in order. Each begins at the root (joint 0) or at a joint of an earlier chain.
 struct ChainSkeleton {
   std::string name;
   std::vector<std::vector<int>> chains;
   std::vector<Vec3<double>> directions;  // unit vector of the bone that ends at each joint; nothing for the root
-  std::array<int, 4> face{};             // right hip, left hip, right shoulder, left shoulder: where it looks
-  std::array<int, 2> leg{};              // joints at which thigh and shank end: how tall it is
-  std::array<int, 2> left_foot{}, right_foot{};  // ankle and toes: where it touches the floor
+  std::array<int, 4> face{};             // right hip, left hip, right shoulder, left shoulder: for the heading
+  std::array<int, 2> leg{};              // joints at which thigh and shank end: for the height
+  std::array<int, 2> left_foot{}, right_foot{};  // ankle and toes: for contacts with the floor
   double foot_threshold = 0;                     // a foot stands if its squared displacement per frame is smaller
   double fps = 20;
   std::vector<double> lengths{};  // of the bones of the reference skeleton; empty if not published
 
   std::size_t size() const { return directions.size(); }
 
-  /// All bones in the order of the chains, parents first. Throws config_error 106 unless every joint but the root ends
-  /// one bone, chains begin where earlier ones have been, and all joints and directions are there.
+  /// All bones in the order of the chains, parents first. Throws config_error 106 unless every joint except the root
+  /// ends one bone, chains begin at earlier joints, and all joints and directions exist.
   std::vector<ChainBone> bones() const;
   /// Throws as bones().
   void validate() const { bones(); }
@@ -9968,9 +10073,9 @@ struct ChainSkeleton {
 const ChainSkeleton& humanml3d_chains();
 
 /// KIT Motion-Language: 21 joints of the Master Motor Map, about 640 units per metre, 12.5 frames per second. The names
-/// of the data set are mirrored: joints 11 ... 15 and 5 ... 7 ("L") are the right side of the body, and so they are
-/// taken. The threshold is published in metres although the data are not, hence contacts are hardly ever on. The
-/// lengths of the reference clip 03950 are not published.
+/// of the data set are mirrored: joints 11 ... 15 and 5 ... 7 ("L") are the right side of the body, and this follows
+/// the joints. The threshold is published in metres although the data are not, so contacts are rare. The lengths of the
+/// reference clip 03950 are not published.
 const ChainSkeleton& kit_chains();
 
 MOTIONLANG_NAMESPACE_END
@@ -10066,11 +10171,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct FacingOptions {
   double sigma = 0;            // frames; of the Gaussian filter over time, 0: none
-  bool legacy_forward = true;  // as published: hips count left minus right; false: right minus left, as shoulders do
+  bool legacy_forward = true;  // as published: hips count left minus right; false: right minus left, like shoulders
 };
 struct ChainRotationOptions {
   FacingOptions facing{};
-  bool fix_first_frame = false;     // false, as published: the root of frame 0 is the identity, whatever it faces
+  bool fix_first_frame = false;     // false, as published: the root of frame 0 is the identity, whatever its heading
   bool fix_opposite_bones = false;  // false, as published: NaN for a bone exactly opposite to its zero direction, and
                                     // for a body that faces -Z
 };
@@ -10108,7 +10213,7 @@ MeasuredBone<S> measure_bone(const ChainSkeleton& skeleton, const ChainBone& bon
   return {v, length};
 }
 
-/// The joint that a skeleton names by number.
+/// The joint with this number.
 template <class T>
 const T& joint_of(const T* frame, int joint) {
   return frame[static_cast<std::size_t>(joint)];
@@ -10142,10 +10247,10 @@ std::vector<Vec3<S>> chain_offsets(const ChainSkeleton& skeleton, std::span<cons
   return out;
 }
 
-/// Where a body faces in one frame, frame at its first joint: level, not of unit length (shorter if hips and shoulders
-/// are not level).
-///     a = (hip_r - hip_l) + (shoulder_r - shoulder_l) normalised,   forward = Y x a
-/// legacy: the hips are taken the other way round, as the published inverse kinematics does.
+/// The facing direction of a body in one frame; `frame` points to its first joint. It is level and not of unit length
+/// (shorter if hips and shoulders are not level).
+///    a = (hip_r - hip_l) + (shoulder_r - shoulder_l) normalised,   forward = Y x a
+/// legacy: the hips are exchanged, as in the published inverse kinematics.
 template <Scalar S>
 Vec3<S> facing(const ChainSkeleton& skeleton, const Vec3<S>* frame, bool legacy) {
   auto across = [&](std::size_t right, std::size_t left) {
@@ -10155,7 +10260,7 @@ Vec3<S> facing(const ChainSkeleton& skeleton, const Vec3<S>* frame, bool legacy)
   return {a.z, S(0), -a.x};
 }
 
-/// Where it faces in every frame, unit vectors. Throws shape_error 205, config_error 101 (sigma) and 106.
+/// The facing direction in every frame, as unit vectors. Throws shape_error 205, config_error 101 (sigma) and 106.
 template <Scalar S>
 std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
                                        const FacingOptions& options = {}) {
@@ -10174,7 +10279,7 @@ std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<
 
 namespace detail {
 
-/// The turn about Y that takes a level direction onto +Z, half a turn for -Z.
+/// The turn about Y from a level direction to +Z; half a turn for -Z.
 template <Scalar S>
 Quaternion<S> turn_ahead(const Vec3<S>& level) {
   const S half = std::atan2(level.x, level.z) / 2;
@@ -10200,7 +10305,7 @@ std::vector<Quaternion<S>> chain_roots(const ChainSkeleton& skeleton, std::span<
 /// zero    directions of the bones
 /// world   workspace (joints)
 /// local   result (joints)
-/// Returns 0 where all bones have a length.
+/// Returns 0 if any bone has no length.
 template <ScalarLike T>
 T chain_rotations(std::span<const ChainBone> bones, std::span<const Vec3<T>> zero, const Vec3<T>* joints,
                   const Quaternion<T>& root, bool fix_opposite, Quaternion<T>* world, Quaternion<T>* local) {
@@ -10279,25 +10384,25 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_HPP  // <motionlang/kinematics/edit_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_HPP
-/// Several edits of a clip in the order in which they make sense. Each is a function of its own as well.
+/// Several edits of a clip, applied in a useful order. Each is also a function of its own.
 ///
 ///     const Motion loop = edit_motion(motion, {.mirror = true, .in_place = true, .loop = 0.5});
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP  // <motionlang/kinematics/on_smpl.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP
-/// A motion on SMPL's 24 joints, whatever skeleton it is on. Models, AMASS files and joint arrays want it there.
+/// A motion on SMPL's 24 joints, from any skeleton. Models, AMASS files and joint arrays need these joints.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP  // <motionlang/kinematics/retarget.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP
-/// Retargeting: the same movement on another skeleton, from and to every kind that skeleton_tables.hpp knows.
+/// Retargeting: the same movement on another skeleton, from and to every kind in skeleton_tables.hpp.
 ///
 ///     G_t(f) = G_s(f) C_s^-1 C_t
-/// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the
-/// world rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the
-/// target does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever
-/// the local axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Joints
-/// that no table knows follow those of the same name, fingers those of the same finger. Bones keep the
-/// target's lengths; the path is scaled by the ratio of the legs.
+/// G_s, G_t: world rotations of a joint s of the source, and of the joint t of the target that follows it. C_t: the
+/// world rotation of t while the target stands in its T-pose, facing +Z. C_s: the world rotation of s while the source
+/// stands in the same pose, with its limbs along the target's. So a source in that pose gives the target's T-pose, for
+/// any local axes and rest poses (T, A, any quarter turn). Chains may have different numbers of joints. Joints that no
+/// table knows follow those of the same name, and fingers those of the same finger. Bones keep the target's lengths;
+/// the path is scaled by the ratio of the legs.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -10305,25 +10410,26 @@ namespace detail {
 class StandingSkeleton;
 }
 
-/// How a map matched the joints of both skeletons.
+/// The report of a map about the joints that it matched.
 struct RetargetReport {
   std::string table, target_table;                          // the kinds of source and target
   std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
   std::vector<std::string> unmapped;                        // joints of the target that stay at rest
-  std::vector<std::string> unused;                          // joints of the source that nothing follows
+  std::vector<std::string> unused;                          // joints of the source without a follower
   double leg_ratio = 1, arm_ratio = 1;  // target / source, 0 without arms; the path is scaled by leg_ratio
 };
 std::string to_string(const RetargetReport& r);
 
-/// How one skeleton follows another; made once, used for every clip.
+/// A map from one skeleton to another. Make it once and use it for every clip. A mirror image, whose left side has the
+/// names of the right one, is mapped by its appearance.
 class SkeletonMap {
  public:
-  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for
-  /// unknown axes, or hips that a skeleton lacks), and if a skeleton does not stand at rest by its table; 101 if the
-  /// legs of a skeleton have no length.
+  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks, for unknown
+  /// axes, for missing hips, and if a skeleton is not in the rest pose of its table. Throws 101 if the legs of a
+  /// skeleton have no length.
   SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
               const SkeletonTable& target_table);
-  /// The target has SMPL's names.
+  /// For a target with SMPL's names.
   SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& source_table)
       : SkeletonMap(source, source_table, target, skeleton_table("SMPL")) {}
   /// With the built-in tables that fit.
@@ -10334,14 +10440,14 @@ class SkeletonMap {
   const Skeleton& target() const { return target_; }
   const RetargetReport& report() const { return report_; }
 
-  /// One frame: world transforms of the source to root position and local rotations of the target.
+  /// Converts one frame: world transforms of the source to root position and local rotations of the target.
   void apply(const JointTransforms<double>& from, Vec3<double>& root, std::span<Quaternion<double>> local) const;
 
  private:
   struct Link {
     int source = -1, second = -1;
     Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1 C_t
-    Quaternion<double> at_rest{1, 0, 0, 0};                        // of a joint that follows none, seen from its parent
+    Quaternion<double> at_rest{1, 0, 0, 0};  // of a joint that follows none, relative to its parent
     double share = 0;
   };
 
@@ -10351,20 +10457,19 @@ class SkeletonMap {
   static const Vec3<double>& position(const JointTransforms<double>& from, int joint) {
     return from.position[static_cast<std::size_t>(joint)];
   }
-  /// A joint of the target seen from its root.
+  /// A joint of the target relative to its root.
   Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const;
 
-  /// For joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
+  /// For joints that no table knows: the joint of the same name, or the same joint of the same finger. -1 if none.
   int namesake(const std::string& name) const;
   void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
 
-  /// The rotation that brings a joint of the source from its T-pose to the pose in which it stands like the target.
-  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand
-  /// level, so that soles stay level; the trunk is taken as it stands.
+  /// The rotation of a joint of the source from its T-pose to the target's pose. Limbs are turned joint by joint. Feet
+  /// only roll with their shins, unless a table says that their soles are level. The trunk stays as it is.
   static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
                                       const detail::StandingSkeleton& to, const Quaternion<double>& up);
 
-  /// Lengths of legs and arms, and where the hips are.
+  /// Measures the lengths of legs and arms, and the places of the hips.
   void measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
 
   Skeleton source_, target_;
@@ -10373,10 +10478,10 @@ class SkeletonMap {
   int left_hip_ = -1, right_hip_ = -1, target_left_hip_ = -1, target_right_hip_ = -1;
 };
 
-/// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
-/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor
-/// tells nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by
-/// how much the clip was moved.
+/// Moves a clip up or down so that its feet stand on y = 0, as in the rest pose. In all frames except the lowest 5 %,
+/// the lowest joint is then not below the lowest joint at rest. A rest pose below the floor says nothing about the
+/// floor (the root of many BVH files has OFFSET 0); then that joint itself is at y = 0. Returns the distance by which
+/// the clip was moved.
 double place_on_floor(Motion& motion);
 
 struct RetargetOptions {
@@ -10385,8 +10490,8 @@ struct RetargetOptions {
 
 /// The clip on the target of the map. Throws config_error 106 if its skeleton is not the source of the map.
 Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options = {});
-/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws
-/// config_error 103 with the joint that is missing.
+/// Uses the built-in tables that fit the clip and the target. A motion on the target's skeleton is not changed. Throws
+/// config_error 103 with the missing joint.
 Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(), const RetargetOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -10397,14 +10502,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP  // <motionlang/kinematics/finger_names.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP
-/// Joints of fingers by their names, which every program forms in its own way. No table lists them: hands may have any
-/// number of fingers.
+/// Recognises joints of fingers by their names, which every program forms in its own way. No table lists them, because
+/// hands may have any number of fingers.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From
+/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. It knows
 /// "LeftHandIndex1" (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal"
-/// (VRM, whose thumbs begin with leftThumbMetacarpal) and their like. "" for another joint, and for tips and other
+/// (VRM, whose thumbs begin with leftThumbMetacarpal) and similar names. "" for other joints, and for tips and other
 /// metacarpals.
 std::string finger_of(std::string_view joint);
 
@@ -10501,9 +10606,10 @@ MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonT
     : source_(source), target_(target) {
   const std::string missing = source_table.missing(source);
   if (!missing.empty()) raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
-  report_.table = source_table.name;
-  report_.target_table = target_table.name;
-  const detail::StandingSkeleton from(source, source_table), to(target, target_table);
+  const auto from = detail::StandingSkeleton::of(source, source_table),
+             to = detail::StandingSkeleton::of(target, target_table);
+  report_.table = from.table.name;
+  report_.target_table = to.table.name;
   for (const detail::StandingSkeleton* s : {&from, &to}) {
     const std::string lies = s->lies();
     if (!lies.empty())
@@ -10677,10 +10783,10 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
-/// only put in SMPL's order and the bones keep their lengths. Otherwise it is retargeted.
+/// The motion on SMPL's 24 joints. If it has them already, in any order (a BVH file is depth first), they are only put
+/// in SMPL's order and the bones keep their lengths. Otherwise it is retargeted.
 /// report  is set only if the motion is retargeted
-/// Throws  config_error 103 with the joint that is missing, as retarget does
+/// Throws  config_error 103 with the missing joint, like retarget
 Motion on_smpl(const Motion& motion, RetargetReport* report = nullptr);
 
 MOTIONLANG_NAMESPACE_END
@@ -10722,8 +10828,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Edits of a clip's time, which come first.
 struct TimeEdits {
   double from = 0, to = 0;  // seconds; to = 0: to the end
-  double speed = 1;         // how much faster
-  double fps = 0;           // 0: as it is
+  double speed = 1;         // factor by which it becomes faster
+  double fps = 0;           // 0: unchanged
 };
 /// The frames [first, last) of a clip from a time to a time, seconds, each rounded; to = 0: to the end.
 std::pair<Index, Index> frames_between(const Motion& motion, double from, double to);
@@ -10732,14 +10838,14 @@ Motion edit_time(Motion motion, const TimeEdits& edits);
 
 /// In this order.
 struct MotionEdits {
-  bool smpl = false;      // on SMPL's 24 joints
-  bool mirror = false;    // left becomes right
+  bool smpl = false;      // retarget to SMPL's 24 joints
+  bool mirror = false;    // exchange left and right
   bool smooth = false;    // removes jitter
-  bool fix_feet = false;  // on the floor, and feet that stand do not slide; on SMPL's 24 joints
-  bool in_place = false;  // the root stays over the origin
-  double loop = 0;        // this many seconds at the end are blended into the start; 0: no loop
+  bool fix_feet = false;  // put it on the floor and keep standing feet from sliding; on SMPL's 24 joints
+  bool in_place = false;  // keep the root over the origin
+  double loop = 0;        // blend this many seconds at the end into the start; 0: no loop
 };
-/// report  is set if the joints were others than SMPL's and became these. Throws what the single edits throw.
+/// report  is set if the joints were not SMPL's and were retargeted. Throws what the single edits throw.
 Motion edit_motion(Motion motion, const MotionEdits& edits, RetargetReport* report = nullptr);
 
 MOTIONLANG_NAMESPACE_END
@@ -10750,14 +10856,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP  // <motionlang/kinematics/foot_lock.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP
-/// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
-/// are predicted side by side and agree only nearly.
+/// Keeps standing feet in place. Y up, metres. Generated motions slide a little, because the model predicts the path of
+/// the root and the legs side by side, and they agree only approximately.
 ///
 ///     Motion steady = fix_feet(motion);      // turn_from_feet, path_from_feet, lock_feet, raise_swings
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP  // <motionlang/kinematics/foot_contact.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP
-/// When feet touch the floor. Y up, metres.
+/// Detects contacts of feet with the floor. Y up, metres.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -10766,7 +10872,7 @@ struct ContactJoint {
   int joint = 0;
   double height = 0.05;  // metres above the floor
 };
-/// The feet of SMPL and HumanML3D. When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm high.
+/// The feet of SMPL and HumanML3D. In a standing foot, the ankle is about 7 cm and the toe joint 1 to 2 cm high.
 inline constexpr double smpl_ankle_contact = 0.10, smpl_toe_contact = 0.05;
 /// Ankles and toes of SMPL (and HumanML3D).
 inline constexpr ContactJoint smpl_contact_joints[] = {
@@ -10774,13 +10880,13 @@ inline constexpr ContactJoint smpl_contact_joints[] = {
 
 namespace detail {
 
-/// The way of a joint over the floor from one frame to the next; `low` if it is below its height in both.
+/// The displacement of a joint over the floor from one frame to the next; `low` if it is below its height in both.
 struct Slide {
   bool low = false;
   Vec3<double> step{};
   double length() const { return norm(step); }
 };
-/// positions (frames, joints); frame + 1 is one of them.
+/// positions (frames, joints); frame + 1 must be a frame, too.
 inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index frame, const ContactJoint& foot,
                    double floor) {
   const auto &a = positions[static_cast<std::size_t>(frame * joints + foot.joint)],
@@ -10792,10 +10898,10 @@ inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index 
 
 struct ContactOptions {
   double floor = 0;
-  double speed = 0.6;  // m/s over the floor; a joint that is faster is only passing
+  double speed = 0.6;  // m/s over the floor; a faster joint is not in contact
 };
 
-/// (frames, feet): 1 where a foot is below its height and slower than options.speed between a frame and the next (the
+/// (frames, feet): 1 if a foot is below its height and slower than options.speed between a frame and the next (for the
 /// last frame: the one before). Throws shape_error 203 for a joint out of range.
 std::vector<std::uint8_t> foot_contacts(const Motion& motion, std::span<const ContactJoint> feet = smpl_contact_joints,
                                         const ContactOptions& options = {});
@@ -10852,13 +10958,13 @@ void require_limb(std::string_view function, const Skeleton& skeleton, const Lim
 }  // namespace detail
 
 /// Bends and turns a limb so that its end comes to `target`, or as near as its bones reach. The middle joint stays in
-/// its plane, and the rotation of the end in the world is kept.
-///     cos(middle) = (l1^2 + l2^2 - r^2) / (2 l1 l2),   r = |target - upper|
+/// its plane, and the end keeps its rotation in the world.
+///    cos(middle) = (l1^2 + l2^2 - r^2) / (2 l1 l2),   r = |target - upper|
 /// pose        (joints) local rotations of one frame, changed in place
-/// world       the same frame by forward kinematics, as it was before; not changed
-/// towards     where in the world the middle joint goes if the limb is straight (knees: forward)
-/// Throws      config_error 103 if the joints do not hang together, shape_error 205 unless there is one rotation for
-///             each joint, numeric_error 302 for a bone that is shorter than 0.1 mm
+/// world       the same frame by forward kinematics, before the change; not changed
+/// towards     the direction in the world to which the middle joint of a straight limb moves (knees: forward)
+/// Throws      config_error 103 if the joints are not connected, shape_error 205 unless there is one rotation for each
+///             joint, numeric_error 302 for a bone that is shorter than 0.1 mm
 void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, const JointTransforms<double>& world,
            const Limb& limb, const Vec3<double>& target, const Vec3<double>& towards);
 
@@ -10894,7 +11000,7 @@ MOTIONLANG_BODY void reach(const Skeleton& skeleton, std::span<Quaternion<double
              end = static_cast<std::size_t>(limb.end);
   const Vec3<double> a = world.position[upper], b = world.position[middle], c = world.position[end];
   const double l1 = norm(b - a), l2 = norm(c - b);
-  constexpr double slack = 1e-4;  // a limb never gets quite straight, where its plane would be lost
+  constexpr double slack = 1e-4;  // a limb never becomes quite straight, because its plane would be lost
   if (std::min(l1, l2) < slack) raise<numeric_error>(302, "reach: bones of ", l1, " m and ", l2, " m");
   const double r = std::clamp(norm(target - a), std::abs(l1 - l2) + slack, l1 + l2 - slack);
   auto angle = [](const Vec3<double>& u, const Vec3<double>& v) {
@@ -10933,28 +11039,28 @@ struct Leg {
 inline constexpr Leg smpl_legs[] = {{{1, 4, 7}, 10}, {{2, 5, 8}, 11}};
 inline constexpr Leg kit_legs[] = {{{11, 12, 13}, 15}, {{16, 17, 18}, 20}};
 
-/// Those of a skeleton with the joints of SMPL, with or without its hands, or of KIT; none of another one.
+/// The legs of a skeleton with the joints of SMPL, with or without its hands, or of KIT. None for other skeletons.
 std::span<const Leg> known_legs(const Skeleton& skeleton);
 
 struct FootFixOptions {
   double floor = 0;
   double ankle_height = smpl_ankle_contact, toe_height = smpl_toe_contact;  // below: in contact
-  double speed = 0.5;       // m/s; lock_feet takes a foot that slides faster to swing
-  double path_speed = 2;    // m/s; path_from_feet takes no foot that slides faster to carry the body
+  double speed = 0.5;       // m/s; lock_feet treats a foot that slides faster as swinging
+  double path_speed = 2;    // m/s; path_from_feet ignores a foot that slides faster
   double path_sigma = 1.5;  // frames; smoothness of the correction of the path
-  Index blend = 4;          // frames before and after a contact in which the leg comes and goes
-  double pivot = 15;        // degrees/s; turn_from_feet lets two feet on the floor turn together that fast
-  double clearance = 0.03;  // m; toes swing this high above where they stand; in recorded walks mostly 2.7 to 5.5 cm
+  Index blend = 4;          // frames before and after a contact over which the leg is blended
+  double pivot = 15;        // degrees/s; turn_from_feet allows two feet on the floor to turn together at this speed
+  double clearance = 0.03;  // m; toes swing this much above their standing height; recorded walks: 2.7 to 5.5 cm
 };
 
-/// The clip turned so that nobody turns like a turntable: what both feet turn together while they are on the floor,
-/// beyond `pivot`, the body does not turn. Where it looks is decided by the legs. The way turns with it.
-/// Throws config_error 103 if the skeleton has no such legs. A body without two legs stays as it is.
+/// The clip, turned so that the body does not rotate on standing feet. If both feet turn together on the floor faster
+/// than `pivot`, the body does not turn by the excess. So the legs decide the heading, and the path turns with it.
+/// Throws config_error 103 if the skeleton has no such legs. A body without two legs is not changed.
 Motion turn_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
-/// The clip with its path over the floor corrected so that the foot that stands (of the low ones the slowest) does not
-/// slide: where somebody goes is decided by the legs. Rotations and heights stay; in the air the path stays, too.
-/// Throws config_error 103 if the skeleton has no such legs, 101 unless path_sigma > 0.
+/// The clip with its path over the floor corrected so that the standing foot (the slowest of the low ones) does not
+/// slide. So the legs decide the path. Rotations and heights stay; in the air the path stays, too. Throws config_error
+/// 103 if the skeleton has no such legs, and 101 unless path_sigma > 0.
 Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
 namespace detail {
@@ -10966,15 +11072,15 @@ void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> off
 
 }  // namespace detail
 
-/// The clip with legs bent so that ankles and toes in contact stay in place. Between contacts the correction fades out
-/// and in. Throws config_error 103 if the skeleton has no such legs, numeric_error 302 if a leg has no length.
+/// The clip with bent legs, so that ankles and toes in contact stay in place. Between contacts the correction fades out
+/// and in. Throws config_error 103 if the skeleton has no such legs, and numeric_error 302 if a leg has no length.
 Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
-/// The clip with legs bent so that a foot swings over the floor, not along it: generated ones pass too low. A foot that
-/// stands is not moved. Throws as lock_feet.
+/// The clip with bent legs, so that a swinging foot passes over the floor and not along it. Generated feet swing too
+/// low. A standing foot is not moved. Throws as lock_feet.
 Motion raise_swings(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
-/// turn_from_feet, path_from_feet, lock_feet, raise_swings. Throws what they throw.
+/// Applies turn_from_feet, path_from_feet, lock_feet and raise_swings. Throws what they throw.
 inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                        const FootFixOptions& options = {}) {
   const Motion carried = path_from_feet(turn_from_feet(motion, legs, options), legs, options);
@@ -11026,7 +11132,7 @@ MOTIONLANG_BODY Motion turn_from_feet(const Motion& motion, std::span<const Leg>
     });
   };
   const double pivot = options.pivot * std::numbers::pi / 180 / motion.fps;
-  std::vector<double> turned(static_cast<std::size_t>(motion.frames()), 0.0);  // to each frame, too much
+  std::vector<double> turned(static_cast<std::size_t>(motion.frames()), 0.0);  // the excess turn up to each frame
   for (Index f = 0; f + 1 < motion.frames(); ++f) {
     if (!down(f) || !down(f + 1)) continue;
     std::array<double, 2> turn{};
@@ -11089,8 +11195,8 @@ MOTIONLANG_BODY Motion path_from_feet(const Motion& motion, std::span<const Leg>
 
 namespace detail {
 
-/// (frames): how far a foot that stands slides to the next frame, on its toe or its ankle, whichever carries it.
-/// Nothing for a foot that swings, and in the last frame.
+/// (frames): the slide of a standing foot to the next frame, on its toe or its ankle, whichever carries it. Nothing for
+/// a foot that swings, and in the last frame.
 inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& motion,
                                                                std::span<const Vec3<double>> positions, const Leg& leg,
                                                                const FootFixOptions& options) {
@@ -11105,8 +11211,8 @@ inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& mot
   return steps;
 }
 
-/// Where the knee of a straight leg goes, seen from the thigh: where the toes point in the rest pose, whatever that
-/// faces. +Z for a foot that does not tell.
+/// The direction in which the knee of a straight leg bends, seen from the thigh: that of the toes in the rest pose. +Z
+/// if the foot does not show it.
 inline Vec3<double> forward_of(const Skeleton& skeleton, const Leg& leg) {
   const auto rest = skeleton.rest_positions();
   const auto at = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
@@ -11129,9 +11235,9 @@ MOTIONLANG_BODY void move_foot(Motion& motion, const Leg& leg, std::span<const V
   }
 }
 
-/// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights
-/// where it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of
-/// its way: a foot that only jitters is left alone.
+/// (frames): the lift of a foot whose toe would otherwise swing too low. It must be `clearance` above the lower of the
+/// heights at which it leaves the floor and returns. There is one bump sin^2 for each swing, at most `clearance` or a
+/// tenth of its distance high, so that jitter is not lifted.
 inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
                                              const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames(), joints = motion.skeleton.size();
@@ -11164,8 +11270,8 @@ inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<con
   return lift;
 }
 
-/// (frames): by how much a foot has to be moved to stay where it stands. During a contact the offset undoes the slide;
-/// its mean is zero, so that the foot stands where it was on average. Between contacts it fades out and in.
+/// (frames): the offset that keeps a standing foot in its place. During a contact the offset undoes the slide; its mean
+/// is zero, so that the foot stands at its average place. Between contacts it fades out and in.
 inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<const Vec3<double>> positions,
                                               const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames();
@@ -11198,7 +11304,7 @@ inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<co
       return Vec3<double>{};
     };
     const Vec3<double> both = fade(-1) + fade(1);
-    offset[static_cast<std::size_t>(f)] = (1 / std::max(share, 1.0)) * both;  // contacts that are near: their mean
+    offset[static_cast<std::size_t>(f)] = (1 / std::max(share, 1.0)) * both;  // near contacts: their mean
   }
   return offset;
 }
@@ -11228,21 +11334,21 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP  // <motionlang/kinematics/smooth_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP
-/// Removes jitter from a clip. Slow movement, peaks and the ends of the clip stay where they are.
+/// Removes jitter from a clip. It preserves slow movement, peaks and the ends of the clip.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct SmoothOptions {
-  /// Seconds. At 20 frames per second and 0.04 s a movement of 2.5 Hz keeps 98 % of its size, one of 5 Hz 82 %, one of
-  /// 10 Hz 35 %. Heels and toes strike the floor at such rates: more makes feet slide.
+  /// Seconds. At 20 frames per second and 0.04 s, a movement of 2.5 Hz keeps 98 % of its size, one of 5 Hz 82 %, and
+  /// one of 10 Hz 35 %. Heels and toes strike the floor at such rates, so more smoothing makes feet slide.
   double sigma = 0.04;
 };
 
 /// The clip with its root positions and local rotations smoothed along time by local parabolas. Rotations are averaged
-/// where they are: as rotation vectors seen from the frame itself.
-///     p'_f = sum_k c_k p_{f+k},   q'_f = q_f exp(sum_k c_k log(q_f^-1 q_{f+k})),   |k| <= floor(4 sigma fps + 1/2)
-/// With fewer than two neighbours on each side within reach nothing changes.
-/// Throws config_error 101 unless sigma >= 0.
+/// in their own frames: as rotation vectors relative to the frame itself.
+///    p'_f = sum_k c_k p_{f+k},   q'_f = q_f exp(sum_k c_k log(q_f^-1 q_{f+k})),   |k| <= floor(4 sigma fps + 1/2)
+/// A frame with fewer than two neighbours on each side within reach does not change. Throws config_error 101 unless
+/// sigma >= 0.
 Motion smooth_motion(const Motion& motion, const SmoothOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -11255,9 +11361,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them
-/// best, errors weighted by exp(-k^2 / (2 sigma^2)). They sum to 1, and a parabola is its own fit: so peaks are not
-/// blunted and ends are not pulled. Fewer than three values: the frame itself.
+/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the best parabola, with errors
+/// weighted by exp(-k^2 / (2 sigma^2)). They sum to 1. A parabola is its own fit, so peaks stay sharp and ends stay in
+/// place. With fewer than three values: the frame itself.
 ///     c_k = w_k (1 0 0) M^-1 (1, k, k^2)^T,   M_ab = sum_k w_k k^(a + b)
 /// Source  Savitzky and Golay (1964); with Gaussian weights local regression, Cleveland (1979)
 inline std::vector<double> parabola_weights(Index first, Index last, double sigma) {
@@ -11359,8 +11465,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FACE_LANDMARKS_HPP  // <motionlang/kinematics/face_landmarks.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FACE_LANDMARKS_HPP
-/// The landmarks of a face: those that stay on their triangles, and after them those of its contour, which wander over
-/// the cheek as the head turns away from the camera.
+/// The landmarks of a face: first those that stay on their triangles, then those of its contour. The latter move over
+/// the cheek when the head turns away from the camera.
 ///
 ///     const auto posed = body.model(betas, rotations, translation);
 ///     // SMPL-X: 144 points.
@@ -11371,7 +11477,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Which contour a head shows that looks where R, the world rotation of the neck, turns it.
+/// The contour of a head that faces the direction of R, the world rotation of the neck.
 ///     angle = -atan2(-R_20, sqrt(R_00^2 + R_10^2))   in degrees, rounded: negative for a turn to the left
 ///     row   = angle                for 0, 1, ..., h         h = (contours - 1) / 2, published 39; larger turns count
 ///           as h
@@ -11384,8 +11490,8 @@ Index contour_row(const Matrix3<S>& r, Index contours) {
   return angle >= 0 ? std::min(angle, half) : half + std::min(-angle, half);
 }
 
-/// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3);
-/// only the landmarks of bodies without contours. neck: its joint. Differentiable by the vertices.
+/// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3).
+/// Bodies without contours give only the landmarks. neck: its joint. Differentiable by the vertices.
 /// Throws  shape_error 204 unless both have N poses and the rotations are those of the body, config_error 101 for a
 ///         neck that is not a joint
 template <Backend B>
@@ -11425,29 +11531,30 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_HPP  // <motionlang/kinematics/floor_fix.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_HPP
-/// Bodies that the floor carries. Generated bodies hover, sink in, and stay in the air longer than gravity allows.
-/// Metres, Y up.
+/// Puts bodies on the floor. Generated bodies hover, sink in, and stay in the air longer than gravity allows. Metres, Y
+/// up.
 ///
 ///     Motion grounded = fix_floor(motion);      // stand_on_floor, lift_sunken_feet
 ///
-/// Nothing is known of stairs, ladders and seats: what stands on one for long comes down to the floor.
+/// The floor is flat: a body that stands on stairs, a ladder or a seat for long comes down to the floor.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct FloorFixOptions {
   double floor = 0;
-  double ankle_stands = 0.07, toe_stands = 0.015;  // m; height of these joints of a foot that stands
+  double ankle_stands = 0.07, toe_stands = 0.015;  // m; height of these joints of a standing foot
   double body_rests = 0.05;                        // m; of any other joint on which a body rests
   double tolerance = 0.04;                         // m; a body within this distance of the floor stays
   double longest_flight = 1.2;                     // s; a body that is above the floor for longer hovers
   double gravity = 9.81;                           // m/s^2
   double sigma = 0.05;                             // s; smoothness of the correction
-  double foot_sinks = 0.02;                        // m; a foot that is less deep in the floor stays
+  double foot_sinks = 0.02;                        // m; a foot that sinks in less than this stays
+  double seated = 0;  // m; if the root is lower, the trunk rests on the floor and feet carry nothing; 0: never
 };
 
 namespace detail {
 
-/// How far a foot is above the height at which it stands, on its toe or its ankle, whichever is nearer to the floor.
+/// The distance of a foot above its standing height, at its toe or its ankle, whichever is nearer to the floor.
 inline double foot_over_floor(std::span<const Vec3<double>> pose, const Leg& leg, const FloorFixOptions& options) {
   const auto at = [&](int joint) { return pose[static_cast<std::size_t>(joint)].y - options.floor; };
   return std::min(at(leg.limb.end) - options.ankle_stands, at(leg.toe) - options.toe_stands);
@@ -11455,29 +11562,36 @@ inline double foot_over_floor(std::span<const Vec3<double>> pose, const Leg& leg
 
 }  // namespace detail
 
-/// (frames): how far the lowest part of the body is above the floor, by the heights at which it stands or rests.
-/// Negative: it is sunk in. Throws config_error 103 if the skeleton has no such legs.
+/// (frames): the distance of the lowest part of the body above the floor, relative to the heights at which it stands or
+/// rests. Negative values mean that it has sunk in. Within 0.2 m above options.seated, feet count less for a lower
+/// root; below that they do not count. Throws config_error 103 if the skeleton has no such legs.
 std::vector<double> heights_over_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                                        const FloorFixOptions& options = {});
 
 /// The clip with its root moved up and down so that the floor carries it: h_f of heights_over_floor becomes 0 where the
-/// body stands. Rotations and the way over the floor stay.
-///     hovering   what is left of h if flights of at most longest_flight are taken away (a morphological opening)
-///     flights    no higher than a thrown body of the same peak:   h_f <= H - g/2 (t_f - t_peak)^2, or 0
-///     sunken     raised by as much as they are below the floor
-/// A correction starts at `tolerance`, and is full from twice that on.
-/// Throws config_error 103 if the skeleton has no such legs, 101 unless longest_flight and sigma are positive.
+/// body stands. Rotations and the path over the floor stay.
+///    hovering   the rest of h after flights of at most longest_flight are removed (a morphological opening)
+///    flights    no higher than a thrown body of the same peak:   h_f <= H - g/2 (t_f - t_peak)^2, or 0
+///    sunken     raised by their depth below the floor
+/// A correction starts at `tolerance`, and is complete from twice that on. Throws config_error 103 if the skeleton has
+/// no such legs, and 101 unless longest_flight and sigma are positive.
 Motion stand_on_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FloorFixOptions& options = {});
 
-/// The clip with legs bent so that no foot is deeper in the floor than foot_sinks. Throws as lock_feet.
+/// The clip with bent legs, so that no foot sinks deeper into the floor than foot_sinks. Throws as lock_feet.
 Motion lift_sunken_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                         const FloorFixOptions& options = {});
 
-/// stand_on_floor, lift_sunken_feet. Throws what they throw.
+/// Applies stand_on_floor and lift_sunken_feet. Throws what they throw.
 inline Motion fix_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                         const FloorFixOptions& options = {}) {
   return lift_sunken_feet(stand_on_floor(motion, legs, options), legs, options);
 }
+
+/// A recorded clip on the floor: moved up or down by what its lowest tenth is off, then fix_floor.
+/// seated  somebody sits, lies or does exercises on the floor: hips below 0.6 m come down to it, nothing flies
+/// Throws what fix_floor throws.
+Motion ground_recording(const Motion& motion, bool seated = false, std::span<const Leg> legs = smpl_legs,
+                        FloorFixOptions options = {});
 
 MOTIONLANG_NAMESPACE_END
 
@@ -11494,7 +11608,7 @@ inline std::span<const Vec3<double>> pose_of(std::span<const Vec3<double>> posit
   return positions.subspan(static_cast<std::size_t>(frame * joints), static_cast<std::size_t>(joints));
 }
 
-/// 0 up to the tolerance, x from twice that on, and steadily between.
+/// 0 up to the tolerance, x from twice the tolerance on, and linear between.
 inline double beyond(double x, double tolerance) { return x >= 2 * tolerance ? x : std::max(0.0, 2 * (x - tolerance)); }
 
 /// The smallest (of larger: largest) value within `reach` frames of each.
@@ -11512,9 +11626,9 @@ inline std::vector<double> extremes(std::span<const double> values, Index reach,
   return out;
 }
 
-/// By how much each frame of a flight is above the arc of a thrown body with the same peak. The peak is in the middle
-/// of the frames that are nearly as high.
-/// heights  above the floor, no hovering among them
+/// The height of each frame of a flight above the arc of a thrown body with the same peak. The peak is in the middle of
+/// the frames that are nearly as high.
+/// heights  above the floor, without hovering
 inline std::vector<double> above_arcs(std::span<const double> heights, double fps, const FloorFixOptions& options) {
   const Index n = std::ssize(heights);
   std::vector<double> above(heights.size(), 0.0);
@@ -11537,7 +11651,7 @@ inline std::vector<double> above_arcs(std::span<const double> heights, double fp
   return above;
 }
 
-/// Never below the values, and smooth where they begin and end.
+/// A smooth curve that is never below the values.
 inline std::vector<double> smooth_above(std::span<const double> values, double sigma) {
   const auto wide = extremes(values, 1, true);
   return gaussian_smooth(std::span<const double>(wide), 1, sigma);
@@ -11557,12 +11671,15 @@ MOTIONLANG_BODY std::vector<double> heights_over_floor(const Motion& motion, std
   std::vector<double> heights;
   for (Index f = 0; f < motion.frames(); ++f) {
     const auto pose = detail::pose_of(positions, joints, f);
-    double lowest = pose.front().y - options.floor - options.body_rests;
+    double trunk = pose.front().y - options.floor - options.body_rests;
     for (std::size_t j = 0; j < pose.size(); ++j) {
-      if (!of_foot[j]) lowest = std::min(lowest, pose[j].y - options.floor - options.body_rests);
+      if (!of_foot[j]) trunk = std::min(trunk, pose[j].y - options.floor - options.body_rests);
     }
+    double lowest = trunk;
     for (const Leg& leg : legs) lowest = std::min(lowest, detail::foot_over_floor(pose, leg, options));
-    heights.push_back(lowest);
+    const double standing =
+        options.seated > 0 ? std::clamp((pose.front().y - options.floor - options.seated) / 0.2, 0.0, 1.0) : 1;
+    heights.push_back(trunk + standing * (lowest - trunk));
   }
   return heights;
 }
@@ -11611,18 +11728,30 @@ MOTIONLANG_BODY Motion lift_sunken_feet(const Motion& motion, std::span<const Le
   return out;
 }
 
+MOTIONLANG_BODY Motion ground_recording(const Motion& motion, bool seated, std::span<const Leg> legs,
+                                        FloorFixOptions options) {
+  if (seated) options.seated = 0.6, options.longest_flight = 0.1;
+  auto heights = heights_over_floor(motion, legs, options);
+  if (heights.empty()) return motion;
+  const auto tenth = heights.begin() + std::ssize(heights) / 10;
+  std::nth_element(heights.begin(), tenth, heights.end());
+  Motion out = motion;
+  for (Vec3<double>& root : out.root) root.y -= *tenth;
+  return fix_floor(out, legs, options);
+}
+
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_BATCH_HPP  // <motionlang/kinematics/forward_batch.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FORWARD_BATCH_HPP
-/// Forward kinematics of a whole batch: the function of forward.hpp over many poses at once.
+/// Forward kinematics of a whole batch: the function of forward.hpp for many poses at once.
 ///
 ///     auto joints = forward_kinematics(skeleton, lanes(rot6d, root));     // (batch, time, joints, 3)
 ///
-/// On a bare backend as many poses at a time as SIMD registers hold (Lane) go through it, on all threads. On an
-/// Autodiff backend every number is a tensor over batch and time, so that the result can be differentiated.
+/// On a bare backend, all threads compute as many poses at a time as SIMD registers hold (Lane). On an Autodiff backend
+/// every value is a tensor over batch and time, so the result can be differentiated.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -11643,7 +11772,7 @@ LanePoses<B> lanes(Tensor<B, 4> rot6d, Tensor<B, 3> root) {
 
 namespace detail {
 
-/// Poses in plain arrays, and as many of them at a time as there are lanes.
+/// Poses in plain arrays, processed in groups of as many as there are lanes.
 template <Scalar S>
 class PoseArrays {
  public:
@@ -11668,7 +11797,7 @@ class PoseArrays {
   }
 
  private:
-  /// The numbers of the next group come into the cache meanwhile, a few lines with every joint.
+  /// Prefetches the values of the next group meanwhile, a few lines with every joint.
   template <class L>
   void place_group(Index first, Index last, JointTransforms<L>& world) const {
     const std::size_t n = has_children_.size();
@@ -11677,7 +11806,7 @@ class PoseArrays {
     S* const to = joints_ + first * static_cast<Index>(3 * n);
     const bool more = first + 2 * L::size <= count_;
     Vec3<L> root;
-    Rotation6dRows<L> local[2];  // twelve numbers: three fours, as load_rows likes them
+    Rotation6dRows<L> local[2];  // twelve values: three fours, for load_rows
     static_assert(sizeof(local) == 12 * sizeof(L) && sizeof(root) == 3 * sizeof(L));
     load_rows(root_ + first * 3, 3, poses, std::span<L>(&root.x, 3));
     for (std::size_t j = 0; j < n; j += 2) {
@@ -11698,7 +11827,7 @@ class PoseArrays {
   }
 
   const Skeleton& skeleton_;
-  std::vector<char> has_children_;  // of every joint: what nothing hangs on needs no rotation
+  std::vector<char> has_children_;  // of every joint: a joint without children needs no rotation
   const S *rot6d_, *root_;
   Index count_;
   S* joints_;
@@ -11723,7 +11852,7 @@ void forward_kinematics(const Skeleton& skeleton, std::span<const S> rot6d, std:
   });
 }
 
-/// -> (batch, time, joints, 3). Throws shape_error 204 if the number of joints is another.
+/// -> (batch, time, joints, 3). Throws shape_error 204 if the number of joints is wrong.
 template <Backend B>
 Tensor<B, 4> forward_kinematics(const Skeleton& skeleton, const LanePoses<B>& poses) {
   const Index batch = poses.rot6d.size(0), time = poses.rot6d.size(1), n = poses.rot6d.size(2);
@@ -11760,15 +11889,15 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_JOIN_MOTIONS_HPP  // <motionlang/kinematics/join_motions.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_JOIN_MOTIONS_HPP
-/// Motions one after the other: each is turned and moved over the floor to go on where the one before it ends.
+/// Joins motions: each is turned and moved over the floor to start where the one before it ends.
 ///
 ///     const Motion both = join_motions(read_motion("walk.bvh"), read_motion("sit.bvh"), 0.3);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The second motion after the first, on its skeleton and at its rate (match_motion), blended into it (blend_into).
-/// blend   seconds in which both play; at least one frame
-/// Throws  option_error 101 for a motion that is shorter than the blend, and what match_motion throws
+/// blend   seconds during which both play; at least one frame
+/// Throws  option_error 101 for a motion shorter than the blend, and what match_motion throws
 Motion join_motions(const Motion& first, Motion second, double blend);
 
 MOTIONLANG_NAMESPACE_END
@@ -11779,12 +11908,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_HPP  // <motionlang/kinematics/match_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_HPP
-/// A clip made like another one, so that both can be joined or composed.
+/// Adapts a clip to another one, so that both can be joined or composed.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The motion on the skeleton and at the rate of another one. If it comes from another skeleton, it stands on the floor
-/// of the other motion. Throws what retarget and resample throw.
+/// The motion on the skeleton and at the rate of another one. If it was on another skeleton, it is put on the floor of
+/// the other motion. Throws what retarget and resample throw.
 Motion match_motion(Motion motion, const Motion& other);
 
 MOTIONLANG_NAMESPACE_END
@@ -11827,11 +11956,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_LOOPS_HPP  // <motionlang/kinematics/loops.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_LOOPS_HPP
-/// Cycles in a clip (steps, waving, breathing) and clips made longer by going round them.
+/// Finds cycles in a clip (steps, waving, breathing), and makes clips longer by repeating them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames first and last look alike, so that after `last - 1` the clip may go on at `first`.
+/// Frames first and last look alike, so that after `last - 1` the clip may continue at `first`.
 struct Loop {
   Index first = 0, last = 0;
   double cost = 0;  // mean distance of joints, metres, velocities included
@@ -11839,7 +11968,7 @@ struct Loop {
 
 namespace detail {
 
-/// Rotation about the vertical that a quaternion contains.
+/// The rotation about the vertical in a quaternion.
 inline double heading(const Quaternion<double>& q) { return 2 * std::atan2(q.y, q.w); }
 inline Quaternion<double> turn(double angle) { return from_axis_angle(Vec3<double>{0, 1, 0}, angle); }
 
@@ -11853,8 +11982,8 @@ std::vector<Vec3<double>> poses_in_place(const Motion& motion);
 /// Throws config_error 101 unless least >= 1.
 std::optional<Loop> find_loop(const Motion& motion, Index least, double most = 0.08);
 
-/// The clip up to loop.last, then round the loop until there are `frames` frames. Each round goes on from where the
-/// last one was, in its direction; what is left of the difference between the ends fades away over `blend` frames.
+/// The clip up to loop.last, then repetitions of the loop until there are `frames` frames. Each round continues at the
+/// end of the one before, in its direction. The remaining difference between the ends fades out over `blend` frames.
 Motion go_round(const Motion& motion, const Loop& loop, Index frames, Index blend = 8);
 
 MOTIONLANG_NAMESPACE_END
@@ -11914,7 +12043,7 @@ MOTIONLANG_BODY Motion go_round(const Motion& motion, const Loop& loop, Index fr
   Index since = blend;  // frames since the last seam
   for (Index from = 0; out.frames() < frames; ++from, ++since) {
     if (from == loop.last) {
-      // The frame that is due (last, in the present round) and the one that comes instead (first).
+      // The frame that is due (last, in the present round) and the frame that replaces it (first).
       const auto due = motion.rotations(loop.last), comes = motion.rotations(loop.first);
       const Vec3<double> at = place + rotate(turned, motion.root_at(loop.last));
       const auto spin = detail::turn(detail::heading(due[0]) - detail::heading(comes[0]));
@@ -11949,16 +12078,16 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_HPP  // <motionlang/kinematics/mirror_joints.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_HPP
-/// Joint positions in a mirror that stands in the plane x = 0: how HumanML3D doubles its clips. Of whole motions, with
-/// rotations: motion_tools.hpp.
+/// Mirrors joint positions at the plane x = 0, as HumanML3D does to double its clips. motion_tools.hpp mirrors whole
+/// motions with rotations.
 ///
 /// Source  Guo et al. (CVPR 2022), raw_pose_processing.ipynb swap_left_right
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Partners of the 22 joints of HumanML3D or the 52 of SMPL-H. The published list of the fingers pairs wrong ones (the
-/// left index finger with the right little one, ...); `fix_fingers` pairs the right ones.
-/// Throws config_error 101 for another number of joints.
+/// Partners of the 22 joints of HumanML3D or the 52 of SMPL-H. The published list pairs wrong fingers (the left index
+/// finger with the right little one, ...); `fix_fingers` pairs the right ones. Throws config_error 101 for another
+/// number of joints.
 std::vector<int> humanml3d_mirror_partners(int joints, bool fix_fingers = false);
 
 /// joints (frames, joints) -> the same, p'_partner(j) = (-x, y, z)_j. Throws shape_error 205, config_error 102 if the
@@ -12015,32 +12144,31 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_HPP  // <motionlang/kinematics/motion_from_joints.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_HPP
-/// A clip from the positions of its joints: what models that predict positions need to become BVH, GLB or AMASS.
+/// A clip from the positions of its joints. So models that predict positions can write BVH, GLB or AMASS.
 ///
 ///     const Motion clip = motion_from_joints(humanml3d22_skeleton(), joints, 20);
 ///
-/// Bones get the mean length that they have in the clip, and where several begin at one joint, the angles between them.
-/// Each joint is turned so that its bones at rest come nearest to where they are seen, with as little twist against its
-/// parent as that leaves open; positions along bones of constant length are met.
+/// Bones get their mean length in the clip. If several begin at one joint, the angles between them are also means. Each
+/// joint is turned so that its bones at rest come nearest to their observed directions, with as little twist against
+/// its parent as possible. Positions along bones of constant length are met exactly.
 /// Source  Mueller, Bender, Chentanez, Macklin: "A robust method to extract the rotational part of deformations" (MIG
-///         2016), eq. 7,
-///         on pairs of vectors:   omega = sum_i R a_i x b_i / |sum_i R a_i . b_i|,   R <- exp(omega) R
-/// World   Y up, as Motion has it
+///         2016), eq. 7, on pairs of vectors:
+///             omega = sum_i R a_i x b_i / |sum_i R a_i . b_i|,   R <- exp(omega) R
+/// World   Y up, as in Motion
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A vector at rest and where it is seen.
+/// A vector at rest and its observed direction.
 struct SeenVector {
   Vec3<double> rest, seen;
 };
 
-/// The rotation that brings vectors at rest nearest to where they are seen, in the sense of least squares, found from
-/// `start` on.
+/// The rotation that brings vectors at rest nearest to their observed directions, in the sense of least squares. The
+/// search begins at `start`.
 Quaternion<double> fit_rotation(std::span<const SeenVector> vectors, Quaternion<double> start);
 
-/// skeleton  its names, parents and the directions of its bones at rest; joints beyond those that are given stay as at
-///           rest
-/// joints    (frames, count), count <= the joints of the skeleton, of which they are the first
+/// skeleton  its names, parents and rest directions of bones; further joints stay at rest
+/// joints    (frames, count): the first joints of the skeleton, at most all of them
 /// Throws    shape_error 205 unless `joints` are whole frames, config_error 101 for a wrong count or frame rate,
 ///           numeric_error 301 for a position that is not finite
 Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, Index count, double fps);
@@ -12087,7 +12215,7 @@ inline double misfit(std::span<const SeenVector> vectors, const Quaternion<doubl
   return sum;
 }
 
-/// Bones that begin at one joint as they lie to one another in the clip, turned as at rest. They keep their lengths.
+/// The bones that begin at one joint, in the mean arrangement of the clip, turned as at rest. They keep their lengths.
 /// Each round turns the bones of every frame onto those at rest and takes the means.
 /// rest   (bones); seen (frames, bones)
 inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> rest,
@@ -12162,7 +12290,7 @@ MOTIONLANG_BODY Motion motion_from_joints(const Skeleton& skeleton, std::span<co
         for (const std::size_t c : children[j]) bones.push_back({out.skeleton.offsets[c], frame[c] - frame[j]});
       }
       world[j] = fit_rotation(bones, up);
-      for (int quarter = 1; parent < 0 && quarter < 4; ++quarter) {  // whatever it faces
+      for (int quarter = 1; parent < 0 && quarter < 4; ++quarter) {  // for any heading
         const auto start = from_axis_angle(Vec3<double>{0, 1, 0}, quarter * std::numbers::pi / 2);
         const auto other = fit_rotation(bones, start);
         if (detail::misfit(bones, other) < detail::misfit(bones, world[j]) - 1e-12) world[j] = other;
@@ -12180,13 +12308,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_OVERLAY_HPP  // <motionlang/kinematics/overlay.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_OVERLAY_HPP
-/// Two motions in one body: some parts move as in one clip, the rest as in another.
+/// Combines two motions in one body: some parts move as in one clip, the rest as in the other.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// `base` with the local rotations of `parts` taken from `other`, frame by frame, as long as both last. The path, the
-/// height and everything else are the base's. SMPL's joints only, or the first of them (HumanML3D). Throws config_error
-/// 103 for another skeleton, 102 for two frame rates.
+/// `base` with the local rotations of `parts` from `other`, frame by frame, while both last. The path, the height and
+/// everything else come from the base. It needs SMPL's joints, or the first of them (HumanML3D). Throws config_error
+/// 103 for another skeleton, and 102 for two frame rates.
 /// Source  the synthetic training data of SINC (thesis B.2.1), on rotations
 Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts);
 
@@ -12230,10 +12358,10 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SINC_PART_MOTION_HPP  // <motionlang/kinematics/sinc_part_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SINC_PART_MOTION_HPP
-/// Which parts of the body a recording moves, measured instead of read from its text: SINC's baseline.
+/// The body parts that a recording moves, measured instead of read from its text: SINC's baseline.
 ///
 /// Source  thesis B.2.1, "Could we extract body part labels without GPT-3?"; SINC sinc/data/babel.py compute_heuristic
-/// Differs from the paper, which standardises: the six speeds are brought to 0 ... 1, as the code does
+/// Differs from the paper, which standardises: the six speeds are scaled to 0 ... 1, as in the code
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SINC_PARTS_HPP  // <motionlang/kinematics/sinc_parts.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SINC_PARTS_HPP
@@ -12245,7 +12373,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// In the order of SINC's part vectors. `global` is the pelvis: where the body is and how it is turned.
+/// In the order of SINC's part vectors. `global` is the pelvis: the place and orientation of the body.
 enum class SincPart : std::size_t { global, torso, left_arm, right_arm, left_leg, right_leg };
 inline constexpr std::size_t sinc_part_count = 6;
 inline constexpr std::array<std::string_view, sinc_part_count> sinc_part_names{"global",    "torso",    "left arm",
@@ -12261,7 +12389,7 @@ SincParts sinc_parts(Part... parts) {
 }
 inline bool has(const SincParts& parts, SincPart part) { return parts[static_cast<std::size_t>(part)]; }
 
-/// Throws nothing: an unknown name is not part.
+/// Does not throw: an unknown name gives nothing.
 constexpr std::optional<SincPart> parse_sinc_part(std::string_view name) {
   for (std::size_t p = 0; p < sinc_part_count; ++p) {
     if (name == sinc_part_names[p]) return static_cast<SincPart>(p);
@@ -12269,7 +12397,7 @@ constexpr std::optional<SincPart> parse_sinc_part(std::string_view name) {
   return std::nullopt;
 }
 
-/// Two actions can be done at once if no part does both.
+/// True if no part acts in both, so that both actions can be done at the same time.
 inline bool are_compatible(const SincParts& a, const SincParts& b) { return (a & b).none(); }
 
 /// Part of each of SMPL's first 22 joints. Collars belong to the arms, neck and head to the torso.
@@ -12309,7 +12437,7 @@ std::array<S, sinc_part_count> sinc_part_speeds(std::span<const Vec3<S>> joints)
   return speeds;
 }
 
-/// The parts above `threshold` of the way from the slowest to the fastest. Nobody moves: none.
+/// The parts that are faster than `threshold` of the range from the slowest to the fastest. None if nothing moves.
 template <Scalar S>
 SincParts moving_sinc_parts(const std::array<S, sinc_part_count>& speeds, double threshold = 0.65) {
   const auto [least, most] = std::minmax_element(speeds.begin(), speeds.end());
@@ -12323,17 +12451,89 @@ SincParts moving_sinc_parts(const std::array<S, sinc_part_count>& speeds, double
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_TREADMILL_HPP  // <motionlang/kinematics/treadmill.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_TREADMILL_HPP
+/// Walks on the spot, as games have them, that become walks over the floor.
+///
+///     const Motion walk = off_treadmill(read_glb("hero.glb", {.animation = "Walking"}));
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct TreadmillOptions {
+  double floor = 0;
+  double low = 0.04;      // m; a joint that is this near to the height at which it rests touches the floor
+  double slowest = 0.25;  // m/s; a floor that slides less does not slide
+  double spot = 0.15;     // m; a root that ends farther from where it began walks already
+};
+
+/// Metres per second at which the floor slides under the body: the mean velocity of the joint that is nearest to it,
+/// over all frames in which one touches it. y is 0, and so are the others where nothing touches it.
+/// Throws config_error 103 if the skeleton does not have the feet of SMPL.
+Vec3<double> floor_speed(const Motion& motion, const TreadmillOptions& options = {});
+
+/// The clip with a root that moves as fast as the floor slides, but the other way. A clip that goes somewhere, or whose
+/// floor does not slide, stays as it is. Throws what floor_speed throws.
+Motion off_treadmill(const Motion& motion, const TreadmillOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_TREADMILL_IPP  // <motionlang/kinematics/treadmill.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_TREADMILL_IPP
+// Bodies of treadmill.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Vec3<double> floor_speed(const Motion& motion, const TreadmillOptions& options) {
+  detail::require_legs("floor_speed", motion.skeleton, smpl_legs);
+  const FloorFixOptions rest;
+  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
+  std::vector<double> rests(joints, rest.body_rests);  // heights at which they touch the floor
+  for (const Leg& leg : smpl_legs) {
+    rests[static_cast<std::size_t>(leg.limb.end)] = rest.ankle_stands;
+    rests[static_cast<std::size_t>(leg.toe)] = rest.toe_stands;
+  }
+  const auto positions = motion.positions();
+  Vec3<double> sum{};
+  double touching = 0;
+  for (std::size_t now = 0; now + joints < positions.size(); now += joints) {
+    double lowest = options.floor + options.low;
+    std::optional<Vec3<double>> step;  // of the lowest joint
+    for (std::size_t j = 0; j < joints; ++j) {
+      const Vec3<double>&from = positions[now + j], &to = positions[now + joints + j];
+      const double height = std::max(from.y, to.y) - rests[j];
+      if (height < lowest) lowest = height, step = to - from;
+    }
+    if (step) sum = sum + *step, touching += 1;
+  }
+  if (touching == 0) return {};
+  return {sum.x * motion.fps / touching, 0, sum.z * motion.fps / touching};
+}
+
+MOTIONLANG_BODY Motion off_treadmill(const Motion& motion, const TreadmillOptions& options) {
+  const Vec3<double> speed = floor_speed(motion, options);
+  if (motion.frames() == 0 || std::hypot(speed.x, speed.z) < options.slowest) return motion;
+  const Vec3<double> way = motion.root.back() - motion.root.front();
+  if (std::hypot(way.x, way.z) > options.spot) return motion;
+  Motion out = motion;
+  for (Index f = 0; f < out.frames(); ++f)
+    out.root[static_cast<std::size_t>(f)] = out.root_at(f) - (static_cast<double>(f) / out.fps) * speed;
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP  // <motionlang/kinematics/uniform_skeleton.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP
-/// Joint positions of anybody on a skeleton of given bone lengths: every bone keeps its direction, the path of the root
-/// is scaled with the length of the leg.
+/// Joint positions of any person on a skeleton of given bone lengths. Every bone keeps its direction, and the path of
+/// the root is scaled with the length of the leg.
 ///
 ///     scale = (thigh + shank of the target) / (thigh + shank of frame 0)
 ///     X_0 = scale p_0,   X_j = X_parent(j) + length_j (p_j - p_parent(j)) / |p_j - p_parent(j)|
 ///
-/// Source  Guo et al. (CVPR 2022), HumanML3D motion_representation.ipynb uniform_skeleton. The
-///         published code goes there and back through rotations, which cancel; its NaN for a bone opposite to its zero
-///         direction is not reproduced here.
+/// Source  Guo et al. (CVPR 2022), HumanML3D motion_representation.ipynb uniform_skeleton. The published code converts
+///         to rotations and back, which cancels. Its NaN for a bone opposite to its zero direction is not reproduced.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -12345,7 +12545,7 @@ struct UniformJoints {
 
 /// joints   (frames, joints)
 /// lengths  (joints), of the target's bones
-/// The result keeps its own height, without a search for the floor. Without frames it is empty, with scale 0.
+/// The result keeps its own height; it does not search for the floor. Without frames it is empty, with scale 0.
 /// Throws   shape_error 204, 205, config_error 106, numeric_error 301 for a bone that is not finite, 302 for one of
 ///          length 0
 template <Scalar S>
@@ -12379,24 +12579,24 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_UP_AXIS_HPP  // <motionlang/kinematics/up_axis.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_UP_AXIS_HPP
-/// Which axis of a file points up, where it is not Y: programs that have Z up, and cameras, whose Y points down.
+/// Finds the axis of a file that points up if it is not Y. Some programs have Z up, and in cameras Y points down.
 ///
 ///     if (const auto stands = find_up_axis(motion)) motion = turned_upright(motion, stands->axis);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The axis that points up. `y_down`: the other end of Y does, as in the coordinates of a camera.
+/// The axis that points up. `y_down`: -Y points up, as in the coordinates of a camera.
 enum class UpAxis { found, y, z, x, y_down, z_down, x_down };
 
 /// "+Y", "-Z".
 std::string_view to_string(UpAxis axis);
 /// The axis as a vector of length 1, (0, 1, 0) for `found`.
 Vec3<double> up_direction(UpAxis axis);
-/// The rotation that turns the axis to +Y, about x where that is possible.
+/// The rotation that turns the axis to +Y, about x if possible.
 Quaternion<double> upright_rotation(UpAxis axis);
 
-/// The motion with another axis turned to +Y. If the rest pose stands along that axis, too, it is turned along;
-/// otherwise, and where no table tells how it stands, the root alone is turned. Positions are the same in both cases.
+/// The motion with another axis turned to +Y. If the rest pose stands along that axis, too, it is turned as well.
+/// Otherwise, and if no table describes the rest pose, only the root is turned. Positions are the same in both cases.
 Motion turned_upright(const Motion& motion, const Quaternion<double>& upright);
 inline Motion turned_upright(const Motion& motion, UpAxis axis) {
   return turned_upright(motion, upright_rotation(axis));
@@ -12408,10 +12608,10 @@ struct StandingAxis {
   double share;  // mean part of the trunk's direction along it; 1: exactly
 };
 
-/// The axis other than +Y along which trunk and legs are, in the mean over the frames. The rest pose has to stand along
-/// it, too, or feet on the floor; else the body lies. Upside down, arms that hang to the feet tell a camera's
-/// coordinates from a handstand. Nothing for a body that stands along +Y or none of them, and where no table of joints
-/// fits.
+/// The axis other than +Y along which trunk and legs are, in the mean over the frames. The rest pose must stand along
+/// it, too, or feet must be on the floor; otherwise the body is lying. If it is upside down, arms that hang towards the
+/// feet distinguish a camera's coordinates from a handstand. Nothing for a body that stands along +Y or along no axis,
+/// and if no table of joints fits.
 std::optional<StandingAxis> find_up_axis(const Motion& motion);
 
 namespace detail {
@@ -12428,7 +12628,7 @@ struct BodyTrack {
 };
 struct UprightLimits {
   double upright = 0.8;   // mean direction of trunk and legs along an axis; 1: exactly
-  double standing = 0.3;  // that feet may be off 0 along an axis that the rest pose does not stand along
+  double standing = 0.3;  // distance of the feet from 0 along an axis along which the rest pose does not stand
 };
 std::optional<StandingAxis> find_up_axis(const BodyTrack& track, const UprightLimits& limits);
 
@@ -12498,7 +12698,7 @@ MOTIONLANG_BODY std::optional<StandingAxis> find_up_axis(const BodyTrack& track,
     legs = legs + normalized(hips - middle(f, body.ankle));
     if (body.wrist.known()) arms = arms + (shoulders - middle(f, body.wrist));
   }
-  const auto off_floor = [&](const Vec& up) {  // of the soles: 5 % of the frames have a foot lower than this
+  const auto off_floor = [&](const Vec& up) {  // the height of the soles: 5 % of the frames have a foot lower than this
     constexpr double toe_height = 0.02, ankle_height = 0.08;  // m above the sole
     std::vector<double> lowest;
     for (Index f = 0; f < frames; ++f) {
@@ -12523,7 +12723,7 @@ MOTIONLANG_BODY std::optional<StandingAxis> find_up_axis(const BodyTrack& track,
 }  // namespace detail
 
 MOTIONLANG_BODY std::optional<StandingAxis> find_up_axis(const Motion& motion) {
-  constexpr Index most = 300;  // frames that are looked at
+  constexpr Index most = 300;  // frames to check
   const auto body = find_body_joints(motion.skeleton);
   if (!body || motion.frames() == 0) return std::nullopt;
   std::vector<Vec3<double>> positions;
@@ -12569,15 +12769,15 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_INIT_HPP  // <motionlang/nn/init.hpp>
 #define MOTIONLANG_HAS_NN_INIT_HPP
-/// Initial values of parameters, as PyTorch draws them (the distributions, not the same numbers).
+/// Initial values of parameters, from PyTorch's distributions but not its random numbers.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// While it lives, this thread makes no more parameters than a file of weights justifies: twice its numbers and 16 Mi.
-/// So a small file whose sizes are huge is refused before memory is taken for them.
+/// While it lives, this thread makes at most as many parameters as a file of weights justifies: twice its values and 16
+/// Mi. So a small file with huge sizes is refused before memory is taken for them.
 class ParameterRoom {
  public:
-  /// file: its name in messages; numbers: of all its tensors
+  /// file: its name for messages; numbers: of all its tensors
   ParameterRoom(std::string file, Index numbers);
   ~ParameterRoom();
   ParameterRoom(const ParameterRoom&) = delete;
@@ -12596,7 +12796,7 @@ class ParameterRoom {
   ParameterRoom* before_;
 };
 
-/// A generator that gives zeros at no cost: for models whose parameters are about to be loaded.
+/// A generator that gives zeros at no cost, for models whose parameters will be loaded.
 struct NoInit {
   template <class S>
   void normal(std::span<S> out) {
@@ -12613,7 +12813,7 @@ static_assert(Rng<NoInit>);
 
 namespace detail {
 
-/// Zeros that take no memory before somebody reads them, where the backend's tensors can lie in memory of others.
+/// Zeros that take no memory before they are read, if the backend's tensors can use foreign memory.
 template <Backend B, int R>
 Tensor<B, R> untouched_zeros(const Shape& shape) {
   using S = typename B::scalar;
@@ -12662,7 +12862,7 @@ Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
   if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
   return t;
 }
-/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if
+/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), followed by the kernel if
 /// there is one.
 template <Backend B, int R>
 Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {
@@ -12701,7 +12901,7 @@ MOTIONLANG_BODY ParameterRoom*& ParameterRoom::innermost() {
 }
 
 MOTIONLANG_BODY void ParameterRoom::take_numbers(const Shape& shape) {
-  double count = 1;  // may be beyond Index
+  double count = 1;  // may be too large for Index
   for (const Index n : shape.sizes()) count *= static_cast<double>(n);
   taken_ += count;
   if (taken_ > 2 * static_cast<double>(numbers_) + (1 << 24))
@@ -12731,8 +12931,8 @@ struct RunningStatistics {
 
 ///     y = (x - m) / sqrt(v + eps) weight + bias
 /// Source  Ioffe and Szegedy (2015), algorithms 1 and 2; parameter names of PyTorch.
-/// In use m and v are the running statistics. In training, `train(x)`, they are mean and variance (divided by n) of the
-/// rows, and the running ones move towards them: r = (1 - momentum) r + momentum s, where s has the variance divided by
+/// In use, m and v are the running statistics. In training, `train(x)`, they are mean and variance (divided by n) of
+/// the rows. The running ones move towards them: r = (1 - momentum) r + momentum s, where s has the variance divided by
 /// n - 1.
 template <Backend B>
 struct BatchNorm {
@@ -12758,7 +12958,7 @@ struct BatchNorm {
     const auto scale = weight / sqrt(statistics.running_var + eps);
     return x * scale + (bias - statistics.running_mean * scale);
   }
-  /// The same by the statistics of these rows, which are remembered. Throws shape_error 205 for fewer than two rows.
+  /// The same with the statistics of these rows, which are stored. Throws shape_error 205 for fewer than two rows.
   Tensor<B, 2> train(const Tensor<B, 2>& x) {
     const ModuleScope scope(*this);
     check(x);
@@ -12875,8 +13075,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Packed sequences as steps of time: step t has row t of every sequence that is that long, the longest first; with
-/// `backwards` counted from the end. Like PyTorch's packed sequences.
+/// Packed sequences as steps of time. Step t has row t of every sequence that is long enough, the longest first. With
+/// `backwards`, t counts from the end. This is like PyTorch's packed sequences.
 template <Backend B>
 struct TimeSteps {
   std::vector<Tensor<B, 2>> steps;
@@ -12934,7 +13134,7 @@ struct GruLayer {
   Index hidden() const { return weight_hh.size(1); }
 
   /// x: one (rows, in) per time step; h0 (rows, hidden) -> one (rows, hidden) per step. Steps may have fewer rows than
-  /// the ones before: the last sequences have ended.
+  /// the ones before, because the last sequences have ended.
   std::vector<Tensor<B, 2>> operator()(const std::vector<Tensor<B, 2>>& x, const Tensor<B, 2>& h0) const {
     const ModuleScope scope(*this);
     const Index n = hidden();
@@ -12951,8 +13151,8 @@ struct GruLayer {
     }
     return out;
   }
-  /// Each sequence by itself, from its first row to the last or `backwards`; h0 (sequences, hidden). A row of the
-  /// result for every row. Throws shape_error 204.
+  /// Runs each sequence on its own, from its first row to the last or `backwards`; h0 (sequences, hidden). Every row
+  /// gives a row of the result. Throws shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 2>& h0, bool backwards = false) const {
     const ModuleScope scope(*this);
     if (h0.shape() != Shape{x.count(), hidden()})
@@ -12964,8 +13164,8 @@ struct GruLayer {
   }
 
  private:
-  /// W_i x + b_i of all gates for each step, by one product of all steps: weights are read once. Not on a tape, where
-  /// the gradient of each step would be one of all rows.
+  /// W_i x + b_i of all gates for each step, by one product for all steps, which reads the weights once. Not used on a
+  /// tape, where the gradient of each step would have all rows.
   std::vector<Tensor<B, 2>> read(const std::vector<Tensor<B, 2>>& x) const {
     std::vector<Tensor<B, 2>> out;
     if (AutodiffBackend<B> || x.size() < 2) {
@@ -12982,8 +13182,8 @@ struct GruLayer {
   }
 };
 
-/// A stack of layers; every layer starts from zeros unless the caller passes a state. Official keys are
-/// weight_ih_l0, ...: see `gru_key`.
+/// A stack of layers. Every layer starts from zeros unless the caller passes a state. Official keys are weight_ih_l0,
+/// ...: see `gru_key`.
 template <Backend B>
 struct Gru {
   std::vector<GruLayer<B>> layers;
@@ -13001,8 +13201,8 @@ struct Gru {
     }
     return x;
   }
-  /// Each sequence by itself; a row of the result for every row. h0 (layers, sequences, hidden), null for zeros. Throws
-  /// shape_error 204.
+  /// Runs each sequence on its own. Every row gives a row of the result. h0 (layers, sequences, hidden), null for
+  /// zeros. Throws shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
     const ModuleScope scope(*this);
     const Index n = x.count(), hidden = layers.empty() ? 0 : layers.front().hidden();
@@ -13023,8 +13223,8 @@ struct Gru {
   }
 };
 
-/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth: PyTorch numbers the parameters instead of nesting
-/// them. Other paths stay. `name`: what the model calls its Gru.
+/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth, because PyTorch numbers the parameters instead of
+/// nesting them. Other paths stay. `name`: the name of the Gru in the model.
 std::string gru_key(const std::string& path, std::string_view name = "gru");
 
 MOTIONLANG_NAMESPACE_END
@@ -13053,7 +13253,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP  // <motionlang/nn/text_features.hpp>
 #define MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP
-/// The output of a text encoder and input of a denoiser: token vectors for every text.
+/// The output of a text encoder, and input of a denoiser: token vectors for every text.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -13061,7 +13261,7 @@ template <Backend B>
 struct TextFeatures {
   Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
   std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
-  Index padded_tokens = 0;            // of a batch that is padded beyond its longest text: MDM-SMPL counts padding
+  Index padded_tokens = 0;            // for a batch that is padded beyond its longest text: MDM-SMPL counts padding
 
   Index count() const { return tokens.count(); }
 
@@ -13069,7 +13269,7 @@ struct TextFeatures {
   static TextFeatures pooled(const Tensor<B, 2>& rows) { return {{rows, Offsets::equal(rows.size(0), 1)}}; }
 };
 
-/// Texts picked by number, with repetition.
+/// Selects texts by number, with repetition.
 template <Backend B>
 TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which) {
   TextFeatures<B> out;
@@ -13120,8 +13320,8 @@ Tensor<B, 2> last_row(const Sequences<B>& x) {
   return pick_rows(x, at);
 }
 
-/// How the tokens of a text are pooled: all stay; their mean; the first one ([CLS]); the end token, which is the last
-/// one where the network does not say.
+/// The pooling of a text's tokens: keep all; their mean; the first one ([CLS]); the end token, or the last token if the
+/// network does not mark an end.
 enum class Pooling { none, mean, first, end };
 
 /// (texts, width). Throws config_error 101 for Pooling::none, shape_error 203 for a text without tokens.
@@ -13144,13 +13344,13 @@ template <Backend B>
 struct BiGruStates {
   Sequences<B> forward, backward;
 
-  /// Where both have read everything: the last row of `forward` beside the first of `backward`, (sequences, 2 hidden).
-  /// Throws shape_error 203 for a sequence without rows.
+  /// The states after the whole sequence: the last row of `forward` beside the first of `backward`, (sequences, 2
+  /// hidden). Throws shape_error 203 for a sequence without rows.
   Tensor<B, 2> ends() const {
     const PoolVector<Index> first(static_cast<std::size_t>(backward.count()), 0);
     return concat(1, last_row(forward), pick_rows(backward, first));
   }
-  /// Row t of `forward` beside row n - 1 - t of `backward`, as TM2T pairs them: both have read t + 1 rows.
+  /// Row t of `forward` beside row n - 1 - t of `backward`, as in TM2T: both have read t + 1 rows.
   Sequences<B> equally_far() const {
     const Offsets& offsets = forward.offsets;
     PoolVector<Index> turned;
@@ -13161,7 +13361,7 @@ struct BiGruStates {
   }
 };
 
-/// One layer for each direction, under PyTorch's names.
+/// One layer for each direction, with PyTorch's names.
 template <Backend B>
 struct BiGru {
   Tensor<B, 2> weight_ih_l0, weight_hh_l0, weight_ih_l0_reverse, weight_hh_l0_reverse;
@@ -13185,7 +13385,7 @@ struct BiGru {
 
   Index hidden() const { return weight_hh_l0.size(1); }
 
-  /// h0 (2, sequences, hidden): of both directions. Throws shape_error 204, 205.
+  /// h0 (2, sequences, hidden), for both directions. Throws shape_error 204, 205.
   BiGruStates<B> operator()(const Sequences<B>& x, const Tensor<B, 3>& h0) const {
     const ModuleScope scope(*this);
     GruLayer<B> a, b;
@@ -13199,7 +13399,7 @@ struct BiGru {
   }
 };
 
-/// Rows are projected, then read from both ends, from a learned state on.
+/// Rows are projected, then read from both ends, starting from a learned state.
 /// Source  text-to-motion networks/modules.py TextEncoderBiGRUCo and MotionEncoderBiGRUCo; TM2T networks/modules.py
 template <Backend B>
 struct BiGruEncoder {
@@ -13239,15 +13439,15 @@ struct Conv1dOptions {
   bool operator==(const Conv1dOptions&) const = default;
 };
 
-/// Rows that a sequence of n rows becomes: floor((n + 2 padding - dilation (kernel - 1) - 1) / stride) + 1.
-/// Throws config_error 101 for options that mean nothing, shape_error 205 if the kernel does not fit into the sequence.
+/// The number of rows of the result for n rows: floor((n + 2 padding - dilation (kernel - 1) - 1) / stride) + 1. Throws
+/// config_error 101 for invalid options, and shape_error 205 if the kernel does not fit into the sequence.
 Index conv1d_length(Index n, Index kernel, const Conv1dOptions& o);
 
 ///     y[t] = act(bias + sum_j W[:, :, j] x[t stride + j dilation - padding]),   x = 0 outside of its sequence
 /// x packed (rows, in), weight (out, in, kernel), bias (out) or null -> packed (rows', out). Every sequence is
 /// convolved by itself.
-/// Source  PyTorch's Conv1d, which correlates. One product of all windows with all weights; a backend with a `conv1d`
-///         of its own need not write the windows down.
+/// Source  PyTorch's Conv1d, which correlates. One product of all windows with all weights. A backend with its own
+///         `conv1d` need not write the windows down.
 /// Throws  shape_error 201, 204, 205, config_error 101
 template <Backend B>
 Sequences<B> conv1d(const Sequences<B>& x, const Tensor<B, 3>& weight, const Tensor<B, 1>* bias,
@@ -13335,14 +13535,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_CONV_STACK_HPP  // <motionlang/nn/conv_stack.hpp>
 #define MOTIONLANG_HAS_NN_CONV_STACK_HPP
-/// A stack of convolutions over time with what stands between them, numbered like PyTorch's Sequential.
+/// A stack of convolutions over time and the steps between them, numbered like PyTorch's Sequential.
 ///
 ///     ConvStack<B> main;
 ///     // main.0, main.1, main.2
 ///     main.conv(259, 512, 4, {.stride = 2, .padding = 1}, rng).dropout(0.2).leaky_relu();
 ///
-/// The networks of Guo et al. are such stacks: the movement encoder and decoder of their evaluator (CVPR 2022), TM2T's
-/// tokenizer and discriminator (ECCV 2022). Weights of convolutions begin as xavier_normal, biases as 0.
+/// The networks of Guo et al. are such stacks: the movement encoder and decoder of their evaluator (CVPR 2022), and
+/// TM2T's tokenizer and discriminator (ECCV 2022). Weights of convolutions begin as xavier_normal, biases as 0.
 
 #ifndef MOTIONLANG_HAS_NN_CONV_TRANSPOSE1D_HPP  // <motionlang/nn/conv_transpose1d.hpp>
 #define MOTIONLANG_HAS_NN_CONV_TRANSPOSE1D_HPP
@@ -13353,7 +13553,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///     y[t stride + j - padding] += W[:, :, j]^T x[t],   y begins as the bias
 /// x packed (rows, in), weight (in, out, kernel), bias (out) -> packed; n rows become (n - 1) stride + kernel - 2
 /// padding.
-/// Source  PyTorch's ConvTranspose1d. One product, whose rows are added up.
+/// Source  PyTorch's ConvTranspose1d. One product, whose rows are added.
 /// Throws  shape_error 201, 205, config_error 101
 template <Backend B>
 Sequences<B> conv_transpose1d(const Sequences<B>& x, const Tensor<B, 3>& weight, const Tensor<B, 1>& bias, Index stride,
@@ -13412,11 +13612,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_DROPOUT_HPP  // <motionlang/nn/dropout.hpp>
 #define MOTIONLANG_HAS_NN_DROPOUT_HPP
-/// Dropout that runs only when the call brings a generator.
+/// Dropout that runs only if the call has a generator.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
+/// The next mask of a context; its probability is 0 without a generator. Throws config_error 101 unless 0 <= p < 1.
 inline Dropout next_dropout(double p, const Context& context) {
   detail::check_dropout({.p = p});
   if (!context.dropout || p == 0) return {};
@@ -13450,7 +13650,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Every row several times in a row: the sequences become longer.
+/// Repeats every row several times, so that sequences become longer.
 template <Backend B>
 Sequences<B> repeat_rows(const Sequences<B>& x, Index times) {
   PoolVector<Index> pick, lengths;
@@ -13496,7 +13696,7 @@ struct ConvResidual {
 
 enum class ConvStep { conv, transposed, norm, residual, leaky_relu, dropout, repeat };
 
-/// One step: of the members the one that it needs.
+/// One step. Only the member that it needs is set.
 template <Backend B>
 struct ConvStackLayer {
   ConvStep step = ConvStep::conv;
@@ -13545,9 +13745,9 @@ class ConvStack {
 
   Index size() const { return std::ssize(layers_); }
 
-  /// In use: norms go by their running statistics.
+  /// In use: norms take their running statistics.
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const { return run(*this, x, context); }
-  /// In training: norms go by the statistics of these rows, and remember them.
+  /// In training: norms take the statistics of these rows, and store them.
   Sequences<B> train(const Sequences<B>& x, const Context& context = {}) { return run(*this, x, context); }
 
  private:
@@ -13599,9 +13799,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_DECODING_HPP  // <motionlang/nn/decoding.hpp>
 #define MOTIONLANG_HAS_NN_DECODING_HPP
-/// Writing a sequence symbol by symbol with a model that says what may come next: the most probable symbol, a random
-/// one, or the best of several beams. The model is any function from the beginnings written so far to logits of the
-/// next symbol:
+/// Writes a sequence symbol by symbol with a model of the next symbol. It takes the most probable symbol, a random one,
+/// or the best of several beams. The model is any function from the beginnings written so far to logits of the next
+/// symbol:
 ///
 ///     // Tensor<B, 2> (rows, symbols)
 ///     auto next = [&](const IdSequences& written) { return m.next_logits(written, memory); };
@@ -13614,11 +13814,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct DecodingOptions {
   Index begin = 0, end = 1, pad = 2;
   Index max_steps = 50;
-  Index top_k = 0;         // draws only from this many most probable symbols; 0: all
-  bool redraw_pad = true;  // decode_one never draws the padding either
+  Index top_k = 0;         // samples only from this many most probable symbols; 0: all
+  bool redraw_pad = true;  // decode_one never samples the padding either
 };
 
-/// Adds -1e30 to all logits but the top_k largest of a row and their equals; 0 or less: all stay. (rows, symbols).
+/// Adds -1e30 to all logits of a row except the top_k largest and their equals; 0 or less: keeps all. (rows, symbols).
 /// Throws numeric_error 301 for a logit that is NaN.
 template <Backend B>
 std::vector<typename B::scalar> top_k_penalty(const Tensor<B, 2>& logits, Index top_k) {
@@ -13644,7 +13844,7 @@ std::vector<typename B::scalar> top_k_penalty(const Tensor<B, 2>& logits, Index 
 
 namespace detail {
 
-/// The probabilities of each row, without those that the filter takes away.
+/// The probabilities of each row, without those that the filter removes.
 template <Backend B>
 std::vector<std::vector<double>> next_probabilities(const Tensor<B, 2>& logits, Index top_k) {
   const auto penalty = top_k_penalty(logits, top_k);
@@ -13663,17 +13863,17 @@ std::vector<std::vector<double>> next_probabilities(const Tensor<B, 2>& logits, 
 }
 inline Index most_probable(std::span<const double> p) { return std::max_element(p.begin(), p.end()) - p.begin(); }
 
-/// The first symbol whose cumulative share is greater than u. Throws numeric_error 302 if nothing has any.
+/// The first symbol whose cumulative share is greater than u. Throws numeric_error 302 if all shares are 0.
 Index draw(std::span<const double> p, double u);
 
 }  // namespace detail
 
-/// One sequence, the mark of the beginning first and without that of the end, which is written when it is the most
-/// probable symbol.
+/// Writes one sequence. The result begins with the start mark and has no end mark; the end is written when it is the
+/// most probable symbol.
 /// next   takes one beginning
-/// uniform()  a number of [0, 1) for each draw, or nullptr: the most probable symbol is taken. Marks that are drawn are
-///            drawn again
-/// Throws numeric_error 301 for a logit that is NaN, 302 where nothing but marks can be drawn
+/// uniform()  a value of [0, 1) for each draw, or nullptr: the most probable symbol is taken. If a mark is drawn, it is
+/// drawn again
+/// Throws numeric_error 301 for a logit that is NaN, 302 if only marks can be drawn
 template <class Next, class Uniform = std::nullptr_t>
 std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& uniform = nullptr) {
   std::vector<Index> out{o.begin};
@@ -13687,7 +13887,7 @@ std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& u
       for (Index i = 0; i < std::ssize(p); ++i) allowed += marks(i) ? 0 : p[static_cast<std::size_t>(i)];
       if (!(allowed > 0)) raise<numeric_error>(302, "decode_one: after ", out.size(), " symbols only marks can follow");
       for (int draws = 1; marks(id = detail::draw(p, uniform())); ++draws) {
-        if (draws < 1000) continue;  // next to nothing but marks: without them, the others have the same shares
+        if (draws < 1000) continue;  // nearly only marks: without them, the others have the same shares
         for (Index i = 0; i < std::ssize(p); ++i) p[static_cast<std::size_t>(i)] *= marks(i) ? 0 : 1;
       }
     }
@@ -13696,7 +13896,7 @@ std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& u
   return out;
 }
 
-/// Several sequences at once: as many symbols for each, of which the first `lengths` behind the mark of the beginning
+/// Several sequences at once. All have the same number of symbols, of which the first `lengths` after the start mark
 /// count.
 struct Decoded {
   std::vector<std::vector<Index>> ids;
@@ -13707,10 +13907,10 @@ struct Decoded {
 };
 
 /// next     takes `count` beginnings of one length
-/// uniform(step, row)  a number of [0, 1), or nullptr: the most probable symbols are taken. Marks are never drawn;
-///          where the end is the most probable symbol, it is written. A sequence that has ended goes on until the last
-///          one has; then nothing is written in that step
-/// Throws   numeric_error 302 where nothing but marks could be drawn
+/// uniform(step, row)  a value of [0, 1), or nullptr: the most probable symbols are taken. Marks are never drawn; if
+/// the end is the most probable symbol, it is written. A sequence that has ended continues until the last one has
+/// ended; nothing is written in that step
+/// Throws   numeric_error 302 if only marks could be drawn
 template <class Next, class Uniform = std::nullptr_t>
 Decoded decode_batch(Next&& next, Index count, const DecodingOptions& o, Uniform&& uniform = nullptr) {
   const auto n = static_cast<std::size_t>(count);
@@ -13736,7 +13936,7 @@ Decoded decode_batch(Next&& next, Index count, const DecodingOptions& o, Uniform
   }
   return out;
 }
-/// The uniform numbers of decode_batch from a generator: each depends on its step and row only.
+/// The uniform values of decode_batch from a generator. Each depends only on its step and row.
 inline auto uniform_of(const Philox& rng) {
   return [rng](Index step, Index row) {
     std::array<double, 1> u{};
@@ -13748,11 +13948,11 @@ inline auto uniform_of(const Philox& rng) {
 struct BeamOptions {
   Index begin = 0, end = 1, pad = 2;
   Index beams = 2, max_length = 30;  // with the marks
-  double alpha = 0.7;                // how much long sequences are favoured
+  double alpha = 0.7;                // larger values favour longer sequences
 };
 struct BeamSearch {
   std::vector<Index> ids;                 // the answer, with the marks
-  std::vector<std::vector<Index>> beams;  // (beams, max_length), filled up with the padding
+  std::vector<std::vector<Index>> beams;  // (beams, max_length), padded
   std::vector<double> scores;             // sums of log probabilities
   std::vector<Index> lengths;             // up to the first end
   std::vector<std::size_t> order{};       // of the beams, the answer first
@@ -13760,29 +13960,29 @@ struct BeamSearch {
 
 namespace detail {
 
-/// Throws config_error 101 for options that mean nothing.
+/// Throws config_error 101 for invalid options.
 void require_beams(const BeamOptions& o);
-/// The best continuations of all beams by one symbol, of which p are the probabilities.
+/// Continues all beams by the best symbols; p are the probabilities of the next symbol.
 void continue_beams(BeamSearch& found, const std::vector<std::vector<double>>& p, const BeamOptions& o);
 bool all_ended(const BeamSearch& found, const BeamOptions& o);
-/// Lengths, order and answer.
+/// Computes lengths, order and answer.
 void order_beams(BeamSearch& found, const BeamOptions& o);
 
 }  // namespace detail
 
 ///     answer = arg max of score / length^alpha over the beams
-/// Each beam is continued by the symbols that are most probable after it, and the best of all continuations go on;
-/// until all have ended. Beams that have ended are continued, too, and go on losing score, as published.
+/// Each beam is continued by its most probable symbols, and the best of all continuations are kept, until all have
+/// ended. As published, beams that have ended are continued, too, and lose score.
 /// next    takes 1 or `beams` beginnings of one length
 /// Source  TM2T networks/translator.py translate_sentence; the length penalty of Wu et al. (2016) without its constants
-/// Throws  config_error 101 for options that mean nothing
+/// Throws  config_error 101 for invalid options
 template <class Next>
 BeamSearch beam_search(Next&& next, const BeamOptions& o) {
   detail::require_beams(o);
   BeamSearch out{{}, {{o.begin}}, {0}, {}};
   for (Index length = 1; length < o.max_length; ++length) {
     detail::continue_beams(out, detail::next_probabilities(next(IdSequences::from(out.beams)), 0), o);
-    // As published the first step is not looked at: at least two symbols are written.
+    // As published, the first step is not checked, so at least two symbols are written.
     if (length > 1 && detail::all_ended(out, o)) break;
   }
   detail::order_beams(out, o);
@@ -13953,7 +14153,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Ba, Kiros, Hinton (2016). eps = 1e-5, as everywhere in the published systems.
+/// Ba, Kiros, Hinton (2016). eps = 1e-5, as in all published systems.
 template <Backend B>
 struct LayerNorm {
   Tensor<B, 1> weight, bias;  // (width)
@@ -14017,7 +14217,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Throws config_error 101 if the heads do not divide the width. In a constant expression the compiler refuses it.
+/// Throws config_error 101 if the heads do not divide the width. In a constant expression this is a compile error.
 constexpr void check_heads(Index width, Index heads) {
   if (heads < 1 || width % heads != 0) {
     raise<config_error>(101, "MultiheadAttention: ", heads, " heads do not divide width ", width);
@@ -14051,8 +14251,8 @@ struct MultiheadAttention {
     out_proj.bias = constant_init<B, 1>({width}, 0);
   }
 
-  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability
-  /// `drop` (where the context brings a generator) and added to `residual`.
+  /// x (rows, width) attends to itself within each sequence. The result is projected, gets dropout with probability
+  /// `drop` (if the context has a generator), and is added to `residual`.
   Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
                     const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     return attend(project(x), offsets, context, residual, causal, drop);
@@ -14062,15 +14262,18 @@ struct MultiheadAttention {
     const ModuleScope scope(*this);
     return linear(x, in_proj_weight, &in_proj_bias);
   }
-  /// `self` behind `project`.
+  /// `self` after `project`.
   Tensor<B, 2> attend(Tensor<B, 2> qkv, const Offsets& offsets, const Context& context,
                       const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     const ModuleScope scope(*this);
     const auto read = self_attention(std::move(qkv), offsets,
-                                     {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
+                                     {.heads = heads,
+                                      .causal = causal,
+                                      .dropout = next_dropout(dropout_p, context),
+                                      .precision = precision_of(in_proj_weight)});
     return out_proj(read, Activation::none, residual, next_dropout(drop, context));
   }
-  /// x attends to `memory`. Where every memory has one row, softmax over one key is 1 and the result is that row's
+  /// x attends to `memory`. If every memory has one row, the softmax over one key is 1 and the result is that row's
   /// value.
   Tensor<B, 2> cross(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                      const Context& context) const {
@@ -14081,8 +14284,9 @@ struct MultiheadAttention {
       return linear(t, slice(in_proj_weight, 0, first * d, last * d), &bias);
     };
     const auto q = project(x, 0, 1), k = project(memory.rows, 1, 2), v = project(memory.rows, 2, 3);
-    return out_proj(
-        attention(q, k, v, offsets, memory.offsets, {.heads = heads, .dropout = next_dropout(dropout_p, context)}));
+    return out_proj(attention(
+        q, k, v, offsets, memory.offsets,
+        {.heads = heads, .dropout = next_dropout(dropout_p, context), .precision = precision_of(in_proj_weight)}));
   }
 };
 
@@ -14119,7 +14323,7 @@ Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   });
 }
 
-/// The table of a model: computed from its size, so it is neither saved nor loaded.
+/// The table of a model. It is computed from its size, so it is neither saved nor loaded.
 template <Backend B>
 class PositionTable {
  public:
@@ -14135,7 +14339,7 @@ class PositionTable {
   Tensor<B, 2> rows_;
 };
 
-/// Positions of a sequence that are left out, as if padding stood there: `rows` of them before row `before`.
+/// Positions of a sequence that are skipped, as for padding: `rows` of them before row `before`.
 struct PositionGap {
   Index before = 0, rows = 0;
 };
@@ -14151,8 +14355,8 @@ void require_positions(std::string_view op, const Tensor<B, 2>& table, Index wan
 
 }  // namespace detail
 
-/// Adds row i of the table to row i of each sequence; with `gaps`, one for each sequence, later rows move up.
-/// Throws shape_error 203 for a sequence longer than the table, 204 for another number of gaps.
+/// Adds row i of the table to row i of each sequence. With `gaps`, one for each sequence, later rows take higher
+/// positions. Throws shape_error 203 for a sequence longer than the table, and 204 for another number of gaps.
 template <Backend B>
 Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std::span<const PositionGap> gaps = {}) {
   if (!gaps.empty() && static_cast<Index>(gaps.size()) != x.count()) {
@@ -14169,8 +14373,8 @@ Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std
   return x.with(gather(table, rows) + x.rows);
 }
 
-/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence
-/// has one row: 0 instead of a division by 0.
+/// The relative time of each row in its sequence, (rows, 1): t / (length - 1). Differs from published code for a
+/// sequence of one row: 0 instead of a division by 0.
 template <Backend B>
 Tensor<B, 2> relative_time(const Offsets& offsets) {
   std::vector<typename B::scalar> time;
@@ -14187,12 +14391,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_RECOMPUTE_HPP  // <motionlang/nn/recompute.hpp>
 #define MOTIONLANG_HAS_NN_RECOMPUTE_HPP
-/// Layers whose inside is calculated again in the backward pass, where the context asks for it.
+/// Layers whose inner values are recomputed in the backward pass, if the context enables it.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what
-/// happens inside is calculated once more with the same dropout masks, so gradients are the same bits.
+/// Calls layer(x, offsets, context). With `context.recompute` the graph keeps only x and a copy of the layer's handles.
+/// The inner values are recomputed with the same dropout masks, so gradients have the same bits.
 template <class Layer, Backend B>
 Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) {
   if constexpr (AutodiffBackend<B>) {
@@ -14226,8 +14430,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_SEQ2SEQ_GRU_HPP  // <motionlang/nn/seq2seq_gru.hpp>
 #define MOTIONLANG_HAS_NN_SEQ2SEQ_GRU_HPP
-/// TM2T's published model from text to motion: words are read from both ends, and a recurrent network that attends to
-/// them writes motion tokens one after the other.
+/// TM2T's published model from text to motion. Words are read from both ends, and a recurrent network that attends to
+/// them writes motion tokens one by one.
 ///
 ///     auto state = m.start(words.encode<B>(texts).tokens);
 ///     const auto logits = m.step(previous, state).logits;  // (texts, symbols), and so on with what was chosen
@@ -14239,8 +14443,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 ///     a = softmax(W_q h . W_k w / sqrt(width)) W_v w
 /// Source  TM2T eq. 5 (queries, keys, values) and TM2T eq. 6
-/// Words are a padded tensor and nothing is masked: what stands behind a short text has logit 0 and the bias of W_v as
-/// value. A text is attended to a little differently beside longer ones, as published.
+/// Words are a padded tensor, and nothing is masked. The padding after a short text has logit 0 and the bias of W_v as
+/// value. So, as published, a text is attended to a little differently beside longer ones.
 template <Backend B>
 struct WordAttention {
   Linear<B> W_q;
@@ -14260,7 +14464,7 @@ struct WordAttention {
   };
   Memory memory(const Tensor<B, 3>& words) const {
     const auto rows = reshape<2>(words, {words.size(0) * words.size(1), words.size(2)});
-    // keys and values of TM2T eq. 5
+    // The keys and values of TM2T eq. 5.
     return {reshape<3>(W_k(rows), {words.size(0), words.size(1), W_k.weight.size(0)}), W_v(words)};
   }
   struct Result {
@@ -14366,7 +14570,7 @@ struct Seq2SeqGru {
     using M = Seq2SeqGru;
     return motionlang::fields("text_encoder", &M::text_encoder, "motion_decoder_step", &M::motion_decoder_step);
   }
-  /// Input and output share the vectors of the tokens; the files hold them twice.
+  /// Input and output share the vectors of the tokens. Files contain them twice.
   std::string copy_of(const std::string& path) const {
     return path == "motion_decoder_step.trg_word_prj.weight" ? "motion_decoder_step.input_emb.weight" : "";
   }
@@ -14379,7 +14583,7 @@ struct Seq2SeqGru {
   using State = typename AttentiveGruDecoder<B>::State;
   using Step = typename AttentiveGruDecoder<B>::Result;
 
-  /// words: vectors without parts of speech. `longest`: as if the longest text had this many words; 0: as it is.
+  /// words: vectors without parts of speech. `longest`: pads as if the longest text had this many words; 0: does not.
   State start(const Sequences<B>& words, Index longest = 0) const {
     const auto read = text_encoder(words);
     return motion_decoder_step.start(to_padded(read.equally_far(), 0, longest), read.ends());
@@ -14387,8 +14591,9 @@ struct Seq2SeqGru {
   /// previous: the last token of each text.
   Step step(std::span<const Index> previous, State& state) const { return motion_decoder_step.step(previous, state); }
 
-  /// For each token the logits of what comes after it, packed like `inputs`, of which there are as many as texts.
-  /// `forced`: the decoder reads the inputs; if not, their first token and then what it finds most probable itself.
+  /// For each token, the logits of the next one, packed like `inputs`, of which there must be one for each text.
+  /// `forced`: the decoder reads the inputs. Otherwise it reads their first token and then its own most probable
+  /// tokens.
   Tensor<B, 2> logits(const Sequences<B>& words, const IdSequences& inputs, bool forced) const {
     const Index n = inputs.count();
     if (words.count() != n) raise<shape_error>(204, "Seq2SeqGru: ", n, " sequences for ", words.count(), " texts");
@@ -14411,8 +14616,7 @@ struct Seq2SeqGru {
     return gather(concat(std::span<const Tensor<B, 2>>(steps), 0), pick);
   }
 
-  /// The function that decode_batch calls. The state goes along with the steps, so that beginnings have to grow by one
-  /// token at a time.
+  /// The function that decode_batch calls. The state follows the steps, so beginnings must grow by one token at a time.
   auto next(State& state) const {
     return [this, &state](const IdSequences& written) {
       std::vector<Index> last;
@@ -14422,11 +14626,11 @@ struct Seq2SeqGru {
   }
 };
 
-/// Sequences that are written at random, as something that gradients go through.
+/// Randomly written sequences through which gradients flow.
 template <Backend B>
 struct GumbelSample {
   Tensor<B, 3> one_hot;        // (sequences, 1 + steps, symbols), the mark of the beginning first
-  std::vector<Index> lengths;  // tokens behind it
+  std::vector<Index> lengths;  // tokens after it
 
   /// The rows that count, with the mark of the beginning.
   Sequences<B> rows() const {
@@ -14441,7 +14645,7 @@ struct GumbelOptions {
   double tau = 1;
 };
 
-/// g = -log(-log u) for uniform numbers u: the arg max of logits + g is drawn by their softmax. (rows, symbols)
+/// g = -log(-log u) for uniform values u: the arg max of logits + g is distributed by their softmax. (rows, symbols)
 template <Backend B>
 Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
   std::vector<typename B::scalar> g(static_cast<std::size_t>(rows * symbols));
@@ -14453,13 +14657,12 @@ Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
 }
 
 ///     y = softmax((logits + g) / tau),   row = onehot(arg max y) - sg(y) + y
-/// The next token is the arg max, and no gradient goes through that choice. Marks of beginning and end are never
-/// written; a sequence ends where the end is the most probable symbol, and goes on until the last one has ended.
+/// The next token is the arg max, and no gradient flows through that choice. Start and end marks are never written. A
+/// sequence ends if the end is the most probable symbol, and continues until the last one has ended.
 /// noise(step)  (sequences, symbols), see gumbel_noise
 /// Source       Jang, Gu, Poole, "Categorical reparameterization with Gumbel-softmax" (ICLR 2017), section 2.2;
 ///              TM2T networks/modules.py gumbel_sample
-/// Differs      from TM2T, whose code fails where all sequences end at once: here each is the mark of the beginning
-///              only
+/// Differs      from TM2T, whose code fails if all sequences end at once: here each is then the start mark only
 template <Backend B, class Noise>
 GumbelSample<B> gumbel_sample(const Seq2SeqGru<B>& m, const Sequences<B>& words, const GumbelOptions& o,
                               Noise&& noise) {
@@ -14493,9 +14696,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_SEQ2SEQ_TRANSFORMER_HPP  // <motionlang/nn/seq2seq_transformer.hpp>
 #define MOTIONLANG_HAS_NN_SEQ2SEQ_TRANSFORMER_HPP
-/// The transformer from sequence to sequence, as TM2T has it: motion tokens to words, words to motion tokens.
+/// The sequence-to-sequence transformer of TM2T: motion tokens to words, and words to motion tokens.
 ///
-///     // From IdSequences, word vectors, or shares of symbols; then what comes next after each word, (rows, words).
+/// From IdSequences, word vectors, or shares of symbols; then the next word after each word, (rows, words).
 ///     const auto memory = m.encode(tokens);
 ///     const auto logits = m.logits(words.without_ends(0, 1), memory);
 ///
@@ -14508,29 +14711,29 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP  // <motionlang/nn/sequence_groups.hpp>
 #define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP
-/// A few sequences of a batch at a time through a whole stack of layers, every thread with its own.
+/// Runs a few sequences of a batch at a time through a whole stack of layers, every thread with its own sequences.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// How threads share sequences: the thread of each of the first ones.
+/// The assignment of the first sequences to threads: the thread of each.
 using SequenceShares = PoolVector<Index>;
-/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread
-/// has a twentieth more than the mean, and that is at least the 128 rows from which on it pays to read all weights in
-/// every thread. None if there is no such number.
+/// Each sequence goes to the thread with the fewest rows so far. Takes as many sequences as give equal shares: no
+/// thread has a twentieth more than the mean. The mean is at least 128 rows, from which on it pays to read all weights
+/// in every thread. None if there is no such number.
 SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads);
 
-/// All sequences, the longest first: shares become more equal.
+/// All sequences, the longest first, which makes shares more equal.
 PoolVector<Index> longest_first(const Offsets& offsets);
 
-/// The first sequences that have at most this many rows together; at least one. There must be one.
+/// The first sequences with at most this many rows together, but at least one. There must be one.
 std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows);
 
-/// Calls put(group) for the sequences that each thread has, in groups of at most this many rows. All threads at once.
+/// Calls put(group) for the sequences of each thread, in groups of at most this many rows. All threads run at once.
 template <class F>
 void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
                 Index rows, const F& put) {
-  const auto modules = ModulePath::steps();  // a copy: this thread goes into modules itself
+  const auto modules = ModulePath::steps();  // a copy: this thread enters modules itself
   parallel_for(threads, [&](Index thread) {
     const ModulePath::Continued path(modules);
     PoolVector<Index> mine;
@@ -14545,11 +14748,11 @@ void put_shares(const Offsets& offsets, std::span<const Index> order, const Sequ
 }
 
 /// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width`
-/// numbers. f treats each sequence on its own, so that it can be called for a few at a time, as many as have
-/// B::rows_in_cache() rows (a longer one alone): what one layer writes is still in the cache when the next reads it.
-/// Threads that can share the sequences evenly go through the layers without waiting for each other; what is left over
-/// they do together. The numbers are those of all at once. Where the backend says nothing, gradients are kept or
-/// dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
+/// values. f treats each sequence on its own, so it can be called for a few at a time, with at most B::rows_in_cache()
+/// rows (a longer one alone). Then the output of one layer is still in the cache when the next reads it. Threads that
+/// can share the sequences evenly run through the layers without waiting for each other. They do the rest together. The
+/// results are those of all sequences at once. If the backend has no such function, gradients are kept or dropout
+/// counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
   const auto whole = [&] {
@@ -14558,14 +14761,12 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
     return f(std::span<const Index>(all));
   };
   if constexpr (requires { B::rows_in_cache(); }) {
-    const RowsTogether in_any_groups(offsets.rows());
-    const Index threads = parallel_width(), at_once = B::rows_in_cache(), together = RowsTogether::count();
+    const Index threads = parallel_width(), at_once = B::rows_in_cache();
     const PoolVector<Index> order = longest_first(offsets);
     const bool grouped = offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty();
     if (grouped && !context.dropout) {
       typename B::tensor y(Shape{results.rows(), width});
       const auto put = [&, out = y.data()](std::span<const Index> which) {
-        const RowsTogether as_here(together);
         const auto rows = f(which);
         const auto* from = rows.span().data();
         for (Index s : which) {
@@ -14589,7 +14790,7 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
   }
   return whole();
 }
-/// The same with f(some), `some` being these sequences of x, and results as wide as x.
+/// The same with f(some), where `some` are these sequences of x, and results are as wide as x.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Context& context, F f) {
   const auto some = [&](std::span<const Index> which) { return f(some_sequences(x, which)); };
@@ -14660,7 +14861,7 @@ struct TransformerConfig {
   double dropout = 0.1;
   bool causal = false;
 
-  /// Itself. A constant configuration is checked while compiling:
+  /// Returns itself. A constant configuration is checked at compile time:
   ///     constexpr auto config = TransformerConfig{.d_model = 256, .heads = 4}.checked();
   constexpr const TransformerConfig& checked() const {
     check_heads(d_model, heads);
@@ -14671,8 +14872,8 @@ struct TransformerConfig {
 ///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
 ///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
 /// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
-///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has
-///         it.
+///         with a context) follows both halves, inside the feed-forward part and on the attention weights, as in
+///         PyTorch.
 template <Backend B>
 struct TransformerEncoderLayer {
   MultiheadAttention<B> self_attn;
@@ -14710,7 +14911,7 @@ struct TransformerEncoderLayer {
     const ModuleScope scope(*this);
     return self_attn.project(norm_first ? norm1(x) : x);
   }
-  /// The layer behind `project`.
+  /// The layer after `project`.
   Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets,
                               const Context& context = {}) const {
     const ModuleScope scope(*this);
@@ -14746,9 +14947,9 @@ struct TransformerEncoder {
       return some.rows;
     }));
   }
-  /// Encodes sequences that share endings: sequence j has the rows of heads[j], then those of tails[i], where
-  /// uses.begin(i) <= j < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail
-  /// is computed once. No dropout. Throws shape_error 204 for other numbers of heads or tails.
+  /// Encodes sequences that share endings. Sequence j has the rows of heads[j], then those of tails[i], where
+  /// uses.begin(i) <= j < uses.end(i). The results equal those of whole sequences, but the first layer projects a tail
+  /// only once. There is no dropout. Throws shape_error 204 for other numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
     const ModuleScope scope(*this);
     const Offsets repeated = repeat_lengths(tails.offsets, uses);
@@ -14792,13 +14993,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct Seq2SeqConfig {
   Index source_symbols = 1027;  // 0: the source are vectors
   Index source_width = 0;       // of these vectors
-  Index target_symbols = 4200;  // what is written
+  Index target_symbols = 4200;  // of the written sequence
   Index target_width = 0;       // of the vectors that the decoder reads; 0: it reads symbols
   Index d_model = 512, d_inner = 2048, heads = 8, head_width = 64;
   Index value_width = 0;  // of each head; 0: as wide as its queries
   Index encoder_layers = 4, decoder_layers = 4;
   Index source_positions = 100, target_positions = 50;
-  bool shared_projection = true;  // what is written goes by the vectors of the symbols that are read
+  bool shared_projection = true;  // the output projection uses the vectors of the input symbols
   double dropout = 0.1;
 };
 
@@ -14819,7 +15020,7 @@ Linear<B> xavier_uniform_linear(Index in, Index out, Rng auto& rng) {
   return layer;
 }
 
-/// Heads of another width, side by side: zeros behind each head, or the first columns of each.
+/// Changes the width of heads that are side by side: adds zeros to each head, or takes the first columns of each.
 template <Backend B>
 Tensor<B, 2> resized_heads(const Tensor<B, 2>& x, Index heads, Index width) {
   const Index own = x.size(1) / heads;
@@ -14862,12 +15063,15 @@ struct Seq2SeqAttention {
     const ModuleScope scope(*this);
     return read(x, memory.with(w_ks(memory.rows)), w_vs(memory.rows), causal, context);
   }
-  /// The same with keys and values that are known.
+  /// The same with known keys and values.
   Tensor<B, 2> read(const Sequences<B>& x, const Sequences<B>& keys, const Tensor<B, 2>& values, bool causal,
                     const Context& context = {}) const {
-    const AttentionOptions options{.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)};
+    const AttentionOptions options{.heads = heads,
+                                   .causal = causal,
+                                   .dropout = next_dropout(dropout_p, context),
+                                   .precision = precision_of(w_qs.weight)};
     const auto queries = w_qs(x.rows);
-    // Heads of one width: zeros add nothing to products, and what stands behind the values is cut off again.
+    // Heads of one width: zeros add nothing to products, and the columns after the values are cut off again.
     const Index key = keys.width() / heads, value = values.size(1) / heads, wide = std::max(key, value);
     const auto heard =
         key == value ? attention(queries, keys.rows, values, x.offsets, keys.offsets, options)
@@ -14917,7 +15121,7 @@ struct Seq2SeqEncoderLayer {
   Seq2SeqEncoderLayer() = default;
   Seq2SeqEncoderLayer(const Seq2SeqConfig& c, Rng auto& rng) : slf_attn(c, rng), pos_ffn(c, rng) {}
 
-  /// Rows of x read those of `visible`, which are x itself in use.
+  /// Rows of x attend to those of `visible`, which equal x after training.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& visible, const Context& context = {}) const {
     const ModuleScope scope(*this);
     return pos_ffn(slf_attn(x, visible, false, context), context);
@@ -14936,7 +15140,7 @@ struct Seq2SeqDecoderLayer {
   Seq2SeqDecoderLayer() = default;
   Seq2SeqDecoderLayer(const Seq2SeqConfig& c, Rng auto& rng) : slf_attn(c, rng), enc_attn(c, rng), pos_ffn(c, rng) {}
 
-  /// Rows of x read those of `visible` before them, which are x itself in use, and all of the memory.
+  /// Rows of x attend to those of `visible` before them, which equal x after training, and to all of the memory.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& visible, const Sequences<B>& memory,
                           const Context& context = {}) const {
     const ModuleScope scope(*this);
@@ -14945,7 +15149,7 @@ struct Seq2SeqDecoderLayer {
   }
 };
 
-/// The sinusoidal table, which the published files hold.
+/// The sinusoidal table, which is stored in the published files.
 template <Backend B>
 struct StoredPositions {
   static constexpr bool trainable = false;
@@ -14958,7 +15162,7 @@ struct StoredPositions {
 
 namespace detail {
 
-/// From vectors to what enters a stack of layers:  sqrt(width) x + positions.
+/// From vectors to the input of a stack of layers:  sqrt(width) x + positions.
 template <Backend B>
 Sequences<B> seq2seq_input(const Sequences<B>& x, const StoredPositions<B>& positions) {
   return add_positions(x.with(x.rows * std::sqrt(static_cast<double>(x.width()))), positions.positional_encoding);
@@ -15025,7 +15229,7 @@ struct Seq2SeqTransformer {
     using M = Seq2SeqTransformer;
     return motionlang::fields("encoder", &M::encoder, "decoder", &M::decoder, "trg_word_prj", &M::trg_word_prj);
   }
-  /// A shared projection stands in the files under both names.
+  /// Files contain a shared projection under both names.
   std::string copy_of(const std::string& path) const {
     return !trg_word_prj && path == "trg_word_prj.weight" ? "decoder.trg_word_emb.weight" : "";
   }
@@ -15062,7 +15266,7 @@ struct Seq2SeqTransformer {
     if (!c.shared_projection) trg_word_prj = map(c.d_model, c.target_symbols);
   }
 
-  /// Throws config_error 101 where the encoder reads something else.
+  /// Throws config_error 101 if the encoder reads another kind of input.
   Sequences<B> encode(const IdSequences& source, const Context& context = {}) const {
     const auto& e = detail::present(encoder.src_word_emb, "its source are vectors");
     return encoder({e(source.ids), source.offsets}, context);
@@ -15071,8 +15275,7 @@ struct Seq2SeqTransformer {
     const auto& m = detail::present(encoder.emb, "its source are symbols");
     return encoder(vectors.with(m(vectors.rows)), context);
   }
-  /// Rows of shares of the symbols, one-hot ones for certainty: the way for gradients to reach who has written the
-  /// source.
+  /// Rows of shares of the symbols, one-hot for certain ones. Through them gradients reach the writer of the source.
   Sequences<B> encode_shares(const Sequences<B>& shares, const Context& context = {}) const {
     const auto& e = detail::present(encoder.src_word_emb, "its source are vectors");
     return encoder(shares.with(matmul(shares.rows, e.weight)), context);
@@ -15085,14 +15288,14 @@ struct Seq2SeqTransformer {
   Sequences<B> embed_target(const Sequences<B>& vectors) const {
     return vectors.with(detail::present(decoder.vectors, "its decoder reads symbols")(vectors.rows));
   }
-  /// For each row of the target the logits of the symbol after it, (rows, symbols). target: symbols or vectors, from
-  /// the mark of the beginning on; memory: as many sequences.
+  /// For each row of the target, the logits of the next symbol, (rows, symbols). target: symbols or vectors, beginning
+  /// with the start mark; memory: one sequence for each.
   template <class Target>
   Tensor<B, 2> logits(const Target& target, const Sequences<B>& memory, const Context& context = {}) const {
     return project(decoder(embed_target(target), memory, context).rows);
   }
-  /// The same for the last symbol of each sequence only. Seq2SeqWriter gives these numbers with less work where
-  /// sequences grow.
+  /// The same for only the last symbol of each sequence. Seq2SeqWriter computes these values with less work for growing
+  /// sequences.
   Tensor<B, 2> next_logits(const IdSequences& target, const Sequences<B>& memory) const {
     return project(last_row(decoder(embed_target(target), memory)));
   }
@@ -15106,8 +15309,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_SEQ2SEQ_WRITER_HPP  // <motionlang/nn/seq2seq_writer.hpp>
 #define MOTIONLANG_HAS_NN_SEQ2SEQ_WRITER_HPP
-/// A transformer that is asked for one symbol after the other: what it has calculated for a beginning it calculates no
-/// more.
+/// A transformer that writes one symbol after the other. It reuses what it has computed for a beginning.
 ///
 ///     Seq2SeqWriter writer(m, memory);
 ///     const auto found = beam_search(writer, BeamOptions{.beams = 3});    // memory of one source
@@ -15115,7 +15317,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A function as nn/decoding.hpp asks for it. The model has to live as long.
+/// A function for nn/decoding.hpp. The model must outlive it.
 template <Backend B>
 class Seq2SeqWriter {
  public:
@@ -15128,9 +15330,9 @@ class Seq2SeqWriter {
     }
   }
 
-  /// Beginnings of one length, equally many for each source, one source after the other -> logits of the next symbol,
-  /// (beginnings, symbols). Each should be a beginning of the call before, wherever it stood there, and one more
-  /// symbol. Throws shape_error 205 for other lengths or numbers, 203 for a beginning longer than the positions.
+  /// Takes beginnings of one length, equally many for each source, one source after the other. Returns logits of the
+  /// next symbol, (beginnings, symbols). Each should be a beginning of the call before, in any place, plus one more
+  /// symbol. Throws shape_error 205 for other lengths or numbers, and 203 for a beginning longer than the positions.
   Tensor<B, 2> operator()(const IdSequences& written) {
     const Index n = written.count(), length = written.offsets.longest();
     if (n == 0 || n % sources_ != 0 || length == 0 || !(written.offsets == Offsets::equal(n, length)))
@@ -15170,7 +15372,7 @@ class Seq2SeqWriter {
     Sequences<B> keys, values;  // of the beginnings, which are all of one length
   };
 
-  /// For each beginning the one of the call before that it continues; nothing if there is none.
+  /// For each beginning, the one of the call before that it continues. Nothing if one has none.
   std::optional<std::vector<Index>> find_parents(const IdSequences& written, Index length) const {
     if (length < 2 || before_.count() == 0 || before_.offsets.length(0) != length - 1) return std::nullopt;
     const Index n = written.count(), now = n / sources_, then = before_.count() / sources_;
@@ -15185,7 +15387,7 @@ class Seq2SeqWriter {
     }
     return out;
   }
-  /// The rows of the parents, each with one more.
+  /// The rows of the parents, each extended by one.
   static Sequences<B> grown(const Sequences<B>& before, std::span<const Index> parents, Index length,
                             const Sequences<B>& added) {
     return length == 1 ? added : concat_tokens(detail::some_sequences(before, parents), added);
@@ -15202,11 +15404,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_SEQUENCE_VAE_HPP  // <motionlang/nn/sequence_vae.hpp>
 #define MOTIONLANG_HAS_NN_SEQUENCE_VAE_HPP
-/// Sequences to one Gaussian each, and back: what the variational autoencoders ACTOR, TEMOS and TMR share.
+/// From sequences to one Gaussian each, and back: the common part of the variational autoencoders ACTOR, TEMOS and TMR.
 ///
-///     encoder   learned tokens before the frames, positions, transformer; what becomes of the tokens is the
-///               distribution
-///     decoder   positions are the queries, the latent is the memory; all frames are written at once
+///    encoder   learned tokens before the frames, positions, transformer; the outputs of the tokens are the
+///              distribution
+///    decoder   positions are the queries, the latent is the memory; all frames are written at once
 /// Source  Petrovich, Black, Varol: ACTOR (thesis 3.2.1), TEMOS (thesis 4.2.2; paper 3.2), TMR (thesis 5.2.2; paper
 ///         3.2)
 
@@ -15218,9 +15420,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Cross-attention to one row of memory per sequence: softmax over one key is 1, so every query reads the value of that
-/// row. It is computed once for each sequence; weights of queries and keys have no effect and get gradient 0. Dropout
-/// keeps or drops one weight for each query and head. Queries of one sequence that keep the same heads read the same
+/// Cross-attention to one row of memory per sequence. The softmax over one key is 1, so every query reads the value of
+/// that row. The value is computed once for each sequence; weights of queries and keys have no effect and get gradient
+/// 0. Dropout keeps or drops one weight for each query and head. Queries of one sequence that keep the same heads read
+/// the same value, which is also computed once.
 /// value, which is computed once.
 template <Backend B>
 Tensor<B, 2> attend_one_row(const MultiheadAttention<B>& attention, const Tensor<B, 2>& memory, const Offsets& offsets,
@@ -15343,8 +15546,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// N(mu, exp(logvar)) for each sequence, coordinates independent. An autoencoder that is not variational has no logvar
-/// (its shape is (0)); then every sample is mu.
+/// N(mu, exp(logvar)) for each sequence, with independent coordinates. A deterministic autoencoder has no logvar (its
+/// shape is (0)); then every sample is mu.
 template <Backend B>
 struct LatentGaussian {
   Tensor<B, 2> mu, logvar;  // (sequences, width)
@@ -15364,8 +15567,8 @@ struct LatentGaussian {
   }
 };
 
-/// `count` rows on the straight line from a to b, both (1, width): the latents of motions that turn from one into the
-/// other. Throws shape_error 204 unless both are one row of one width, config_error 101 unless count is 2 or more.
+/// `count` rows on the straight line from a to b, both (1, width): the latents of motions between two motions. Throws
+/// shape_error 204 unless both are one row of one width, and config_error 101 unless count is 2 or more.
 template <Backend B>
 Tensor<B, 2> interpolate_rows(const Tensor<B, 2>& a, const Tensor<B, 2>& b, Index count) {
   if (a.shape() != b.shape() || a.size(0) != 1)
@@ -15378,7 +15581,7 @@ Tensor<B, 2> interpolate_rows(const Tensor<B, 2>& a, const Tensor<B, 2>& b, Inde
   return a * (1.0 - share) + b * share;
 }
 
-/// A stack whose layers all begin with the same numbers, as PyTorch's stacks do, which copy one layer.
+/// A stack whose layers all begin with the same values, like PyTorch's stacks, which copy one layer.
 template <class Stack>
 Stack copied_layers(const TransformerConfig& c, Rng auto& rng) {
   Stack stack;
@@ -15402,8 +15605,7 @@ Sequences<B> first_rows(const Sequences<B>& x, Index n) {
   return {gather(x.rows, pick), Offsets::equal(x.count(), n)};
 }
 
-/// The input of the first layer: the tokens of each sequence, its frames, and positions that count from the first
-/// token.
+/// The input of the first layer: the tokens of each sequence, its frames, and positions that start at the first token.
 template <Backend B>
 Sequences<B> token_sequence(const Sequences<B>& tokens, const Sequences<B>& frames, const Tensor<B, 2>& positions) {
   return add_positions(concat_tokens(tokens, frames), positions);
@@ -15411,7 +15613,7 @@ Sequences<B> token_sequence(const Sequences<B>& tokens, const Sequences<B>& fram
 
 namespace detail {
 
-/// A post-norm layer for rows that attend to `x` and are not attended to: tokens behind the last layer, padding.
+/// A post-norm layer for rows that attend to `x` but are not attended to: tokens after the last layer, padding.
 template <Backend B>
 Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Sequences<B>& readers,
                               const Sequences<B>& x, const Context& context) {
@@ -15425,8 +15627,8 @@ Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Seq
 
 }  // namespace detail
 
-/// The first n rows of each sequence behind all layers. The last layer is computed for these rows only.
-/// `dropout_p` acts on the sequence before the first layer.
+/// The first n rows of each sequence after all layers. The last layer is computed only for these rows. `dropout_p` acts
+/// on the sequence before the first layer.
 template <Backend B>
 Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences<B>& sequence, Index n,
                            double dropout_p, const Context& context = {}) {
@@ -15448,7 +15650,7 @@ Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences
   return {detail::in_groups(sequence, tokens, context, encode), tokens};
 }
 
-/// The distribution from the rows of its tokens: mean and log-variance, or one row each for a deterministic latent.
+/// The distribution from the rows of its tokens: mean and log-variance, or one row for a deterministic latent.
 template <Backend B>
 LatentGaussian<B> gaussian_of_tokens(const Sequences<B>& tokens) {
   auto row = [&](Index i) { return pick_rows(tokens, PoolVector<Index>(static_cast<std::size_t>(tokens.count()), i)); };
@@ -15456,8 +15658,8 @@ LatentGaussian<B> gaussian_of_tokens(const Sequences<B>& tokens) {
   return {row(0), row(1)};
 }
 
-/// The queries of a decoder: zeros plus positions, so rows 0, 1, ... of the table for each sequence. Throws shape_error
-/// 203 for a sequence longer than the table.
+/// The queries of a decoder: zeros plus positions, that is rows 0, 1, ... of the table for each sequence. Throws
+/// shape_error 203 for a sequence longer than the table.
 template <Backend B>
 Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offsets) {
   PoolVector<Index> rows;
@@ -15468,10 +15670,9 @@ Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offs
   return {gather(positions, rows), offsets};
 }
 
-/// The output of a decoder for queries that are the same for all sequences of one length, read out by `final_layer`.
-///     queries(lengths)   the queries of sequences of these lengths
-/// Without dropout the first layer's attention to itself is the same for them too, and is computed once for each
-/// length.
+/// The output of a decoder for queries that are the same for all sequences of one length, projected by `final_layer`.
+///    queries(lengths)   the queries of sequences of these lengths
+/// Without dropout, the first layer's self-attention is also the same for them, and is computed once for each length.
 template <Backend B, class Queries>
 Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B>& final_layer, Queries queries,
                             const Sequences<B>& memory, const Offsets& lengths, double dropout_p,
@@ -15484,7 +15685,7 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
   if (memory.count() != lengths.count())
     raise<shape_error>(207, "decoder: ", memory.count(), " memories for ", lengths.count(), " sequences");
   const auto& layers = decoder.layers;
-  PoolVector<Index> distinct, kind;  // the lengths that occur, and which of them each sequence has
+  PoolVector<Index> distinct, kind;  // the different lengths, and the one of each sequence
   for (Index s = 0; s < lengths.count(); ++s) {
     const Index k = std::find(distinct.begin(), distinct.end(), lengths.length(s)) - distinct.begin();
     if (k == std::ssize(distinct)) distinct.push_back(lengths.length(s));
@@ -15509,7 +15710,7 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
   return {detail::in_groups<B>(lengths, lengths, final_layer.weight.size(0), context, decode), lengths};
 }
 
-/// From latents to sequences of any length (TEMOS, TMR, TEACH, SINC): the keys are theirs.
+/// From latents to sequences of any length, with the keys of TEMOS, TMR, TEACH and SINC.
 template <Backend B>
 struct SequenceDecoder {
   TransformerDecoder<B> seqTransDecoder;
@@ -15529,7 +15730,7 @@ struct SequenceDecoder {
         positions(max_len, c.d_model),
         dropout_p(c.dropout) {}
 
-  /// One or several rows of memory for each sequence; `lengths` says how many frames each gets.
+  /// One or several rows of memory for each sequence; `lengths` gives the frames of each.
   Sequences<B> operator()(const Sequences<B>& memory, const Offsets& lengths, const Context& context = {}) const {
     const ModuleScope scope(*this);
     auto queries = [&](const Offsets& of) { return position_queries(positions.rows(), of); };
@@ -15547,7 +15748,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_TIMESTEP_EMBEDDING_HPP  // <motionlang/nn/timestep_embedding.hpp>
 #define MOTIONLANG_HAS_NN_TIMESTEP_EMBEDDING_HPP
-/// The token that tells a denoiser which diffusion step it is at.
+/// The token that gives the diffusion step to a denoiser.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -15576,19 +15777,19 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_VECTOR_QUANTIZER_HPP  // <motionlang/nn/vector_quantizer.hpp>
 #define MOTIONLANG_HAS_NN_VECTOR_QUANTIZER_HPP
-/// Vectors to the nearest entry of a codebook, and back: motions become words of a finite vocabulary.
+/// Maps vectors to the nearest entry of a codebook, and back: motions become words of a finite vocabulary.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How many codes are in use, as it were:  exp(-sum_k p_k log(p_k + 1e-10)),   p_k: share of code k
+/// The effective number of codes in use:  exp(-sum_k p_k log(p_k + 1e-10)),   p_k: share of code k
 double code_perplexity(std::span<const Index> codes, Index codebook);
 
 /// The result of quantising vectors z.
 template <Backend B>
 struct Quantized {
-  std::vector<Index> codes;  // k_i = arg min_k |z_i - e_k|, of equals the first
+  std::vector<Index> codes;  // k_i = arg min_k |z_i - e_k|, the first among equals
   Tensor<B, 2> rows;         // e_k
-  /// The same numbers, but gradients go past the choice to z:  z + sg(e_k - z),  sg: as a constant
+  /// The same values, but gradients bypass the choice and go to z:  z + sg(e_k - z),  sg: as a constant
   Tensor<B, 2> straight_through;
   ///     mean (e - sg z)^2 + beta mean (sg e - z)^2
   Tensor<B, 0> loss;
@@ -15613,7 +15814,7 @@ struct VectorQuantizer {
 
   Index size() const { return embedding.weight.size(0); }
 
-  /// The nearest codes of (rows, width): TM2T eq. 1. |z|^2 is the same for all codes and left out. Throws
+  /// The nearest codes of (rows, width): TM2T eq. 1. |z|^2 is the same for all codes, so it is left out. Throws
   /// shape_error 201.
   std::vector<Index> codes(const Tensor<B, 2>& z) const {
     const auto e = stop_gradient(embedding.weight);
@@ -15683,10 +15884,10 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     l_i = -sum_j t_ij log softmax(s_i)_j,   t_ij = 1 - e where j = y_i, e / (classes - 1) elsewhere
-/// computed relative to the largest s_ij of each row: nothing overflows. e: label smoothing as TM2T has it
-/// (Szegedy et al., 2016, section 7, give e / classes to every class).
+/// Values are computed relative to the largest s_ij of each row, so that nothing overflows. e: label smoothing as in
+/// TM2T (Szegedy et al., 2016, section 7, give e / classes to every class).
 /// logits s (rows, classes), one label y per row -> (rows). Throws shape_error 203 for a label that is not a class, 204
-/// if the counts differ, config_error 101 unless 0 <= e < 1.
+/// if the counts differ, and config_error 101 unless 0 <= e < 1.
 template <Backend B>
 Tensor<B, 1> cross_entropies(const Tensor<B, 2>& logits, std::span<const Index> labels, double smoothing = 0) {
   const Index rows = logits.size(0), classes = logits.size(1);
@@ -15713,8 +15914,8 @@ Tensor<B, 0> cross_entropy(const Tensor<B, 2>& logits, std::span<const Index> la
   return mean(cross_entropies(logits, labels, smoothing));
 }
 
-/// The sum over all symbols of -log p (TM2T eq. 4, and the first sum of TM2T eq. 7), not their mean. `logits`: of what
-/// comes after each symbol but the last one.
+/// The sum over all symbols of -log p (TM2T eq. 4, and the first sum of TM2T eq. 7), not their mean. `logits`:
+/// predictions of the next symbol after each symbol except the last.
 template <Backend B>
 Tensor<B, 0> next_symbol_loss(const Tensor<B, 2>& logits, const IdSequences& written, double smoothing = 0) {
   return sum(cross_entropies(logits, written.without_ends(1, 0).ids, smoothing));
@@ -15725,19 +15926,19 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_LOSS_FALSE_NEGATIVES_HPP  // <motionlang/loss/false_negatives.hpp>
 #define MOTIONLANG_HAS_LOSS_FALSE_NEGATIVES_HPP
-/// Pairs of a batch that contrastive losses must not push apart, because their texts say nearly the same.
+/// Pairs of a batch that contrastive losses must not push apart, because their texts mean nearly the same.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     filtered_ij = i != j and <t_i, t_j> > 2 threshold - 1
 /// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.3; the threshold is given in [0, 1] and mapped to [-1,
-///          1], as the published code does
+///          1], as in the published code
 /// sentences  (batch, width), rows of length 1; one of zeros (no words) has similarity 0 to all
 /// threshold  0: nothing is filtered
-/// result   (batch, batch), row by row, 1 = filtered; empty for threshold 0. The diagonal never is, whatever the
-///          threshold: the published code filters it below 0.5, and its loss is NaN
+/// result   (batch, batch), row by row, 1 = filtered; empty for threshold 0. The diagonal is never filtered. The
+///          published code filters it below 0.5, and its loss is then NaN
 /// Throws   config_error 101 unless 0 <= threshold <= 1, numeric_error 302 for a row whose length is not 1 within 0.01
-///          (normalize_rows makes it so)
+///          (use normalize_rows)
 template <Backend B>
 std::vector<unsigned char> false_negatives(const Tensor<B, 2>& sentences, double threshold) {
   if (!(threshold >= 0 && threshold <= 1)) raise<config_error>(101, "false_negatives: threshold ", threshold);
@@ -15768,14 +15969,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_LOSS_FOOT_VELOCITY_HPP  // <motionlang/loss/foot_velocity.hpp>
 #define MOTIONLANG_HAS_LOSS_FOOT_VELOCITY_HPP
-/// A loss on the velocity of the feet: it keeps them from sliding under the figure.
+/// A loss on the velocity of the feet, which keeps them from sliding under the figure.
 ///
 ///     const auto loss = foot_velocity_loss<A>(normaliser.denormalize(out), truth, offsets, 20);
 
 #ifndef MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP  // <motionlang/features/smplrifke.hpp>
 #define MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP
-/// The 205-vector "smplrifke" of MDM-SMPL and STMC: forward, inverse, and from and to `Motion`. Index ranges of body
-/// parts are in layout.hpp.
+/// The 205-vector "smplrifke" of MDM-SMPL and STMC: forward, inverse, and conversions from and to `Motion`. The ranges
+/// of the body parts are in layout.hpp.
 ///
 ///     0        height of the pelvis above the lowest joint of the clip
 ///     1:3      its velocity x, y, seen from the body
@@ -15790,7 +15991,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 inline constexpr Index smplrifke_size = 205, smplrifke_rotations = 22, smplrifke_joints = 24;
 
 struct SmplRifkeOptions {
-  double first_angle = 0;  // heading of the first frame; every published generation takes pi
+  double first_angle = 0;  // heading of the first frame; every published generation uses pi
   bool clamp_asin = true;  // false: as published, where rounding beyond [-1, 1] gives NaN
 };
 
@@ -15840,8 +16041,8 @@ template <Scalar S>
 S wrapped(S angle) {
   return std::atan2(std::sin(angle), std::cos(angle));
 }
-/// Differences to the next frame; the last one continues its two predecessors in a line. Of two frames: the same again;
-/// of one: zero (the published code fails there).
+/// Differences to the next frame. The last one extrapolates its two predecessors linearly. With two frames it is the
+/// same again; with one it is zero (the published code fails there).
 template <class T, class Difference>
 std::vector<T> to_next(std::size_t frames, Difference difference) {
   std::vector<T> d(frames);
@@ -15908,8 +16109,8 @@ std::vector<S> smplrifke_from_poses(std::span<const S> poses, std::span<const S>
 }
 
 /// features  (frames, 205)
-/// The path starts at x = y = 0 with the heading `first_angle`; the velocity and turn of the last frame are not used,
-/// nor is what heading the first rotation contains.
+/// The path starts at x = y = 0 with the heading `first_angle`. The velocity and turn of the last frame, and the
+/// heading in the first rotation, are not used.
 /// Throws    shape_error 205 if the size is not a multiple of 205
 template <Scalar S>
 SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifkeOptions& options = {}) {
@@ -15941,13 +16142,13 @@ SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifk
   return out;
 }
 
-/// The features of a clip on SMPL's 24 joints, with the bones that its skeleton has; the hands' own rotations are lost.
+/// The features of a clip on SMPL's 24 joints, with the bones of its skeleton. The rotations of the hands are lost.
 /// Resample to the rate of the model first. Throws config_error 103 if the joints are not SMPL's.
 std::vector<double> smplrifke_from_motion(const Motion& motion);
 
-/// The clip that the features describe, Y up, on a skeleton with SMPL's 24 joints: rotations and the path are taken,
-/// positions of joints are not, so bones keep their lengths. With first_angle 0 the first frame faces +Z, up to what
-/// the pelvis itself turns. Throws shape_error 205, config_error 103 if the joints are not SMPL's.
+/// The clip that the features describe, Y up, on a skeleton with SMPL's 24 joints. It uses rotations and path but not
+/// the positions of joints, so bones keep their lengths. With first_angle 0 the first frame faces +Z, up to the turn of
+/// the pelvis itself. Throws shape_error 205, and config_error 103 if the joints are not SMPL's.
 template <Scalar S>
 Motion smplrifke_to_motion(std::span<const S> features, const SmplRifkeOptions& options = {}, double fps = 20,
                            const Skeleton& skeleton = smpl24_skeleton()) {
@@ -16041,10 +16242,10 @@ Tensor<B, 2> feet_of(const Tensor<B, 2>& features) {
 /// Mean square of the error of the feet's velocity in the world, in (m/s)^2.
 ///     V = (v + Rz(turn) p' - p, z' + p'_z - z - p_z),   p: foot, p': in the next frame, v: the root's velocity
 /// To first order in the error of `turn`.
-/// Shapes   features, truth (rows, 205), not normalised: sequences behind each other by `offsets` -> ()
+/// Shapes   features, truth (rows, 205), not normalised: sequences one after another, by `offsets` -> ()
 /// Source   the geometric losses of MDM (Tevet et al. 2023, eq. 4 and 5)
-/// Differs  from these: the path of the root is part of the velocity. Feet that `truth` moves over the floor at less
-///          than 0.4 m/s, as those that stand, count five times.
+/// Differs  from these: the path of the root is part of the velocity. Feet that move at less than 0.4 m/s over the
+///          floor in `truth`, as standing feet do, count five times.
 template <AutodiffBackend A>
 Tensor<A, 0> foot_velocity_loss(const Tensor<A, 2>& features, const Tensor<typename A::inner, 2>& truth,
                                 const Offsets& offsets, double fps) {
@@ -16054,7 +16255,7 @@ Tensor<A, 0> foot_velocity_loss(const Tensor<A, 2>& features, const Tensor<typen
   for (Index s = 0; s < offsets.count(); ++s)
     for (Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);
 
-  // what the feet truly do, and how much each number weighs
+  // The true movement of the feet, and the weight of each value.
   const auto true_feet = detail::feet_of(truth);
   const auto feet = true_feet.span(), root = truth.span();
   std::vector<S> lever, weight;
@@ -16071,7 +16272,7 @@ Tensor<A, 0> foot_velocity_loss(const Tensor<A, 2>& features, const Tensor<typen
   }
   const Shape shape{std::ssize(now), detail::foot_values};
 
-  // columns of the root's error to the twelve numbers
+  // Maps columns of the root's error to the twelve values.
   std::vector<S> here(4 * detail::foot_values), there(4 * detail::foot_values), turn(4 * detail::foot_values);
   for (std::size_t k = 0; k < detail::foot_values; k += 3) {
     here[1 * detail::foot_values + k] = here[2 * detail::foot_values + k + 1] = 1;
@@ -16132,7 +16333,7 @@ Tensor<B, 0> scaled_info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const
 ///     loss = (CE(S) + CE(S^T)) / 2,   CE(S) = mean_i (log sum_j exp(S_ij) - S_ii)
 /// Source    TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2, TMR eq. 1; thesis 5.2.2, thesis eq. 5.1;
 ///           van den Oord et al. (2018); a learned temperature: CLIP (Radford et al., ICML 2021), section 2.3
-/// Differs   from TMR eq. 1 by the filter of section 3.3, which takes pairs out of both sums
+/// Differs   from TMR eq. 1 by the filter of section 3.3, which removes pairs from both sums
 /// Notation  motion -> x, text -> y, temperature -> tau
 /// Shapes    x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none -> ()
 /// Throws    shape_error 204 if the sizes of the batches differ, 205 for a filter of another size, config_error 101
@@ -16155,7 +16356,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_LOSS_KL_HPP  // <motionlang/loss/kl.hpp>
 #define MOTIONLANG_HAS_LOSS_KL_HPP
-/// Divergences between diagonal Gaussians, averaged over all coordinates of all rows, or of each row.
+/// Divergences between diagonal Gaussians, averaged over all coordinates of all rows, or for each row.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -16225,7 +16426,7 @@ struct LossTerms {
   void add(std::string name, double weight, Tensor<B, 0> value) {
     terms.push_back({std::move(name), weight, std::move(value)});
   }
-  /// Adds the terms of another loss, with a suffix behind their names.
+  /// Adds the terms of another loss, with a suffix on their names.
   void append(LossTerms other, const std::string& suffix = "") {
     for (Term& t : other.terms) add(t.name + suffix, t.weight, std::move(t.value));
   }
@@ -16250,14 +16451,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_LOSS_MARGIN_HPP  // <motionlang/loss/margin.hpp>
 #define MOTIONLANG_HAS_LOSS_MARGIN_HPP
-/// Contrastive losses with a Euclidean margin: of all pairs of a batch, what InfoNCE is compared with; of one other
-/// partner for each.
+/// Contrastive losses with a Euclidean margin. margin_loss compares all pairs of a batch, as an alternative to InfoNCE.
+/// shifted_margin_loss compares each with one other partner.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// max(0, margin - d) for squared distances. Two equal points have no direction to be pushed in: their root gets slope
+/// max(0, margin - d) for squared distances. For two equal points no direction is defined, so their root gets the slope
 /// 0.
 template <Backend B, int R>
 Tensor<B, R> short_of_margin(const Tensor<B, R>& squared, double margin) {
@@ -16301,8 +16502,8 @@ Tensor<B, 0> margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double ma
 ///     d(a, b) = |a - b + 1e-6|,   positive = mean_i d(x_i, y_i)^2,   negative = mean_i max(0, margin - d(x_i, y_(i +
 ///     shift) mod n))^2
 /// Source   TM2T (Guo et al., ECCV 2022), appendix C, TM2T eq. 8; text-to-motion networks/trainers.py
-///          TextMotionMatchTrainer, networks/modules.py ContrastiveLoss. There the shift is drawn from 0 ... n - 2, so
-///          that now and then, at 0, the right partner is pushed away
+///          TextMotionMatchTrainer, networks/modules.py ContrastiveLoss. There the shift is random in 0 ... n - 2, so
+///          the right partner is sometimes pushed away, at shift 0
 /// Differs  from TM2T eq. 8, as published: the equation squares |s - p|^2 once more, and compares |s - p|^2 with the
 ///          margin
 /// Shapes   x, y (batch, latent) -> the two terms, of weight 1
@@ -16316,7 +16517,7 @@ LossTerms<B> shifted_margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, I
   for (Index i = 0; i < n; ++i) other.push_back((i + shift) % n);
   auto squared = [&](const Tensor<B, 2>& partner) { return sum(square(x - partner + 1e-6), 1); };
   LossTerms<B> out;
-  // the two terms of TM2T eq. 8, see above
+  // The two terms of TM2T eq. 8, see above.
   out.add("positive", 1, mean(squared(y)));
   out.add("negative", 1, mean(square(detail::short_of_margin(squared(gather(y, other)), margin))));
   return out;
@@ -16327,7 +16528,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_LOSS_RECONSTRUCTION_HPP  // <motionlang/loss/reconstruction.hpp>
 #define MOTIONLANG_HAS_LOSS_RECONSTRUCTION_HPP
-/// Losses that compare numbers with numbers.
+/// Losses that compare values with true values.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -16359,18 +16560,19 @@ Tensor<B, 0> smooth_l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
 }
 
 namespace detail {
-/// Numbers of a batch that is padded to this many frames, or to the longest sequence.
+/// The number of values in a batch that is padded to this many frames, or to the longest sequence.
 template <Backend B>
 double padded_count(const Sequences<B>& a, Index frames) {
   return static_cast<double>(a.count() * std::max(frames, a.offsets.longest()) * a.width());
 }
 }  // namespace detail
 
-/// Sum of squares over the rows, divided by what a padded batch would have divided by:
-///     loss = sum (a - b)^2 / (count * frames * width)
-/// frames  that the batch is padded to, if more than the longest sequence has
+/// Sum of squares over the rows, divided by the number of values in a padded batch:
+///    loss = sum (a - b)^2 / (count * frames * width)
+/// frames   of the padded batch, if more than in the longest sequence
 /// Source   thesis eq. 6.5, as STMC src/model/gaussian.py diffusion_step trains with it
-/// Differs  from thesis eq. 6.5, a squared norm: here a mean, where padding adds nothing to the sum but is counted
+/// Differs  from thesis eq. 6.5, which is a squared norm. This is a mean: padding adds nothing to the sum, but counts
+///          in the divisor
 template <Backend B>
 Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
   return sum(square(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
@@ -16382,7 +16584,7 @@ Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b, Inde
   return sum(detail::huber(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
 }
 
-/// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one.
+/// The mean over the sequences of their smooth_l1. A short sequence has the same weight as a long one.
 /// Source  TEACH teach/model/losses/compute_teach.py
 template <Backend B>
 Tensor<B, 0> smooth_l1_of_sequences(const Sequences<B>& a, const Tensor<B, 2>& b) {
@@ -16403,7 +16605,7 @@ Tensor<B, 2> frame_steps(const Sequences<B>& x) {
   return gather(x.rows, to) - gather(x.rows, from);
 }
 
-/// mse of the steps from frame to frame. Throws shape_error 204 unless both have the same frames.
+/// mse of the differences from frame to frame. Throws shape_error 204 unless both have the same frames.
 template <Backend B>
 Tensor<B, 0> velocity_mse(const Sequences<B>& a, const Sequences<B>& b) {
   if (!(a.offsets == b.offsets))
@@ -16442,12 +16644,12 @@ struct AdamWConfig {
   double beta1 = 0.9, beta2 = 0.999;
   double eps = 1e-8;
   double weight_decay = 0.01;
-  bool allow_constants = false;  // parameters that are not variables stay as they are; else they are an error
+  bool allow_constants = false;  // parameters that are not variables do not change; otherwise they are an error
 };
 
 namespace detail {
 
-/// In double, as eight sums side by side: one after the other they would wait for each other.
+/// In double, as eight sums side by side; a single sum would wait for each addition.
 template <Scalar S>
 double sum_of_squares(std::span<const S> values) {
   std::array<double, 8> sums{};
@@ -16474,13 +16676,13 @@ double gradient_norm(const M& model, const Gradients<A>& gradients) {
   }
   return std::sqrt(total);
 }
-/// The factor that brings a norm down to `max_norm`: min(1, max_norm / (norm + 1e-6)), as PyTorch clips.
+/// The factor that reduces a norm to `max_norm`: min(1, max_norm / (norm + 1e-6)), as in PyTorch.
 inline double clip_scale(double norm, double max_norm) { return std::min(1.0, max_norm / (norm + 1e-6)); }
 
 /// Decoupled weight decay (Loshchilov and Hutter 2019, algorithm 2) with PyTorch's order of operations:
 ///     p = p (1 - lr wd);   m = b1 m + (1 - b1) g;   v = b2 v + (1 - b2) g^2
 ///     p = p - lr / (1 - b1^k) m / (sqrt(v / (1 - b2^k)) + eps)
-/// All parameters decay, biases and norms too. Parameters that the loss does not reach stay as they are. With
+/// All parameters decay, including biases and norms. Parameters that the loss does not reach do not change. With
 /// weight_decay = 0 this is Adam. Tensors of modules with `trainable = false` are not parameters.
 template <AutodiffBackend A>
 class AdamW {
@@ -16494,9 +16696,10 @@ class AdamW {
 
   AdamWConfig config;
 
-  /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables. Throws
-  /// config_error 102 for a parameter that is not a variable (unless config.allow_constants) and for two parameters of
-  /// one path, before anything has changed, shape_error 204 if restored moments are those of another model.
+  /// One update. Gradients are first multiplied by `scale` (clip_scale). The model keeps its variables. Throws
+  /// config_error 102 for a parameter that is not a variable (unless config.allow_constants) and for two parameters
+  /// with the same path, before anything has changed. Throws shape_error 204 if restored moments belong to another
+  /// model.
   template <Module M>
   void step(M& model, const Gradients<A>& gradients, double scale = 1) {
     const auto tensors = tensors_of(model);
@@ -16505,7 +16708,7 @@ class AdamW {
     for (const auto& t : tensors) update(t, gradients, scale);
   }
 
-  /// Updates made so far, and the moments by path: what a checkpoint has to keep.
+  /// The number of updates, and the moments by path, for a checkpoint.
   Index steps() const { return steps_; }
   const std::map<std::string, Moments>& state() const { return state_; }
   void restore(Index steps, std::map<std::string, Moments> state) {
@@ -16519,7 +16722,7 @@ class AdamW {
     for (const auto& t : tensors) {
       if (!paths.insert(t.path).second) raise<config_error>(102, "AdamW: two parameters are '", t.path, "'");
       const auto& node = t.data->node;
-      if (config.allow_constants || !t.trainable || t.shape().rank() != t.rank) continue;  // the last: none is there
+      if (config.allow_constants || !t.trainable || t.shape().rank() != t.rank) continue;  // the last: it is unset
       if (node == nullptr || !node->variable) {
         raise<config_error>(102, "AdamW: parameter '", t.path, "' is ",
                             node == nullptr ? "a constant" : "the result of an operation",
@@ -16565,9 +16768,9 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     e = rate e + (1 - rate) p
-/// `rate` grows from 0.1 as min(rate, (1 + k) / (10 + k)), so that the first updates are not held back by the initial
-/// values. Source  Polyak and Juditsky (1992); the warm-up is the one of common diffusion code.
-/// Throws shape_error 204 if the two are not of the same structure.
+/// `rate` grows from 0.1 as min(rate, (1 + k) / (10 + k)), so that the initial values do not slow down the first
+/// updates. Source  Polyak and Juditsky (1992); the warm-up is that of common diffusion code. Throws shape_error 204 if
+/// the two differ in structure.
 template <Module Average, Module Model>
 void update_ema(Average& average, const Model& model, double rate, Index step) {
   using B = module_backend<Average>;
@@ -16610,7 +16813,7 @@ struct WarmupCosine {
   }
 };
 
-/// The rate divided by `factor` once every `every` steps.
+/// The rate, divided by `factor` after every `every` steps.
 struct StepDecay {
   double rate = 1e-4;
   double factor = 10;
@@ -16627,14 +16830,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_OPTIM_OPTIMISER_CONFIG_HPP  // <motionlang/optim/optimiser_config.hpp>
 #define MOTIONLANG_HAS_OPTIM_OPTIMISER_CONFIG_HPP
-/// Hyperparameters that every training has: those of the optimiser, and when to validate.
+/// Hyperparameters of every training: those of the optimiser, and the times of validation.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// AdamW. The defaults are those of TEMOS and TMR.
 struct OptimiserConfig {
   double lr = 1e-4, beta1 = 0.9, beta2 = 0.999, eps = 1e-8, weight_decay = 0.01;
-  double clip_norm = 0;               // longest gradient; 0: any
+  double clip_norm = 0;               // largest gradient norm; 0: any
   double ema = 0;                     // rate of the running average that is used in the end; 0: the weights themselves
   std::string schedule = "constant";  // or "cosine", down to a fiftieth; "step", SINC's: a tenth after every 200 epochs
   Index warmup = 0;                   // steps
@@ -16678,9 +16881,9 @@ struct OptimiserConfig {
 
 struct ValidationConfig {
   Index every = 1;             // epochs; 0: never
-  Index patience = 0;          // validations without a better one before training stops; 0: it does not
-  bool keep_best = false;      // the weights of the best validation are used, not the last
-  std::string watch = "loss";  // what "better" means; TMR: or "retrieval", the sum of the recalls
+  Index patience = 0;          // validations without improvement before training stops; 0: never
+  bool keep_best = false;      // use the weights of the best validation, not the last
+  std::string watch = "loss";  // the value that must improve; TMR: or "retrieval", the sum of the recalls
 
   static constexpr auto fields() {
     using C = ValidationConfig;
@@ -16694,7 +16897,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_HPP  // <motionlang/features/actor_points.hpp>
 #define MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_HPP
-/// ACTOR's motions on an SMPL body: from rotations to points. What its loss compares and its metrics read.
+/// ACTOR's motions on an SMPL body: from rotations to the points that its loss compares and its metrics read.
 ///
 ///     vertices  the surface, where SMPL puts it      a2m    18 joints of Action2Motion    vibe  49 joints of VIBE
 ///     smpl      24 joints                            a2mpl  28: both together
@@ -16702,8 +16905,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP  // <motionlang/features/pose_representation.hpp>
 #define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP
-/// Rotations as numbers of a feature vector, the way ACTOR, TEMOS, TEACH and SINC write them, and ACTOR's motions made
-/// of them.
+/// Rotations as values of a feature vector, as in ACTOR, TEMOS, TEACH and SINC, and ACTOR's motions from them.
 ///
 ///     rotvec   3   rotation vector, radians
 ///     rotquat  4   quaternion, w first
@@ -16715,13 +16917,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
 #define MOTIONLANG_HAS_FEATURES_LAYOUT_HPP
-/// Which numbers of a feature vector belong to which body part, and what they mean. Composition needs nothing but the
-/// former from a representation.
+/// The body part and the meaning of each value of a feature vector. Composition needs only the body parts of a
+/// representation.
 ///
-/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
-///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule. In
-///         other bodies the part with the path takes the place of the legs.
-///         Meanings and units: HumanML3D motion_representation.ipynb; STMC src/tools/smplrifke_feats.py; TEMOS
+/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity. The
+///         values of the root and the foot contacts belong to the legs. The tables are generated from that rule. In
+///         other bodies the part with the path takes the place of the legs. Meanings and units: HumanML3D
+///         motion_representation.ipynb; STMC src/tools/smplrifke_feats.py; TEMOS
 ///         temos/transforms/joints2jfeats/rifke.py; TMR src/rifke.py
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -16736,24 +16938,24 @@ struct IndexRange {
 /// The meaning of some values of a feature vector. A table of these covers the vector without gap or overlap.
 struct FeatureRange {
   IndexRange numbers;
-  std::string_view meaning;  // with `joints`: of each of them
+  std::string_view meaning;  // with `joints`: of each joint
   std::string_view unit;     // "1": none; frames are those of the features
-  IndexRange joints{};       // they follow one another, each with as many numbers; empty: the root's numbers, contacts
+  IndexRange joints{};       // in order, each with equally many values; empty: the root's values, contacts
 };
 
-/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
-/// and their ranges, or `from_owner`:
+/// A feature vector divided into body parts: every value belongs to exactly one. Your own representation is a name, a
+/// size and the ranges, or `from_owner`:
 ///
 ///     const auto owner = [](Index i) { return i < 40 ? BodyPart::legs : BodyPart::head; };
 ///     auto layout = FeatureLayout::from_owner("my features", 64, owner);
 struct FeatureLayout {
   std::string name;
-  Index size = 0;                                              // numbers of one frame
+  Index size = 0;                                              // values of one frame
   std::array<std::vector<IndexRange>, most_body_parts> parts;  // ascending and separate, in the order of the parts
   BodyPartition body{};                                        // whose parts; the human body unless given
 
   /// From a function position -> BodyPart, or the number of a part. Throws config_error 102 for a part that the body
-  /// does not have.
+  /// lacks.
   template <class F>
   static FeatureLayout from_owner(std::string name, Index size, F owner) {
     return from_owner(std::move(name), size, BodyPartition(), std::move(owner));
@@ -16798,7 +17000,7 @@ inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
     {{136, 205}, "position relative to the pelvis, seen from the body: x, y, z", "m", {1, 24}},
 }};
 
-/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+/// The places in the vector of HumanML3D (22 joints: 263 values) and of KIT (21: 251); 12 J - 1 in all.
 ///
 ///     0              turn of the heading to the next frame: half the angle, radians
 ///     1:3            velocity of the root along x and z, seen from the body of the next frame
@@ -16815,14 +17017,14 @@ struct Guoh3dSlots {
   constexpr IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
   constexpr IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
   constexpr Index size() const { return contacts().end; }
-  /// The seven groups whose deviations are published as one number each.
+  /// The seven groups for which one deviation each was published.
   constexpr std::array<IndexRange, 7> groups() const {
     return {{{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()}};
   }
 };
 
-/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs, or to
-/// the part with the path.
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts belong to the legs,
+/// or to the part with the path.
 FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
                                  const BodyPartition& body = {});
 
@@ -16953,7 +17155,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
 inline constexpr std::array<std::string_view, 4> pose_representation_names{"rotvec", "rotquat", "rotmat", "rot6d"};
 
-/// Numbers of one rotation.
+/// The number of values of one rotation.
 constexpr Index size(PoseRepresentation r) {
   constexpr Index sizes[] = {3, 4, 9, 6};
   return sizes[static_cast<int>(r)];
@@ -16974,7 +17176,7 @@ void append_quaternion(std::vector<S>& out, const Quaternion<S>& q) {
 
 }  // namespace detail
 
-/// Appends the numbers of a matrix.
+/// Appends the values of a matrix.
 template <Scalar S>
 void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>& m) {
   switch (r) {
@@ -16986,14 +17188,14 @@ void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>
       out.insert(out.end(), m.m.begin(), m.m.begin() + size(r));  // rows
   }
 }
-/// Appends the numbers of a rotation vector, which rotvec keeps as it is.
+/// Appends the values of a rotation vector, which rotvec keeps unchanged.
 template <Scalar S>
 void append_rotation(std::vector<S>& out, PoseRepresentation r, const AxisAngle<S>& v) {
   if (r == PoseRepresentation::rotvec) return detail::append_vector(out, v.v);
   if (r == PoseRepresentation::rotquat) return detail::append_quaternion(out, to_quaternion(v));
   append_rotation(out, r, to_matrix(v));
 }
-/// The matrix of the numbers, which may be whole tensors. Throws shape_error 205.
+/// The matrix for the values, which may be whole tensors. Throws shape_error 205.
 template <ScalarLike S>
 Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
   if (std::ssize(n) != size(r)) {
@@ -17014,21 +17216,21 @@ Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
 
 struct ActorFeatureOptions {
   PoseRepresentation rotations = PoseRepresentation::rot6d;
-  bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
+  bool translation = true;  // one more row: the root's path since frame 0, padded with zeros
   bool global = true;       // false: without joint 0
 
   /// Rows of a frame of this many joints.
   Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
 };
-/// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
+/// ACTOR's rotation of joint 0 if features have none: a figure that is upside down in the world of the camera.
 inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
 
-/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the
+/// A frame of ACTOR: a rotation of each joint, then the root's path (see `actor_frame_features`), which belongs to the
 /// part with the path: 150.
 FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
                            const ActorFeatureOptions& options = {}, const BodyPartition& body = {});
 
-/// The meaning of the values of `actor_layout`. World: that of a camera, in which figures stand on their heads.
+/// The meaning of the values of `actor_layout`. World: that of a camera, in which figures are upside down.
 inline constexpr std::array<FeatureRange, 4> actor_ranges{{
     {{0, 6}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
     {{6, 144}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 24}},
@@ -17060,7 +17262,7 @@ std::vector<S> actor_frame_features(std::span<const R> poses, std::span<const Ve
   }
   return out;
 }
-/// The same with time last, as its repository has it: (rows, numbers, frames).
+/// The same with time last, as in its repository: (rows, numbers, frames).
 template <class R, Scalar S>
 std::vector<S> actor_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
                               const ActorFeatureOptions& options = {}) {
@@ -17079,8 +17281,8 @@ struct ActorMotion {
   std::vector<Vec3<S>> root;          // (frames), since frame 0
 };
 
-/// features  (frames, rows numbers), as `actor_frame_features` gives them and networks have them
-/// Joint 0 is `actor_global_rotation` where the features have none; the root stays where it is without a translation.
+/// features  (frames, rows numbers), as `actor_frame_features` returns them and networks use them
+/// Joint 0 is `actor_global_rotation` if the features have none. Without a translation the root stays in place.
 /// Throws    shape_error 205 if the features are not whole frames, config_error 101 for no joints
 template <Scalar S>
 ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, const ActorFeatureOptions& options = {}) {
@@ -17101,8 +17303,8 @@ ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, con
   return out;
 }
 
-/// The same of positions (its representation "xyz"), with the root of frame 0 at the origin.
-/// joints (frames, joints) -> (joints, 3, frames). Throws shape_error 205.
+/// The same for positions (representation "xyz"), with the root of frame 0 at the origin. joints (frames, joints) ->
+/// (joints, 3, frames). Throws shape_error 205.
 template <Scalar S>
 std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index joints) {
   if (joints < 1 || std::ssize(positions) % joints != 0) {
@@ -17155,14 +17357,14 @@ inline constexpr std::array<std::string_view, 5> actor_point_names{"vertices", "
 /// Throws config_error 103.
 ActorPoints parse_actor_points(std::string_view name);
 
-/// Numbers of the points among 54: 24 joints of SMPL, the 21 vertices of `body_points`, 9 that a regressor takes from
-/// the surface. None for vertices.
+/// Numbers of the points among 54: the 24 joints of SMPL, the 21 vertices of `body_points`, and 9 that a regressor
+/// computes from the surface. None for vertices.
 std::span<const Index> actor_point_numbers(ActorPoints points);
 
 struct ActorPointOptions {
-  ActorFeatureOptions features{};  // what the motions are made of
-  bool translate = true;           // "vertstrans": moved by the way since the first frame, if the features have one
-  Vec3<double> global_rotation = actor_global_rotation;  // of joint 0 where the features have none: a rotation vector
+  ActorFeatureOptions features{};  // the features of the motions
+  bool translate = true;           // "vertstrans": moved by the path since the first frame, if the features have one
+  Vec3<double> global_rotation = actor_global_rotation;  // of joint 0 if the features have none: a rotation vector
   double second_beta = 0;                                // the second coefficient of the shape; the others are 0
 };
 
@@ -17184,7 +17386,7 @@ Tensor<B, 3> actor_54_points(const PosedBody<B>& posed, const Tensor<B, 2>* J_re
 
 }  // namespace detail
 
-/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points but vertices are
+/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points except vertices are
 /// relative to the root of their frame. J_regressor_extra (9, vertices) may be null for vertices and smpl.
 /// Differentiable.
 /// Throws  shape_error 204 if motion, body and point set do not fit, config_error 101 for a second coefficient that the
@@ -17283,12 +17485,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP  // <motionlang/features/amass_sequence.hpp>
 #define MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP
-/// A sequence of AMASS as its file has it: rotation vectors, path and shape of an SMPL body, world Z up.
+/// A sequence of AMASS in the form of its file: rotation vectors, path and shape of an SMPL body, world Z up.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct AmassSequence {
-  Index frames = 0, columns = 0;  // columns: 66 or more; 156 of SMPL-H, 165 of SMPL-X
+  Index frames = 0, columns = 0;  // columns: 66 or more; SMPL-H 156, SMPL-X 165
   std::vector<double> poses{};    // (frames, columns) rotation vectors: root, 21 body joints, hands or face
   std::vector<double> trans{};    // (frames, 3)
   std::vector<double> betas{};    // shape coefficients, 16 or fewer; none if the file has none
@@ -17307,26 +17509,25 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP  // <motionlang/features/motion_features.hpp>
 #define MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP
-/// The feature vectors that systems are trained on, by name: from a clip to rows of numbers, and from these to joints
-/// and clips.
+/// The feature vectors of the systems, by name: from a clip to rows of values, and from these to joints and clips.
 ///
 ///     const MotionFeatures& f = motion_features("guoh3d");
 ///     const auto rows = f.from_motion(resample(retarget(clip), f.fps));
 ///     const Motion back = motion_of_rows(f, rows);
 ///
-///     guoh3d              263   20    HumanML3D's, of TMR   a row less than the clip has frames; positions alone
-///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the
-///                         clip's; else as guoh3d
-///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
-///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
-///                          positions alone
-///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
-///     smplvelp-published  135   12.5  TEMOS on SMPL         with the published turn, which is not a heading: see
-///                         SmplVelpOptions
-///     smplrifke           205   20    STMC
-///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a
-///                         camera
-/// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
+///    guoh3d              263   20    HumanML3D's, also TMR's: one row less than frames; positions only
+///    kit                 251   12.5  KIT's: 21 joints of MMM, mirrored, 640 units per metre, bones as long as the
+///                        clip's; otherwise like guoh3d
+///    rifke                67   12.5  TMR's canonical view, 22 joints; positions only
+///    rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
+///                         positions only
+///    smplvelp            135   12.5  TEMOS on SMPL with the exact heading, so that it can be inverted
+///    smplvelp-published  135   12.5  TEMOS on SMPL with the published turn, which is not a heading: see
+///                        SmplVelpOptions
+///    smplrifke           205   20    STMC
+///    actor               150   20    ACTOR and MDM's models of actions: 6D rotations and path, in the world of a
+///                        camera
+/// With positions only, the clip that comes back has rotations that fit them (motion_from_joints.hpp).
 /// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM:
 ///         text-to-motion utils/paramUtil.py, TEMOS temos/transforms
 
@@ -17334,7 +17535,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP
 /// The 135-vector of TEMOS ("smplvelp"), TEACH and SINC ("Globalvelandy"): height, velocity over the ground, rotations.
 ///
-///     0        height of the translation, as it is
+///    0        height of the translation, unchanged
 ///     1:3      its velocity x, y; 0 in the first frame
 ///     3:135    22 rotations as two rows of the matrix: the body in the world, then joints 1 ... 21
 /// World: Z up, metres; velocities per frame (TEMOS 12.5 frames per second, TEACH and SINC 30).
@@ -17346,11 +17547,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct SmplVelpOptions {
   PoseRepresentation rotations = PoseRepresentation::rot6d;
-  /// Turns the clip about Z by what `exact_yaw` says of the first frame (and a quarter, `offset`).
+  /// Turns the clip about Z by the angle of the first frame that `exact_yaw` chooses (and by a quarter, `offset`).
   bool canonicalize = true;
   bool offset = true;
-  /// false, as published: the z of the first rotation vector. It is not a heading, so a second pass turns again.
-  /// true: the heading. Clips that differ by a turn about Z become the same.
+  /// false, as published: the z of the first rotation vector. It is not a heading, so a second pass turns again. true:
+  /// the heading. Clips that differ only by a turn about Z become the same.
   bool exact_yaw = false;
 };
 
@@ -17360,7 +17561,7 @@ struct SmplVelpMotion {
   std::vector<Vec3<S>> trans;         // (frames)
 };
 
-/// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
+/// smplvelp: the root's height and velocity, then a rotation of each joint, as above: 135 for 22 joints in 6D.
 inline FeatureLayout smplvelp_layout(
     std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
     PoseRepresentation rotations = PoseRepresentation::rot6d, const BodyPartition& body = {}) {
@@ -17371,7 +17572,7 @@ inline FeatureLayout smplvelp_layout(
   });
 }
 
-/// The meaning of the values of `smplvelp_layout`. World: Z up, turned as SmplVelpOptions say.
+/// The meaning of the values of `smplvelp_layout`. World: Z up, turned as in SmplVelpOptions.
 inline constexpr std::array<FeatureRange, 4> smplvelp_ranges{{
     {{0, 1}, "height of the translation in the world", "m"},
     {{1, 3}, "velocity of the translation since the frame before, in the world: x, y", "m/frame"},
@@ -17411,7 +17612,7 @@ std::vector<S> smplvelp_features(std::span<const Matrix3<S>> rotations, std::spa
 }
 
 /// features  (frames, 3 + 6 joints), not normalised
-/// The path starts at x = y = 0; the heading stays what the features say. Throws shape_error 205.
+/// The path starts at x = y = 0, and the heading is that of the features. Throws shape_error 205.
 template <Scalar S>
 SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 22,
                                    PoseRepresentation representation = PoseRepresentation::rot6d) {
@@ -17442,17 +17643,17 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct MotionFeatures {
   std::string_view name;
   Index width = 0;
-  double fps = 0;    // that the published systems use
-  Index joints = 0;  // of `joints_of`: the first ones of `skeleton`
+  double fps = 0;    // of the published systems
+  Index joints = 0;  // of `joints_of`: the first joints of `skeleton`
   const Skeleton& (*skeleton)();
-  FeatureLayout (*layout)();             // which numbers belong to which body part
-  std::span<const FeatureRange> ranges;  // what the numbers mean
-  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws
-  /// config_error 103 if the joints are others, shape_error 205 if it is too short.
+  FeatureLayout (*layout)();             // the body part of each value
+  std::span<const FeatureRange> ranges;  // the meaning of the values
+  /// The rows of a clip on SMPL's 24 joints or on the joints of `skeleton`, at its own frame rate. Throws config_error
+  /// 103 for other joints, and shape_error 205 if it is too short.
   std::vector<double> (*from_motion)(const Motion& motion);
-  /// (frames, joints), Y up, from the origin on. Throws shape_error 205.
+  /// (frames, joints), Y up, starting at the origin. Throws shape_error 205.
   std::vector<Vec3<double>> (*joints_of)(std::span<const double> rows);
-  /// A clip on the joints of `skeleton`; null where the rows have no rotations.
+  /// A clip on the joints of `skeleton`. Null if the rows have no rotations.
   Motion (*to_motion)(std::span<const double> rows, double fps);
 };
 
@@ -17471,8 +17672,8 @@ Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
   return out;
 }
 
-/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor.
-/// In the world of the camera the figure stands on its head: it is turned by 180 degrees about x.
+/// Rotations and root path as ACTOR and MDM have them from videos, as a clip on SMPL's 24 joints, on the floor. In the
+/// world of the camera the figure is upside down, so it is turned by 180 degrees about x.
 template <Scalar S>
 Motion motion_of_actor(const ActorMotion<S>& from, double fps) {
   const auto upright = axis_rotation(0, std::numbers::pi);
@@ -17501,9 +17702,9 @@ std::vector<Vec3<double>> joints_of_rifke(std::span<const double> rows);
 inline constexpr Index mmm_joints = 21;
 inline constexpr double mmm_units_per_metre = 640;
 
-/// The vector from between the ankles to the head, mean over the frames; of MMM's or of SMPL's joints.
+/// The vector from the middle of the ankles to the head, as a mean over the frames, for MMM's or SMPL's joints.
 Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count);
-/// The way back. The joints are in metres or, if they are large, in KIT's units.
+/// The inverse. The joints are in metres or, if the values are large, in KIT's units.
 std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints);
 
 std::vector<double> kit_rows_of(const Motion& motion);
@@ -17525,7 +17726,7 @@ std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> rows);
 
 }  // namespace detail
 
-/// The way back: what ACTOR's networks read of a clip on SMPL's 24 joints. Throws config_error 103 for other joints.
+/// The inverse: the input of ACTOR's networks for a clip on SMPL's 24 joints. Throws config_error 103 for other joints.
 std::vector<double> actor_rows_of_motion(const Motion& motion, const ActorFeatureOptions& options = {});
 
 namespace detail {
@@ -17564,7 +17765,7 @@ inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
 }};
 
 /// The clip of rows, on the joints of the features.
-/// fps     0: as the published systems have it
+/// fps     0: that of the published systems
 /// Throws  shape_error 205, numeric_error 301 for values that are not finite, config_error 101 for such a rate
 Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps = 0);
 
@@ -17579,8 +17780,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_HPP  // <motionlang/features/guoh3d.hpp>
 #define MOTIONLANG_HAS_FEATURES_GUOH3D_HPP
-/// Joint positions from the 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251. The other direction:
-/// guoh3d_extraction.hpp; which number is what: Guoh3dSlots in layout.hpp.
+/// Joint positions from the 263 values per frame of HumanML3D ("guoh3dfeats"), or KIT's 251. The other direction is in
+/// guoh3d_extraction.hpp. Guoh3dSlots in layout.hpp explains the values.
 ///
 /// Source  Guo et al. (CVPR 2022), motion_representation.ipynb recover_root_rot_pos, recover_from_ric,
 ///         recover_from_rot
@@ -17588,7 +17789,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The path of the root. `turn` takes directions of the world to those seen from the body.
+/// The path of the root. `turn` converts directions of the world to those seen from the body.
 template <Scalar S>
 struct Guoh3dRoot {
   std::vector<Quaternion<S>> turn;  // (frames)
@@ -17596,8 +17797,8 @@ struct Guoh3dRoot {
 };
 
 struct Guoh3dRecovery {
-  /// Adds the frame behind the last one: as features of T frames of joints are T - 1 rows, this gives all T back. Its
-  /// positions are those of the last row moved by the last row's velocities.
+  /// Adds the frame after the last one. Features of T frames of joints are T - 1 rows, and this gives all T frames
+  /// back. Its positions are those of the last row, moved by the velocities of that row.
   bool last_frame = false;
 };
 
@@ -17608,7 +17809,7 @@ Vec3<S> vector_at(std::span<const S> values, Index at) {
   const auto i = static_cast<std::size_t>(at);
   return {values[i], values[i + 1], values[i + 2]};
 }
-/// Rows of the features. Throws shape_error 205 if they are not whole, config_error 101 for a body without joints.
+/// Rows of the features. Throws shape_error 205 if they are not whole, and config_error 101 for a body without joints.
 template <Scalar S>
 std::size_t guoh3d_rows(std::string_view function, std::span<const S> features, Index joints) {
   const Index width = Guoh3dSlots{joints}.size();
@@ -17679,7 +17880,7 @@ std::vector<Vec3<S>> guoh3d_joints(std::span<const S> features, Index joints = 2
   return out;
 }
 
-/// The same from the rotations of the rows, on bones of other lengths.
+/// The same from the rotations of the rows, with bones of other lengths.
 /// offsets  (joints), see chain_offsets
 /// Throws   shape_error 204, 205, config_error 101, 106
 template <Scalar S>
@@ -17705,12 +17906,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP  // <motionlang/features/guoh3d_extraction.hpp>
 #define MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP
-/// The 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251, from joint positions: onto the reference
-/// skeleton, onto the floor, facing +Z, then rotations, velocities and contacts. Back: guoh3d.hpp.
+/// The 263 values per frame of HumanML3D ("guoh3dfeats"), or KIT's 251, from joint positions. The joints are put onto
+/// the reference skeleton and the floor and turned to face +Z. Rotations, velocities and contacts follow. The other
+/// direction is in guoh3d.hpp.
 ///
 ///     auto features = guoh3d_features(humanml3d_chains(), joints);     // (frames, 22) -> (frames - 1, 263)
 ///
-/// Another body is another ChainSkeleton. Which number is what: Guoh3dSlots in layout.hpp.
+/// Another body is another ChainSkeleton. Guoh3dSlots in layout.hpp explains the values.
 ///
 /// Source  Guo et al. (CVPR 2022), motion_representation.ipynb process_file, extract_features
 /// World   Y up; velocities and turns per frame (20 frames per second, KIT 12.5)
@@ -17720,12 +17922,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The defaults are as published.
 struct Guoh3dOptions {
   ChainRotationOptions rotations{.facing = {.sigma = 20}};
-  /// false: where the heading passes 180 degrees, the turn of that frame gets the wrong sign.
+  /// false: if the heading passes 180 degrees, the turn of that frame gets the wrong sign.
   bool fix_yaw_sign = false;
 };
 
-/// Without what the published code gets wrong: the heading follows hips and shoulders alike, does not jump behind the
-/// first frame, passes 180 degrees, and a bone may be opposite to its zero direction.
+/// Options without the errors of the published code. The heading follows hips and shoulders alike, does not jump after
+/// the first frame, and passes 180 degrees. A bone may be opposite to its zero direction.
 inline Guoh3dOptions guoh3d_corrected() {
   return {.rotations = {.facing = {.sigma = 20, .legacy_forward = false},
                         .fix_first_frame = true,
@@ -17735,7 +17937,7 @@ inline Guoh3dOptions guoh3d_corrected() {
 
 namespace detail {
 
-/// A turn about Y, as the rotation of a root is: two products for each coordinate instead of a quaternion's.
+/// A turn about Y, like the rotation of a root. It takes two products for each coordinate instead of a quaternion's.
 template <ScalarLike T>
 struct LevelTurn {
   T c, s;  // cosine and sine
@@ -17746,15 +17948,15 @@ struct LevelTurn {
 
 }  // namespace detail
 
-/// Joints on the floor; frame 0 stands at x = z = 0 and faces +Z.
+/// Joints on the floor. Frame 0 is at x = z = 0 and faces +Z.
 template <Scalar S>
 struct GroundedJoints {
   std::vector<Vec3<S>> joints;  // (frames, joints)
   S floor{};                    // height of the lowest joint of the clip, before
-  Quaternion<S> turn{};         // that all joints have been turned by, last
+  Quaternion<S> turn{};         // last turn of all joints
 };
 
-/// first   how the facing direction of frame 0 is found; as published, from this frame alone. A body that faces -Z is
+/// first   how to find the facing direction of frame 0; as published, from this frame alone. A body that faces -Z is
 ///         turned by 180 degrees; published: NaN
 /// Throws  shape_error 205 if the joints are not whole frames, config_error 101 (sigma) and 106
 template <Scalar S>
@@ -17800,19 +18002,19 @@ std::vector<S> guoh3d_contacts(const ChainSkeleton& skeleton, std::span<const Ve
   return out;
 }
 
-/// The rotation from one root rotation to the next; its y is the sine of half the turn.
-/// fix_sign: the shorter way round.
+/// The rotation from one root rotation to the next. Its y is the sine of half the turn. fix_sign: along the shorter
+/// arc.
 template <ScalarLike T>
 Quaternion<T> guoh3d_turn(const Quaternion<T>& root, const Quaternion<T>& next, bool fix_sign = false) {
   const Quaternion<T> q = next * inverse(root);
   return fix_sign ? where_less(q.w, T(0), T(-1), T(1)) * q : q;
 }
-/// The way of the root to the next frame, seen from the body there.
+/// The displacement of the root to the next frame, seen from the body there.
 template <ScalarLike T>
 Vec3<T> guoh3d_root_velocity(const Quaternion<T>& next, const Vec3<T>& now_position, const Vec3<T>& next_position) {
   return rotate(next, next_position - now_position);
 }
-/// A joint seen from the body: x and z relative to the body's root, the height above the floor.
+/// A joint seen from the body: x and z relative to the body's root, and the height above the floor.
 template <ScalarLike T>
 Vec3<T> guoh3d_position(const Quaternion<T>& root, const Vec3<T>& root_position, const Vec3<T>& joint) {
   return rotate(root, joint - Vec3<T>{root_position.x, T(0), root_position.z});
@@ -17820,8 +18022,8 @@ Vec3<T> guoh3d_position(const Quaternion<T>& root, const Vec3<T>& root_position,
 
 namespace detail {
 
-/// One row, or one in each lane: rotations of the frame, the root's of the next, joints of both. Number 0 is left as
-/// the sine of half the turn.
+/// One row, or one in each lane: rotations of the frame, root rotation of the next frame, joints of both. Value 0 is
+/// left as the sine of half the turn.
 template <ScalarLike T>
 void guoh3d_row(const ChainSkeleton& skeleton, bool fix_yaw_sign, std::span<const Quaternion<T>> local,
                 const Quaternion<T>& next_root, std::span<const Vec3<T>> now, std::span<const Vec3<T>> next, T* to) {
@@ -17899,8 +18101,8 @@ std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<con
   return out;
 }
 
-/// The whole way.
-/// joints   (frames, joints), of anybody, anywhere
+/// All steps together.
+/// joints   (frames, joints), of any person at any place
 /// lengths  (joints), bones of the reference skeleton
 /// result   (frames - 1, 12 J - 1)
 /// With fix_first_frame the smooth heading of frame 0 is turned onto +Z, so that the identity is right there.
@@ -17914,7 +18116,7 @@ std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Ve
                                       options.rotations.fix_first_frame ? smooth : published);
   return guoh3d_from_grounded(skeleton, std::span<const Vec3<S>>(grounded.joints), options);
 }
-/// With the lengths of the skeleton itself. Throws config_error 101 if it has none, as KIT's.
+/// The same with the lengths of the skeleton itself. Throws config_error 101 if it has none, like KIT's.
 template <Scalar S>
 std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
                                const Guoh3dOptions& options = {}) {
@@ -17931,11 +18133,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_RIFKE_HPP  // <motionlang/features/rifke.hpp>
 #define MOTIONLANG_HAS_FEATURES_RIFKE_HPP
-/// Rotation invariant forward kinematic encoding of joint positions ("rifke"): TEMOS' 64 numbers of the 21 joints of
-/// MMM, SINC's 67 and TMR's 67 or 73 of SMPL's joints. There and back.
+/// Rotation invariant forward kinematic encoding of joint positions ("rifke"), and its inverse: TEMOS' 64 values for
+/// the 21 joints of MMM, and SINC's 67 and TMR's 67 or 73 for SMPL's joints.
 ///
 ///     0             height of the root above the floor
-///     1:3J-2        joints 1 ... J-1 seen from the body: x', then y and z as the world has them, one of them turned
+///    1:3J-2        joints 1 ... J-1 seen from the body: x', then y and z of the world, one of them turned
 ///     3J-2          turn of the heading, radians per frame
 ///     3J-1:3J+1     velocity of the root over the ground, seen from the body, per frame
 /// World: Y up with x, z level (TEMOS, any unit), or Z up with x, y level (SINC, TMR).
@@ -17946,13 +18148,13 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One of the published variants, or one of one's own.
+/// One of the published variants, or one of your own.
 struct RifkeVariant {
   Index joints = 0;
   bool z_up = false;
   std::array<std::array<int, 2>, 2> across{};  // pairs (right, left) whose difference points across the body
-  std::vector<int> floor{};                    // the lowest of these gives the floor; none: height 0
-  bool wrapped_turns = true;                   // turns in (-pi, pi]; false: they jump where the heading passes pi
+  std::vector<int> floor{};                    // the lowest of these is on the floor; none: height 0
+  bool wrapped_turns = true;                   // turns in (-pi, pi]; false: they jump if the heading passes pi
   bool swapped_forward = false;      // sine and cosine are (-x, y) of the vector across; false: (-y, x), straight ahead
   bool forward_differences = false;  // turns and velocities to the next frame; false: from the one before
   Index size() const { return 3 * joints + 1; }
@@ -18005,7 +18207,7 @@ inline std::size_t rifke_frames(std::string_view function, std::size_t values, I
   }
   return values / static_cast<std::size_t>(per_frame);
 }
-/// Throws shape_error 203 for a joint that the variant names but does not have.
+/// Throws shape_error 203 if the variant names a joint that it does not have.
 inline void require_joints(const RifkeVariant& variant) {
   auto require = [&](int joint) {
     if (joint < 0 || joint >= variant.joints) raise<shape_error>(203, "rifke: joint ", joint, " of ", variant.joints);
@@ -18030,7 +18232,7 @@ void filter_forward(std::vector<std::array<S, 2>>& forward) {
 
 /// joints          (frames, J)
 /// forward_filter  smooths the heading, as an option of TEMOS does
-/// The floor is soft: m - ln(1/2 + exp(m - M)) for the lowest (m) and highest (M) of the lowest joint's heights.
+/// The floor is soft: m - ln(1/2 + exp(m - M)) for the lowest (m) and highest (M) height of the lowest joint.
 /// Throws          shape_error 205, 203 if the variant names a joint that it does not have
 template <Scalar S>
 RifkeFeatures<S> rifke_features(const RifkeVariant& variant, std::span<const Vec3<S>> joints,
@@ -18093,7 +18295,7 @@ RifkeFeatures<S> rifke_features(const RifkeVariant& variant, std::span<const Vec
 }
 
 /// features  (frames, 3 J + 1), not normalised
-/// result    (frames, J); frame 0 stands at the origin with heading 0, on the floor
+/// result    (frames, J); frame 0 is at the origin with heading 0, on the floor
 /// Throws    shape_error 205
 template <Scalar S>
 std::vector<Vec3<S>> rifke_joints(const RifkeVariant& variant, std::span<const S> features) {
@@ -18169,7 +18371,7 @@ MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_rifke(std::span<const double
   return turned_up(rifke_joints(tmr_rifke(22), rows), false);
 }
 
-/// MMM's joints of every frame as KIT has them and TEMOS makes them: reflected, Y up.
+/// MMM's joints of every frame in the form of KIT and TEMOS: reflected, Y up.
 inline std::vector<Vec3<double>> mmm_joints_of(const Motion& motion) {
   const bool own =
       motion.skeleton.names == kit21_skeleton().names && motion.skeleton.parents == kit21_skeleton().parents;
@@ -18320,12 +18522,13 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// True if a motion has exactly the joints of these features, SMPL's or MMM's: rows are then made of it as it is.
+/// True if a motion has exactly the joints of these features, SMPL's or MMM's. Its rows then need no retargeting.
 bool has_joints_of(const MotionFeatures& features, const Motion& motion);
-/// True if a motion has the joints of any of the known features, in their order: a reader of a joint array, which has
-/// no names, takes it for what it is.
+/// True if a motion has the joints of any known features, in their order. A joint array has no names, so its reader
+/// recognises it by its joints.
 bool has_joints_of_arrays(const Motion& motion);
-/// The motion as it is if it has the joints of these features, otherwise on SMPL's. Throws what on_smpl throws.
+/// The motion itself if it has the joints of these features, otherwise the motion on SMPL's. Throws what on_smpl
+/// throws.
 Motion on_joints_of(const MotionFeatures& features, const Motion& motion);
 
 /// The rows of a motion on any joints, (frames, features.width), not normalised.
@@ -18365,8 +18568,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP  // <motionlang/features/frame_sampling.hpp>
 #define MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP
-/// Which frames of a clip the published systems take: other frame rates, parts, windows for training. For parity; to
-/// resample clips of one's own use kinematics/motion_tools.hpp.
+/// The frames of a clip that the published systems take: other frame rates, parts, windows for training. This is for
+/// parity. To resample your own clips use kinematics/motion_tools.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -18379,16 +18582,16 @@ inline void require_rates(const char* function, double from, double to) {
 
 }  // namespace detail
 
-/// TEMOS: frames 0, s, 2s, ..., s = floor(old / new); 120 frames per second become 13.33 where 12.5 are asked for.
-/// Source  TEMOS temos/data/sampling/framerate.py subsample. Throws config_error 101 unless 0 < new <= old.
+/// TEMOS: frames 0, s, 2s, ..., s = floor(old / new). From 120 frames per second to 12.5 it gives 13.33. Source  TEMOS
+/// temos/data/sampling/framerate.py subsample. Throws config_error 101 unless 0 < new <= old.
 std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps);
 
 /// TEACH and SINC: floor(new / old frames) frames spread evenly from the first to the last, rounded down.
 /// Source  TEACH scripts/process_amass.py process_sequence. Throws config_error 101 unless both rates are positive.
 std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps);
 
-/// TEMOS: values between the frames on straight lines, (frames, width) -> ((frames - 1) k + 1, width),
-/// k = floor(new / old). In double, as published. Throws config_error 101, shape_error 205.
+/// TEMOS: linear interpolation between the frames, (frames, width) -> ((frames - 1) k + 1, width), k = floor(new /
+/// old). In double, as published. Throws config_error 101, shape_error 205.
 template <Scalar S>
 std::vector<double> upsample_linearly(std::span<const S> values, Index width, double old_fps, double new_fps) {
   detail::require_rates("upsample_linearly", old_fps, new_fps);
@@ -18411,42 +18614,42 @@ std::vector<double> upsample_linearly(std::span<const S> values, Index width, do
   return out;
 }
 
-/// Consecutive frames. Of none, `first` is -1.
+/// Consecutive frames. Without frames, `first` is -1.
 struct FrameSlice {
   Index first = -1, length = 0;
   bool operator==(const FrameSlice&) const = default;
 };
-/// TMR: seconds to frames, rounded down, as far as the clip goes. Source  TMR src/data/motion.py AMASSMotionLoader.
-/// Throws config_error 101 for a negative time, or unless the rate is positive.
+/// TMR: seconds to frames, rounded down and cut at the end of the clip. Source  TMR src/data/motion.py
+/// AMASSMotionLoader. Throws config_error 101 for a negative time, or unless the rate is positive.
 FrameSlice slice_of_seconds(double start, double end, double fps, Index frames);
 
 struct ActorFrameOptions {
   Index frames = 60;         // to take
-  bool random_step = false;  // "random_conseq": the step is drawn, too
+  bool random_step = false;  // "random_conseq": the step is random, too
   Index step = 1;            // -1: the largest that fits
   bool scattered = false;    // "random": any frames, in their order; there is no step
 };
 
-/// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame; of
-/// others, every step-th frame from a random start on. The last possible start is never drawn, as published. Scattered
-/// frames are drawn by this generator, too; the published program has NumPy's for them.
+/// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame. From
+/// others, it takes every step-th frame from a random start. The last possible start never occurs, as published.
+/// Scattered frames use this generator, too, while the published program uses NumPy's for them.
 /// Source  ACTOR src/datasets/dataset.py _get_item_data_index
-/// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
+/// Throws  config_error 101 unless 2 frames or more are asked for, out of 1 or more
 std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random);
 
-/// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible
-/// start is never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
+/// SINC: the frames of a training item. From a longer clip it takes consecutive frames from a random start. The last
+/// possible start never occurs, as published. Evaluation takes whole clips (`request` 0) of 15 to 800 frames.
 /// Source   SINC sinc/data/sampling
-/// Differs  from thesis B.3.1, as published: clips of 15 to 600 frames are evaluated there
+/// Differs  from thesis B.3.1, as published, where clips of 15 to 600 frames are evaluated
 struct SincWindow {
   Index request = 300;  // frames to take; 0: all
   Index shortest = 15;
-  Index longest = 600;  // looked at only where all are taken
+  Index longest = 600;  // used only if all frames are taken
 
   bool accepts(Index frames) const { return frames >= shortest && (request > 0 || frames <= longest); }
-  /// The largest start that is drawn.
+  /// The largest start that may be drawn.
   Index largest_start(Index frames) const { return request > 0 ? std::max<Index>(0, frames - request - 1) : 0; }
-  /// below(n) draws a number of 0 ... n - 1.
+  /// below(n) draws a value of 0 ... n - 1.
   template <class F>
   FrameSlice of(Index frames, F below) const {
     const Index length = request > 0 ? std::min(request, frames) : frames;
@@ -18541,7 +18744,7 @@ inline constexpr std::array<std::size_t, 21> mmm_of_smplh{0, 3, 9, 12, 15, 16, 1
                                                           1, 4, 7, 59, 10, 2,  5,  8,  62, 11};
 
 /// points  (frames, 73), metres, Z up
-/// trans   (frames), where the first root of the result is put, whatever its units and axes: so it is published
+/// trans   (frames), the place of the first root of the result, without regard to its units and axes, as published
 /// result  (frames, 21, 22 or 73)
 /// Throws  config_error 103 for an unknown name, shape_error 205
 template <Scalar S>
@@ -18574,12 +18777,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
 #define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
-/// Features to zero mean and unit deviation, and back.
+/// Converts features to zero mean and unit deviation, and back.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
-/// Statistics are saved with a model but not trained. eps matters only where std is 0.
+/// Statistics are saved with a model but not trained. eps matters only if std is 0.
 template <Backend B>
 struct Normalizer {
   static constexpr bool trainable = false;
@@ -18609,12 +18812,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_SMPLH_JOINTS_HPP  // <motionlang/features/smplh_joints.hpp>
 #define MOTIONLANG_HAS_FEATURES_SMPLH_JOINTS_HPP
-/// From rotations to the joints that TEMOS, TEACH and SINC compare: an SMPL-H body, and the joints of a set.
+/// From rotations to the joints that TEMOS, TEACH and SINC compare: an SMPL-H body and a set of joints.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// One sequence on a body of shape 0. name: a set of joint_sets.hpp, or "vertices".
-/// rotations    (frames, 22 or 52, 9), row by row; 22 leave the hands in their mean pose
+/// rotations    (frames, 22 or 52, 9), row by row; with 22 the hands stay in their mean pose
 /// translation  (frames, 3)
 /// result       (frames, points, 3)
 /// Source       thesis 4.3.5, table 4.10; TEMOS temos/transforms/rots2joints/smplh.py
@@ -18650,9 +18853,9 @@ MOTIONLANG_NAMESPACE_END
 ///     n_k = n_{k-1} + 1,  d = x - mean,  mean += d / n,  m2 += d (x - mean);   std = sqrt(m2 / (n - 1))
 ///
 /// Source  Welford, "Note on a method for calculating corrected sums of squares" (Technometrics 1962). The published
-///         scripts (TEMOS, TMR) concatenate all clips and take torch's unbiased deviation: the same up to rounding.
-///         HumanML3D takes the deviation of the population, n in place of n - 1, skips clips with NaN, and replaces
-///         each deviation by the mean of its group (HumanML3D cal_mean_variance.ipynb):
+///         scripts (TEMOS, TMR) concatenate all clips and take torch's unbiased deviation, which is the same up to
+///         rounding. HumanML3D takes the deviation of the population, with n instead of n - 1, and skips clips with
+///         NaN. It replaces each deviation by the mean of its group (HumanML3D cal_mean_variance.ipynb):
 ///
 ///     for (const auto& clip : clips) statistics.add_finite(std::span<const float>(clip), slots.size());
 ///     auto std = group_means(statistics.population_deviation(), slots.groups());
@@ -18662,7 +18865,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 class FeatureStatistics {
  public:
   /// Adds the frames of a clip, (frames, features) row by row. Throws shape_error 205 if the values are not whole
-  /// frames, 204 if the clips before had another number of features.
+  /// frames, and 204 if earlier clips had another number of features.
   template <Scalar S>
   void add(std::span<const S> frames, Index features) {
     if (features <= 0 || std::ssize(frames) % features != 0) {
@@ -18685,7 +18888,7 @@ class FeatureStatistics {
     }
   }
 
-  /// The same, but a clip with a value that is not finite is left out. Returns whether it was added.
+  /// The same, but skips a clip with a value that is not finite. Returns true if the clip was added.
   template <Scalar S>
   bool add_finite(std::span<const S> frames, Index features) {
     const bool finite = std::all_of(frames.begin(), frames.end(), [](S x) { return std::isfinite(x); });
@@ -18693,7 +18896,7 @@ class FeatureStatistics {
     return finite;
   }
 
-  /// Frames so far.
+  /// Number of frames so far.
   Index count() const { return count_; }
   const std::vector<double>& mean() const { return mean_; }
   /// Unbiased (divided by n - 1). Throws numeric_error 302 below two frames.
@@ -18708,7 +18911,7 @@ class FeatureStatistics {
   std::vector<double> mean_, squares_;
 };
 
-/// Every value replaced by the mean of its group. Throws shape_error 203 if a group is empty or ends behind the values.
+/// Replaces every value by the mean of its group. Throws shape_error 203 if a group is empty or ends after the values.
 std::vector<double> group_means(std::vector<double> values, std::span<const IndexRange> groups);
 
 MOTIONLANG_NAMESPACE_END
@@ -18743,8 +18946,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_AUTOREGRESSIVE_HPP  // <motionlang/vae/actor_autoregressive.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_AUTOREGRESSIVE_HPP
-/// A decoder that writes one frame after the other, which ACTOR's is compared with (thesis table 3.4 a). It comes from
-/// the joeynmt project: pre-norm layers with ReLU, separate matrices of attention.
+/// A decoder that writes one frame after the other, with which ACTOR's decoder is compared (thesis table 3.4 a). It
+/// comes from the joeynmt project: pre-norm layers with ReLU, separate matrices of attention.
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_GRU_HPP  // <motionlang/vae/actor_gru.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_GRU_HPP
@@ -18754,8 +18957,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The action of each frame's motion, one-hot, and how far the frame is through it: (frames, classes), or one more
-/// column.
+/// The action of each frame's motion, one-hot, and if wanted the relative time of the frame in its motion:
+/// (frames, classes), or one more column.
 template <Backend B>
 Tensor<B, 2> action_and_time(std::span<const Index> labels, Index classes, const Offsets& lengths, bool time) {
   const auto action = repeat_for_rows(one_hot<B>(labels, classes), lengths);
@@ -18834,7 +19037,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Multi-head attention with a layer for each projection.
+/// Multi-head attention with separate layers for the projections.
 template <Backend B>
 struct SeparateAttention {
   Linear<B> k_layer, v_layer, q_layer, output_layer;
@@ -18861,7 +19064,10 @@ struct SeparateAttention {
     const ModuleScope scope(*this);
     return output_layer(attention(q_layer(query.rows), k_layer(memory.rows), v_layer(memory.rows), query.offsets,
                                   memory.offsets,
-                                  {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)}));
+                                  {.heads = heads,
+                                   .causal = causal,
+                                   .dropout = next_dropout(dropout_p, context),
+                                   .precision = precision_of(q_layer.weight)}));
   }
 };
 
@@ -18936,12 +19142,13 @@ struct ActorAutoregressiveDecoder {
     for (Index i = 0; i < c.layers; ++i) layers.emplace_back(c, rng);
   }
 
-  /// The motions as the decoder writes them: every frame from those that it wrote before, the memory as a whole.
+  /// The motions as the decoder writes them: every frame from the frames that it wrote before, and from the whole
+  /// memory.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths) const {
     const ModuleScope scope(*this);
     Sequences<B> x(Tensor<B, 2>::zeros({lengths.rows(), output_layer.size(0)}), lengths);
     for (Index t = 0; t < lengths.longest(); ++t) {
-      PoolVector<Index> now;  // frame t of each motion that has one: it depends on the frames before it only
+      PoolVector<Index> now;  // frame t of each motion that has one: it depends on earlier frames only
       for (Index s = 0; s < lengths.count(); ++s) {
         if (lengths.length(s) > t) now.push_back(lengths.begin(s) + t);
       }
@@ -18955,7 +19162,7 @@ struct ActorAutoregressiveDecoder {
                      const Context& context = {}) const {
     const Offsets& lengths = x.offsets;
     PoolVector<Index>
-        before;  // among a frame of zeros, which stands before every first one, and the frames of all motions
+        before;  // rows of a table: a frame of zeros, which precedes every first frame, then the frames of all motions
     for (Index s = 0; s < x.count(); ++s) {
       for (Index t = 0; t < lengths.length(s); ++t) before.push_back(t == 0 ? 0 : lengths.begin(s) + t);
     }
@@ -18985,7 +19192,7 @@ enum class ActorConditioning {
   action_bias,    // memory z + b_y, queries are sinusoidal positions
   concat_bias,    // memory of two rows, z and b_y
   zandtime,       // memory W [z, one-hot y]
-  time_encoding,  // as action_bias, but every number of query t is t / (length - 1)
+  time_encoding,  // time_encoding,  // as action_bias, but every component of query t is t / (length - 1)
 };
 
 /// Source  thesis 3.2.1, "Decoder"; ACTOR (ICCV 2021) src/models/architectures/transformer.py Decoder_TRANSFORMER
@@ -19017,7 +19224,7 @@ struct ActorDecoder {
   }
 
   /// The rows to which the frames of each motion attend. z (motions, width).
-  /// Throws shape_error 203 for a label that is not a class, 204 unless each motion has one.
+  /// Throws shape_error 203 for a label that is not a class, 204 unless there is one label for each motion.
   Sequences<B> memory(const Tensor<B, 2>& z, std::span<const Index> labels) const {
     if (std::ssize(labels) != z.size(0))
       raise<shape_error>(204, "ActorDecoder: ", labels.size(), " labels for ", z.size(0), " motions");
@@ -19052,7 +19259,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_ENCODER_HPP  // <motionlang/vae/actor_encoder.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_ENCODER_HPP
-/// ACTOR's encoder, and the one without tokens that it is compared with.
+/// ACTOR's encoder, and the encoder without tokens with which it is compared.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -19082,7 +19289,7 @@ struct ActorEncoder {
         dropout_p(c.dropout) {}
 
   /// The input of the first layer.
-  /// Throws shape_error 203 for a label that is not a class, 204 unless each motion has one.
+  /// Throws shape_error 203 for a label that is not a class, 204 unless there is one label for each motion.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> labels) const {
     auto token = [&](const Tensor<B, 2>& of_class) {
       return Sequences<B>(gather(of_class, labels), Offsets::equal(std::ssize(labels), 1));
@@ -19098,8 +19305,8 @@ struct ActorEncoder {
 
 ///     W frames + positions -> encoder -> mean over the frames -> mu and logvar by a linear layer each
 /// Source  thesis 3.3.2, table 3.4 b; ACTOR src/models/architectures/transformer.py, ablation "average_encoder"
-/// The mean counts padding, as published: frames of zeros up to the longest motion of the batch, which attend to the
-/// real ones. So here a short motion does depend on what is encoded with it.
+/// The mean includes padding, as published: frames of zeros up to the longest motion of the batch, which attend to the
+/// real ones. So the latent of a short motion depends on the motions that are encoded with it.
 template <Backend B>
 struct ActorAverageEncoder {
   Linear<B> mu_layer, sigma_layer, skelEmbedding;
@@ -19124,8 +19331,8 @@ struct ActorAverageEncoder {
 
   Sequences<B> sequence(const Sequences<B>& x) const { return add_positions(skelEmbedding(x), positions.rows()); }
 
-  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts. Throws shape_error 203 for
-  ///                more than there are positions
+  /// padded_frames  of the batch, if it is padded beyond its longest motion, because padding counts. Throws shape_error
+  ///                203 for more frames than positions
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}, Index padded_frames = 0) const {
     const ModuleScope scope(*this);
     auto dropped = [&](const Sequences<B>& s) { return s.with(dropout(s.rows, dropout_p, context)); };
@@ -19142,7 +19349,7 @@ struct ActorAverageEncoder {
   }
 
  private:
-  /// Embedded frames of zeros at the positions behind the end of each sequence, up to this many.
+  /// Embedded frames of zeros at the positions after the end of each sequence, up to `longest`.
   Sequences<B> padding_of(const Offsets& offsets, Index longest) const {
     detail::require_positions("ActorAverageEncoder", positions.rows(), longest);
     PoolVector<Index> at, lengths;
@@ -19159,12 +19366,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_FULLY_CONNECTED_HPP  // <motionlang/vae/actor_fully_connected.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_FULLY_CONNECTED_HPP
-/// The fully connected encoder and decoder that ACTOR is compared with (thesis table 3.4): motions of one length only.
+/// The fully connected encoder and decoder that ACTOR is compared with (thesis table 3.4). All motions have one length.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     h = gelu(W2 gelu(W1 [all numbers of the motion, one-hot y]));   mu and logvar from h
-/// Numbers are ordered by feature, then frame. Source  thesis 3.3.2, table 3.4; ACTOR src/models/architectures
+/// Values are ordered by feature, then frame. Source  thesis 3.3.2, table 3.4; ACTOR src/models/architectures
 template <Backend B>
 struct ActorFullyConnectedEncoder {
   Linear<B> first, second, mu, var;
@@ -19178,7 +19385,7 @@ struct ActorFullyConnectedEncoder {
   ActorFullyConnectedEncoder(Index nfeats, Index frames, Index classes, Index width, Rng auto& rng)
       : first(nfeats * frames + classes, 512, rng), second(512, 256, rng), mu(256, width, rng), var(256, width, rng) {}
 
-  /// Throws shape_error 207 unless all motions have the frames that the network was made for.
+  /// Throws shape_error 207 unless all motions have as many frames as the network expects.
   LatentGaussian<B> operator()(const Sequences<B>& x, std::span<const Index> labels, Index classes) const {
     const ModuleScope scope(*this);
     const Index n = x.count(), frames = (first.in() - classes) / std::max<Index>(x.width(), 1);
@@ -19191,8 +19398,8 @@ struct ActorFullyConnectedEncoder {
   }
 };
 
-///     gelu(W3 gelu(W2 gelu(W1 [z, one-hot y]))): the last activation is as published, though features are negative as
-///     well
+///     gelu(W3 gelu(W2 gelu(W1 [z, one-hot y]))): the last activation is as published, although features may be
+///     negative
 template <Backend B>
 struct ActorFullyConnectedDecoder {
   Linear<B> first, second, third;
@@ -19225,8 +19432,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_LATENTS_HPP  // <motionlang/vae/actor_latents.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_LATENTS_HPP
-/// The latents of generated motions. Motions may share their noise, so that they differ only in the action, or only in
-/// the noise.
+/// The latents of generated motions. Motions may share their noise, so that they differ only in the action, or share
+/// the action, so that they differ only in the noise.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -19238,7 +19445,7 @@ struct ActorSampling {
   NoiseSharing across_actions = NoiseSharing::random;  // random or same
   double fact = 1;                                     // scales all noise
 
-  /// Rows of noise that `samples` of this many actions need.
+  /// The number of rows of noise for the samples of this many actions.
   Index noise_rows(Index actions) const {
     return (across_samples == NoiseSharing::random ? samples : 1) *
            (across_actions == NoiseSharing::random ? actions : 1);
@@ -19247,7 +19454,7 @@ struct ActorSampling {
 
 /// Latents in the order sample, action: noise (noise_rows, latent) -> (samples actions, latent).
 /// Source  ACTOR src/models/modeltype/cae.py generate
-/// Throws  config_error 101 for options that mean nothing, shape_error 204 for another number of rows
+/// Throws  config_error 101 for invalid options, shape_error 204 for another number of rows
 template <Backend B>
 Tensor<B, 2> actor_latents(const Tensor<B, 2>& noise, Index actions, const ActorSampling& o = {}) {
   if (o.samples < 1 || o.across_actions == NoiseSharing::interpolate)
@@ -19278,8 +19485,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Weights of the loss; rcxyz is 0 for models that were trained without a body. vel and velxyz exist but are not used
-/// in published models.
+/// Weights of the loss; rcxyz is 0 for models that were trained without a body. Published models do not use vel and
+/// velxyz.
 struct ActorLossWeights {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
 };
@@ -19290,13 +19497,13 @@ struct ActorLossPoints {
   Sequences<B> wanted, written;
 };
 
-///     rc, rcxyz     mean square over all frames and their numbers (the padding of the translation's row counts), or
-///                   over points
+///     rc, rcxyz     mean square over all frames and features (the padding of the translation's row counts), or over
+///                   points
 ///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), SUMMED over batch and coordinates: its weight grows with the
 ///                   batch
 ///     vel, velxyz   mean square of the steps from frame to frame
 /// Terms whose weight is not 0. Source  thesis 3.2.2; ACTOR src/models/tools/losses.py
-/// Throws  config_error 102 if a term needs points and there are none
+/// Throws  config_error 102 if a term needs points that are missing
 template <Backend B>
 LossTerms<B> actor_losses(const LatentGaussian<B>& latent, const Sequences<B>& x, const Sequences<B>& written,
                           const ActorLossWeights& w = {}, const std::optional<ActorLossPoints<B>>& points = {}) {
@@ -19319,7 +19526,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_MOTION_TOKENIZER_HPP  // <motionlang/vae/motion_tokenizer.hpp>
 #define MOTIONLANG_HAS_VAE_MOTION_TOKENIZER_HPP
-/// TM2T's motion tokenizer: four frames become one word of a codebook, and words become frames.
+/// TM2T's motion tokenizer: four frames become one entry of a codebook, and entries become frames.
 ///
 ///     const IdSequences tokens = tokenizer.tokens(normalized);       // a quarter as many as frames
 ///     const Sequences<B> motion = tokenizer.motions(tokens);         // normalised features
@@ -19329,7 +19536,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The ids of motion tokens: codes, then the marks of beginning and end, and of padding.
+/// The ids of motion tokens: codes, then the marks of start, end and padding.
 struct MotionVocabulary {
   Index codes = 1024;
   Index begin() const { return codes; }
@@ -19338,7 +19545,7 @@ struct MotionVocabulary {
   Index size() const { return codes + 3; }
 };
 
-/// For each number of channels a convolution that halves the length, and a residual block.
+/// For each number of channels: a convolution that halves the length, and a residual block.
 template <Backend B>
 struct VqEncoder {
   ConvStack<B> main;
@@ -19357,9 +19564,10 @@ struct VqEncoder {
   }
 };
 
-/// Residual blocks, then for each further number of channels twice the length and a convolution; a last one at the end.
-/// Where the latent is not as wide as the first number says, a convolution comes before.
-/// Differs from the table of the paper: three residual blocks, not two, as published.
+/// Residual blocks; then for each further number of channels twice the length and a convolution; then a last
+/// convolution.
+/// If the latent has another width than the first number of channels, a convolution comes first. Differs from the table
+/// of the paper: three residual blocks, as published, not two.
 template <Backend B>
 struct VqDecoder {
   ConvStack<B> main;
@@ -19382,7 +19590,7 @@ struct VqDecoder {
   }
 };
 
-/// Tells real motions from decoded ones, four frames at a time; not in the paper.
+/// Tells real motions from decoded ones, four frames at a time. The paper does not describe it.
 template <Backend B>
 struct VqDiscriminator {
   ConvStack<B> main;
@@ -19410,14 +19618,14 @@ struct VqDiscriminator {
     const ModuleScope scope(*this);
     return judged(main(x));
   }
-  /// By the statistics of these motions, which are remembered.
+  /// Uses the statistics of these motions, and remembers them.
   Result train(const Sequences<B>& x) { return judged(main.train(x)); }
 
  private:
   Result judged(const Sequences<B>& features) const { return {features, out_net(features).rows}; }
 };
 
-/// Published sizes.
+/// The published sizes.
 struct MotionTokenizerConfig {
   Index features = 263;  // with the contacts, which are written but not read; KIT: 251
   std::vector<Index> channels{1024, 1024};
@@ -19450,7 +19658,7 @@ struct MotionTokenizer {
 
   MotionVocabulary vocabulary() const { return {quantizer.size()}; }
 
-  /// Normalised features to latents; the contacts are not read.
+  /// Normalised features to latents, without the contacts.
   Sequences<B> encode(const Sequences<B>& x) const { return vq_encoder(x.with(slice(x.rows, 1, 0, x.width() - 4))); }
   IdSequences tokens(const Sequences<B>& x) const {
     const auto z = encode(x);
@@ -19465,7 +19673,7 @@ struct MotionTokenizer {
     Quantized<B> quantized;
     Sequences<B> reconstruction;
   };
-  /// TM2T eq. 2: the decoder of the nearest codes of the encoder's latents.
+  /// TM2T eq. 2: decodes the codes nearest to the encoder's latents.
   Result operator()(const Sequences<B>& x) const {
     const ModuleScope scope(*this);
     const auto z = encode(x);
@@ -19478,8 +19686,8 @@ struct MotionTokenizer {
 ///     mean |x^ - x| + quantisation [- lambda mean D(x^)]
 /// Source   TM2T eq. 3: the first term here, the other two in `Quantized::loss`; networks/trainers.py backward_G
 /// Differs  from TM2T eq. 3, which has sums and no discriminator: here means, as published
-/// With a discriminator (published: from epoch 10 on) its norms go by the statistics of the decoded motions; it takes
-/// its own step before, with `hinge_discriminator_loss` times lambda.
+/// With a discriminator (published: from epoch 10 on), its norms use the statistics of the decoded motions. The
+/// discriminator takes its own step before, with `hinge_discriminator_loss` times lambda.
 template <Backend B>
 LossTerms<B> tokenizer_losses(const typename MotionTokenizer<B>::Result& result, const Sequences<B>& x,
                               VqDiscriminator<B>* discriminator = nullptr, double lambda_adv = 0.5) {
@@ -19496,15 +19704,15 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_PARTED_TEXT_ENCODER_HPP  // <motionlang/vae/parted_text_encoder.hpp>
 #define MOTIONLANG_HAS_VAE_PARTED_TEXT_ENCODER_HPP
-/// The common part of the text encoders of TEACH and SINC: a sequence of several parts, told apart by a learned token.
+/// The common part of the text encoders of TEACH and SINC: a sequence of several parts, separated by a learned token.
 ///
 ///     [mu token, logvar token, part, separation token, part, ...] -> encoder -> mu, logvar
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Learned tokens, projection and transformer, under the names of the published state dicts (the systems spell the
-/// third token differently). Unlike TEMOS' encoder it has no positions over the whole sequence: parts that need some
-/// get their own (`placed`).
+/// third token differently). Unlike TEMOS' encoder it has no positions over the whole sequence: parts that need
+/// positions get their own (`placed`).
 /// Source  thesis A.2.2, B.3.3; TEACH teach/model/textencoder/text_hist.py, SINC sinc/model/textencoder/text_space.py
 template <Backend B, class Keys>
 struct PartedTextEncoder {
@@ -19530,7 +19738,7 @@ struct PartedTextEncoder {
         positions(max_len, c.d_model),
         dropout_p(c.dropout) {}
 
-  /// The tokens that a sequence begins with, (2, width).
+  /// The tokens that start a sequence, (2, width).
   Tensor<B, 2> beginning() const { return concat(0, row(mu_token), row(logvar_token)); }
   /// The token between two parts, (1, width).
   Tensor<B, 2> separation() const { return row(separation_token); }
@@ -19543,7 +19751,7 @@ struct PartedTextEncoder {
     const auto x = add_positions(part, positions.rows());
     return x.with(dropout(x.rows, dropout_p, context));
   }
-  /// sequence: begins with the tokens of mu and logvar.
+  /// `sequence` begins with the tokens of mu and logvar.
   LatentGaussian<B> encode(const Sequences<B>& sequence, const Context& context = {}) const {
     return gaussian_of_tokens(encode_tokens(seqTransEncoder, sequence, 2, 0, context));
   }
@@ -19557,14 +19765,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_SINC_LOSSES_HPP  // <motionlang/vae/sinc_losses.hpp>
 #define MOTIONLANG_HAS_VAE_SINC_LOSSES_HPP
-/// The losses of SINC: TEMOS', and what becomes of them where each label has a latent of its own.
+/// The losses of SINC: those of TEMOS, and their forms for labels that each have a latent of their own.
 
 #ifndef MOTIONLANG_HAS_VAE_TEXT_MOTION_HPP  // <motionlang/vae/text_motion.hpp>
 #define MOTIONLANG_HAS_VAE_TEXT_MOTION_HPP
 /// One latent space for texts and motions: the two branches of a training step, their losses, and motions from texts.
-/// TEMOS and TMR; TEACH and SINC build on it.
+/// TEMOS and TMR use it; TEACH and SINC build on it.
 ///
-///     text   -> N_T -> z_T -> frames      both decoded with the same decoder to the lengths of the motions
+///     text   -> N_T -> z_T -> frames      the same decoder for both, to the lengths of the motions
 ///     motion -> N_M -> z_M -> frames
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -19574,7 +19782,7 @@ template <Backend B>
 struct LatentBranch {
   LatentGaussian<B> distribution;
   Tensor<B, 2> z;         // a sample for each sequence
-  Tensor<B, 2> frames{};  // decoded, packed like the motions; none if nothing is reconstructed
+  Tensor<B, 2> frames{};  // decoded, packed like the motions; empty if nothing is reconstructed
 };
 /// A sample of a distribution, and the frames that decode(z) makes of it.
 template <Backend B, class Decode>
@@ -19585,10 +19793,10 @@ LatentBranch<B> latent_branch(LatentGaussian<B> distribution, const Tensor<B, 2>
 template <Backend B>
 struct TextMotionBranches {
   LatentBranch<B> text;
-  std::optional<LatentBranch<B>> motion;  // not where a model has no motion encoder
+  std::optional<LatentBranch<B>> motion;  // empty for a model without a motion encoder
 };
 
-/// Standard normal numbers for both branches, (sequences, latent) each; z = mu + fact eps std.
+/// Standard normal noise for both branches, (sequences, latent) each; z = mu + fact eps std.
 template <Backend B>
 struct TextMotionNoise {
   Tensor<B, 2> text, motion;
@@ -19601,7 +19809,7 @@ struct TextMotionNoise {
   }
 };
 
-/// The transformers of a model, from the names that the configurations of all these systems use.
+/// The transformers of a model, from option names that all these systems share.
 template <class Config>
 TransformerConfig transformer_of(const Config& c) {
   return {.d_model = c.latent_dim,
@@ -19612,12 +19820,12 @@ TransformerConfig transformer_of(const Config& c) {
           .dropout = c.dropout};
 }
 
-/// Over what a reconstruction is averaged: the padded batch (TEMOS, TMR, SINC), or each sequence on its own and then
-/// all (TEACH).
+/// How a reconstruction is averaged: over the padded batch (TEMOS, TMR, SINC), or over each sequence and then over all
+/// sequences (TEACH).
 enum class ReconstructionMean { padded_batch, sequences };
 
-/// Weights and switches of TEMOS' loss; the rows of thesis table 4.3 are `cross_modal_kl`, `gaussian_kl` and
-/// `embedding` off, and a model without motion encoder.
+/// Weights and switches of TEMOS' loss. The rows of thesis table 4.3 switch off `cross_modal_kl`, `gaussian_kl` and
+/// `embedding`, or take a model without a motion encoder.
 struct TemosLossOptions {
   double recons = 1, kl = 1e-5, latent = 1e-5;
   bool cross_modal_kl = true, gaussian_kl = true;
@@ -19627,7 +19835,7 @@ struct TemosLossOptions {
   Index padded_frames = 0;  // of that batch, if it is padded beyond its longest motion
 };
 
-/// recons_F2F, recons_text2F: those that there are frames for. Their sum is thesis eq. 4.1 = TEMOS eq. 1.
+/// recons_F2F, recons_text2F: the terms whose frames exist. Their sum is thesis eq. 4.1 = TEMOS eq. 1.
 template <Backend B>
 LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                                    const TemosLossOptions& options) {
@@ -19643,11 +19851,11 @@ LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const 
   return out;
 }
 
-///     recons_text2F, recons_F2F     smooth_l1 in the mean over the padded batch, or over sequences
-///     kl_text2motion, kl_motion2text, kl_text, kl_motion     KL(T || M), KL(M || T), KL(T || N(0, 1)), KL(M || N(0,
-///     1))
-///     latent_manifold               smooth_l1(z_T, z_M)
-/// Those terms that model and options have; the names are the published ones.
+///     recons_text2F, recons_F2F          smooth_l1, averaged over the padded batch or over sequences
+///     kl_text2motion, kl_motion2text     KL(T || M), KL(M || T)
+///     kl_text, kl_motion                 KL(T || N(0, 1)), KL(M || N(0, 1))
+///     latent_manifold                    smooth_l1(z_T, z_M)
+/// Terms exist only if the model and the options have them; the names are the published ones.
 /// Source  TEMOS, section 3.3; thesis 4.2.3: the sum of thesis eq. 4.1, thesis eq. 4.2 and thesis eq. 4.3, weighted;
 ///         TEMOS temos/model/losses/compute.py
 template <Backend B>
@@ -19675,21 +19883,22 @@ LossTerms<B> temos_losses(const TextMotionBranches<B>& branches, const Sequences
 
 enum class ContrastiveLoss { none, info_nce, margin };
 
-/// Weights of TMR's loss; table 5.3 of the thesis is `contrastive_loss`, and `recons` 0 with a deterministic model.
+/// Weights of TMR's loss. Table 5.3 of the thesis varies `contrastive_loss`, and sets `recons` to 0 with a
+/// deterministic model.
 struct TmrLossOptions {
   double recons = 1, kl = 1e-5, latent = 1e-5, contrastive = 0.1;
   ContrastiveLoss contrastive_loss = ContrastiveLoss::info_nce;
   double temperature = 0.1;
-  double threshold = 0.8;  // of similar texts, see false_negatives; 0: none are filtered
+  double threshold = 0.8;  // of similar texts, see false_negatives; 0: no filter
   double margin = 10;
-  bool cross_modal_kl = true, gaussian_kl = true;  // of the four divergences of TEMOS, all of which TMR has
+  bool cross_modal_kl = true, gaussian_kl = true;  // of the four divergences of TEMOS, which TMR also has
   Index padded_frames = 0;                         // as in TemosLossOptions
 };
 
-/// recons and kl (the sums of TEMOS' terms), latent, contrastive; those that model and options have.
-/// sentences    (batch, width), rows of length 1: which texts say the same. Null: nothing is filtered
-/// temperature  a learned one of InfoNCE, which takes the place of that of the options. Null: theirs
-/// Throws config_error 101 for contrastive where there is no motion encoder.
+/// recons and kl (the sums of TEMOS' terms), latent, contrastive: only those that the model and the options have.
+/// sentences    (batch, width), rows of length 1, to find texts with the same meaning. Null: nothing is filtered
+/// temperature  a learned one for InfoNCE, instead of that of the options. Null: that of the options
+/// Throws config_error 101 for a contrastive loss without a motion encoder.
 /// Source     TMR, section 3.2; thesis 5.2.2; TMR src/model/tmr.py compute_loss
 template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
@@ -19720,7 +19929,7 @@ struct LatentSampling {
   bool mean = false;  // mu, without noise
 };
 
-/// The latents of texts for sample `i` of text_to_motion: one vector of noise for all of them.
+/// The latents of texts for sample `i` of text_to_motion. All texts share one noise vector.
 template <Backend B>
 Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, Index i,
                              const LatentSampling& sampling = {}) {
@@ -19730,11 +19939,11 @@ Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, 
   return texts.sample(broadcast_to<2>(eps, texts.mu.shape()), sampling.fact);
 }
 
-/// Motions from texts: `samples` for each, features as the model was trained on. `model` has encode_text(tokens) and
-/// decode(z, lengths).
+/// Motions from texts: `samples` for each, as the features that the model was trained on. `model` has
+/// encode_text(tokens) and decode(z, lengths).
 /// tokens  a sequence for each text;   lengths  of the motions, one for each text
 /// Noise   one vector for each sample, the same for all texts, as published: a text gives the same motion alone and
-///         among others
+///         with other texts
 template <Backend B, class Model>
 std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>& tokens, const Offsets& lengths,
                                          const Philox& rng, Index samples = 1, const LatentSampling& sampling = {}) {
@@ -19744,15 +19953,15 @@ std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>&
   return out;
 }
 
-/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length`
-/// frames. The first and the last are those of text_to_motion. Throws what interpolate_rows throws.
+/// Motions between two texts: `steps` latents on the line between the latents of both, all of `length` frames. The
+/// first and the last are those of text_to_motion. Throws what interpolate_rows throws.
 template <Backend B, class Model>
 Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length,
                                const Philox& rng, const LatentSampling& sampling = {}) {
   const auto z = sampled_latents(model.encode_text(two_texts), rng, 0, sampling);
   return model.decode(interpolate_rows(slice(z, 0, 0, 1), slice(z, 0, 1, 2), steps), Offsets::equal(steps, length));
 }
-/// The same from mean to mean.
+/// The same between the means of both texts.
 template <Backend B, class Model>
 Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length) {
   return interpolate_texts(model, two_texts, steps, length, Philox{}, {.mean = true});
@@ -19768,14 +19977,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Differs  from thesis eq. B.1, where every term has weight 1: here divergences weigh 32e-5, the latents' term 1e-5
 inline TemosLossOptions sinc_loss_options() { return {.kl = 32e-5, .feats = "rfeats"}; }
 
-/// texts    how many latents the text of each motion has; if one each, these are temos_losses
+/// texts    the number of latents for the text of each motion; if 1 for all, these are temos_losses
 ///
 ///     kl_text2motion_multi, kl_motion2text_multi, kl_text_multi     the mean over the texts of a motion, then over
 ///     motions
 ///     latent_manifold_multi     smooth_l1 of each text against its motion: the sum over all texts / (motions * most
 ///                               texts of one)
-/// and recons_rfeats2rfeats, recons_text2rfeats, kl_motion as ever.
-/// separate_latents   the names that end in _multi, also where every motion of the batch has one text
+/// The other terms, recons_rfeats2rfeats, recons_text2rfeats and kl_motion, are those of TEMOS.
+/// separate_latents   the names end in _multi, even if every motion of the batch has one text
 /// Source  thesis B.2.2, thesis eq. B.1; SINC sinc/model/losses/compute_sinc.py. A motion with fewer texts than another
 ///         has empty latents, which count as 0 in the mean, as published
 template <Backend B>
@@ -19818,24 +20027,24 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_SINC_TEXT_ENCODER_HPP  // <motionlang/vae/sinc_text_encoder.hpp>
 #define MOTIONLANG_HAS_VAE_SINC_TEXT_ENCODER_HPP
-/// SINC's text encoder: one motion, several labels at the same time.
+/// SINC's text encoder: one motion with several labels at the same time.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How several labels are encoded: one sentence (text/joined_labels.hpp; the released models); one sequence of separate
-/// texts ("SINC-STE"); a latent for each label, all of them memory of the decoder.
+/// How several labels are encoded. single: one sentence (text/joined_labels.hpp; the released models). separate_texts:
+/// one sequence of separate texts ("SINC-STE"). separate_latents: a latent for each label; the decoder attends to all.
 enum class SincMode { single, separate_texts, separate_latents };
 
 /// The labels of a batch of motions, as texts.
 template <Backend B>
 struct SincTexts {
   Sequences<B> states;                // the last states of the language model, with those of [CLS] and [SEP]
-  std::vector<Index> motion{};        // of which motion each text is: 0, ..., 0, 1, ...; empty: one text for each
+  std::vector<Index> motion{};        // the motion of each text: 0, ..., 0, 1, ...; empty: one text for each
   std::optional<Tensor<B, 2>> end{};  // (texts, text_dim): see SincTextEncoder::joined
   Index padded_tokens = 0;            // of the batch, if it is padded beyond its longest text
 
-  /// How many texts each motion has. Throws shape_error 205 unless `motion` counts from 0 without gaps and has one
-  /// number for each text.
+  /// The number of texts of each motion. Throws shape_error 205 unless `motion` counts from 0 without gaps and has one
+  /// entry for each text.
   Offsets per_motion() const {
     if (motion.empty()) return Offsets::equal(states.count(), 1);
     if (std::ssize(motion) != states.count())
@@ -19859,7 +20068,7 @@ struct SincTextKeys {
 
 ///     single             [mu, logvar, text]                               no positions: the language model has its own
 ///     separate_texts     [mu, logvar, text 0, separation, text 1, ...]
-///     separate_latents   [mu, logvar, text + positions]                   for each text on its own
+///     separate_latents   [mu, logvar, text + positions]                   each text alone
 /// Source  SINC (Athanasiou, Petrovich, Black, Varol, ICCV 2023): thesis B.2.2 (one text) and B.3.3 (separate texts);
 ///         SINC sinc/model/textencoder/text_space.py
 template <Backend B>
@@ -19872,18 +20081,18 @@ struct SincTextEncoder {
   SincTextEncoder(Index text_dim, const TransformerConfig& c, Index max_len, Rng auto& rng)
       : text(text_dim, c, max_len, rng) {}
 
-  /// The input of the first layer, for each text on its own.
+  /// The input of the first layer for each text alone.
   Sequences<B> alone(const Sequences<B>& states, bool positions, const Context& context = {}) const {
     const auto words = text.projected(states);
     const auto tokens = repeat_sequence(text.beginning(), states.count());
     return concat_tokens(tokens, positions ? text.placed(words, context) : words);
   }
-  /// The input of the first layer, for the texts of each motion together.
-  /// legacy_mask  As published, where the mask is shifted by one behind the first text: of each further text that is
-  ///              shorter than the batch is padded to, the last token is hidden and the last place of its padding seen
-  ///              (`texts.end`: the state of the language model there, distilbert.padding_states(batch, last place)); a
-  ///              motion with fewer texts than another sees one row of zeros for each that it lacks
-  /// Throws       config_error 101 if `texts.end` is needed and not there
+  /// The input of the first layer for the texts of each motion together.
+  /// legacy_mask  As published, the mask is shifted by one after the first text. Of each further text shorter than the
+  ///              padded length of the batch, the last token is hidden and the last padding place is visible
+  ///              (`texts.end`: the state of the language model there, distilbert.padding_states(batch, last place)). A
+  ///              motion with fewer texts than another sees one row of zeros for each missing text
+  /// Throws       config_error 101 if `texts.end` is needed and missing
   Sequences<B> joined(const SincTexts<B>& texts, bool legacy_mask) const {
     const Offsets of_motion = texts.per_motion(), &words = texts.states.offsets;
     const Index width = text.mu_token.size(0), longest = std::max(words.longest(), texts.padded_tokens);
@@ -19915,7 +20124,7 @@ struct SincTextEncoder {
     }
     return {gather(table, pick), Offsets(lengths)};
   }
-  /// A distribution for each motion; for each text in mode separate_latents. Throws shape_error 205 for a motion of
+  /// A distribution for each motion; in mode separate_latents, for each text. Throws shape_error 205 for a motion with
   /// several texts in mode single.
   LatentGaussian<B> operator()(const SincTexts<B>& texts, SincMode mode, bool legacy_mask = true,
                                const Context& context = {}) const {
@@ -19934,12 +20143,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_TEACH_TEXT_ENCODER_HPP  // <motionlang/vae/teach_text_encoder.hpp>
 #define MOTIONLANG_HAS_VAE_TEACH_TEXT_ENCODER_HPP
-/// TEACH's text encoder: what an action becomes depends on the frames before it.
+/// TEACH's text encoder: the latent of an action depends on the frames before it.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct TeachTextKeys {
-  static constexpr const char* separation_token = "seperation_token";  // published so
+  static constexpr const char* separation_token = "seperation_token";  // the published spelling
 };
 
 /// The motion before an action.
@@ -19947,14 +20156,14 @@ template <Backend B>
 struct TeachPast {
   std::optional<Sequences<B>>
       frames{};  // the last `hist_frames` normalised frames of each motion; none before the first action
-  std::optional<Tensor<B, 2>> z{};  // the latents they were decoded from, only if a model asks for them (z_prev_text)
+  std::optional<Tensor<B, 2>> z{};  // the latents that gave them, only if the model reads them (z_prev_text)
 };
 
 ///     [mu, logvar, past, z, separation, text] -> encoder -> mu, logvar          past = encoder(W p + positions)
 /// Past and text have positions of their own; the tokens and z have none.
 /// Source   thesis A.2.2, "Past-conditioned Text Encoder"; TEACH (3DV 2022) teach/model/textencoder/text_hist.py
-/// Differs  from the paper, as published: the past goes through the transformer of the text. That which the paper has
-///          for it stands in the checkpoints and is never called
+/// Differs  from the paper, as published: the past goes through the transformer of the text. The transformer that the
+///          paper describes for the past is in the checkpoints and is never called
 template <Backend B>
 struct TeachTextEncoder {
   PartedTextEncoder<B, TeachTextKeys> text;
@@ -19974,7 +20183,7 @@ struct TeachTextEncoder {
     if (unused_encoder) motionTransEncoder = copied_layers<TransformerEncoder<B>>(c, rng);
   }
 
-  /// (texts) of tokens, projected, with positions.
+  /// The tokens of the texts, projected, with positions.
   Sequences<B> text_tokens(const Sequences<B>& states, const Context& context = {}) const {
     return text.placed(text.projected(states), context);
   }
@@ -20002,11 +20211,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_TEACH_TRAINING_HPP  // <motionlang/vae/teach_training.hpp>
 #define MOTIONLANG_HAS_VAE_TEACH_TRAINING_HPP
-/// A training step of TEACH: two actions that follow each other, each with the branches and losses of TEMOS.
+/// A training step of TEACH: two actions in sequence, each with the branches and losses of TEMOS.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A batch. The features of a pair are canonicalised and normalised as one motion and then cut.
+/// A batch. The features of a pair are canonicalised and normalised as one motion, and then cut.
 template <Backend B>
 struct TeachPairs {
   Sequences<B> first_text, second_text;      // the last states of the language model
@@ -20032,12 +20241,11 @@ struct TeachLossOptions {
   TemosLossOptions each{.feats = "rfeats",
                         .mean = ReconstructionMean::sequences};  // weights, the same for both actions
   bool loss_on_transition = true;                                // false: reconstructions leave the transition out
-  double velocity = 0;  // of a term that published code has, with 0.5, but cannot run
+  double velocity = 0;  // of a term that the published code has, with 0.5, but cannot run
 };
 
 ///     velocity_text2rfeats, velocity_rfeats2rfeats     smooth_l1 of the steps from frame to frame, without height and
-///     velocity of the
-///                                                      root (columns 0 to 2), in the mean over sequences
+///                                                      velocity of the root (columns 0 to 2), averaged over sequences
 template <Backend B>
 LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion, double weight) {
   PoolVector<Index> lengths;
@@ -20053,8 +20261,8 @@ LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const 
   return out;
 }
 
-/// The terms of temos_losses (and velocities, if they have a weight) for the first action, whose names end in _0, and
-/// the second, _1.
+/// The terms of temos_losses (and velocities, if they have a weight): for the first action with names that end in _0,
+/// for the second in _1.
 /// Source  thesis A.2.3: thesis eq. A.1 (recons_*) and thesis eq. A.2 (kl_text, kl_motion), with the other terms of
 ///         TEMOS; TEACH teach/model/losses/compute_teach.py
 template <Backend B>
@@ -20086,17 +20294,17 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_TEMOS_ENCODER_HPP  // <motionlang/vae/temos_encoder.hpp>
 #define MOTIONLANG_HAS_VAE_TEMOS_ENCODER_HPP
-/// The encoders of TEMOS, one class for motions and texts; TEACH and SINC have the same for motions.
+/// The encoders of TEMOS, one class for motions and texts; TEACH and SINC use the same motion encoder.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Names of the published state dict, and what differs between the modalities.
+/// The names of the published state dict, and the differences between motions and texts.
 struct TemosMotionKeys {
   static constexpr const char* projection = "skel_embedding";
   static constexpr bool relu = false;
 };
 struct TemosTextKeys {
-  static constexpr const char* projection = "projection.1";  // behind a ReLU, which is number 0
+  static constexpr const char* projection = "projection.1";  // number 0 is a ReLU
   static constexpr bool relu = true;
 };
 
@@ -20162,7 +20370,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_TEMOS_GRU_HPP  // <motionlang/vae/temos_gru.hpp>
 #define MOTIONLANG_HAS_VAE_TEMOS_GRU_HPP
-/// The recurrent encoder and decoder that TEMOS is compared with (thesis table 4.3, first row).
+/// The recurrent encoder and decoder with which TEMOS is compared (thesis table 4.3, first row).
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -20240,7 +20448,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///     [tokens, W x] + positions -> encoder -> mu, logvar
 /// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; thesis 5.2.2; TMR src/model/actor.py
 ///          ACTORStyleEncoder
-/// Differs  from TEMOS: both tokens are one parameter, and texts pass no ReLU
+/// Differs  from TEMOS: both tokens are one parameter, and texts pass through no ReLU
 template <Backend B>
 struct TmrEncoder {
   Tensor<B, 2> tokens;  // (2, width), or (1, width) for a deterministic latent
@@ -20277,7 +20485,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_ANY_DENOISER_HPP  // <motionlang/diffusion/any_denoiser.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_ANY_DENOISER_HPP
-/// One of the three published denoisers, where which one it is shows only when a file is read.
+/// One of the three published denoisers, for code that learns only from a file which one it is.
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_MDM_HPP  // <motionlang/diffusion/mdm.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_MDM_HPP
@@ -20289,18 +20497,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_GAUSSIAN_HPP  // <motionlang/diffusion/gaussian.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_GAUSSIAN_HPP
-/// The Gaussian diffusion process: all coefficients of a schedule, noising, the posterior, and the four things that a
-/// network may predict, converted into each other.
+/// The Gaussian diffusion process: the coefficients of a schedule, noising, the posterior, and conversions between the
+/// four quantities that a network may predict.
 ///
 /// Notation (Ho et al. 2020)   beta_t, alpha_t = 1 - beta_t, abar_t = prod_{s <= t} alpha_s, abarp_t = abar_{t-1} (1
 ///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications
 ///                             of noise.
-/// Precision   tables are built in double, the entry for t is rounded to the tensor's scalar, then one multiplication
-///             and one addition per term in the order written: what the published code does, and what parity needs.
+/// Precision   Tables are built in double, and the entry for t is rounded to the tensor's scalar. Each term then takes
+///             one multiplication and one addition in the order written, as in the published code. Parity needs this.
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_SCHEDULE_HPP  // <motionlang/diffusion/schedule.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_SCHEDULE_HPP
-/// Noise schedules: how much noise step t adds.
+/// Noise schedules: the amount of noise that step t adds.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -20324,7 +20532,7 @@ struct LinearSchedule {
   double beta(Index t) const;
 };
 
-/// Linear in the square root, as latent diffusion has it.
+/// Linear in the square root, as in latent diffusion.
 struct ScaledLinearSchedule {
   Index steps = 1000;
   double b0 = 0.00085, b1 = 0.012;
@@ -20332,8 +20540,8 @@ struct ScaledLinearSchedule {
   double beta(Index t) const;
 };
 
-/// Nichol and Dhariwal (2021), eq. 17; the schedule of MDM and, with 100 steps, of STMC (the thesis cites Chen 2023,
-/// the released code has this one):
+/// Nichol and Dhariwal (2021), eq. 17. The schedule of MDM and, with 100 steps, of STMC (the thesis cites Chen 2023,
+/// but the released code has this one):
 ///     f(u) = cos((u + s) / (1 + s) pi / 2)^2,   beta_t = min(1 - f((t + 1) / steps) / f(t / steps), 0.999)
 struct CosineSchedule {
   Index steps = 100;
@@ -20342,7 +20550,7 @@ struct CosineSchedule {
   double beta(Index t) const;
 };
 
-/// Chen (2023), what the thesis cites; no published checkpoint uses it.
+/// Chen (2023), which the thesis cites; no published checkpoint uses it.
 ///     v(u) = cos((u (end - start) + start) pi / 2)^(2 tau)
 ///     alpha_bar(u) = clip((v(1) - v(u)) / (v(1) - v(0)), clip_min, 1)
 struct ChenCosineSchedule {
@@ -20411,9 +20619,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The quantity that a network predicts from x_t.
 enum class Prediction { x0, eps, score, x_prev };
 
-/// How much noise an ancestral step adds.
+/// The amount of noise that an ancestral step adds.
 ///   posterior_std        the standard deviation of q(x_{t-1} | x_t, x0), 0 at t = 0: DDPM as written in the papers
-///   posterior_variance   the variance itself: a quirk of the released STMC code with which all its results were made
+///   posterior_variance   the variance itself: a quirk of the released STMC code, which made all its results
 enum class NoiseScale { posterior_std, posterior_variance };
 
 /// fixed_small: the posterior variance; fixed_large: beta_t (and the posterior variance at t = 1 for t = 0).
@@ -20440,13 +20648,13 @@ class GaussianDiffusion {
   double beta(Index t) const { return beta_[at(t)]; }
   double alpha(Index t) const { return 1 - beta_[at(t)]; }
   double abar(Index t) const { return abar_[at(t)]; }
-  /// 1 / abar. Throws config_error 104 where nothing of x0 is left: neither noise nor score tell anything of it.
+  /// 1 / abar. Throws config_error 104 if nothing of x0 is left, since then neither noise nor score determine it.
   double inverse_abar(Index t) const;
   double abarp(Index t) const { return t == 0 ? 1 : abar_[at(t) - 1]; }
   double abarn(Index t) const { return t + 1 == steps() ? 0 : abar_[at(t) + 1]; }
   /// Variance of the posterior (thesis eq. 6.4): beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
   double posterior_variance(Index t) const { return beta(t) * (1 - abarp(t)) / (1 - abar(t)); }
-  /// Its logarithm, with index 1 in place of index 0.
+  /// Its logarithm. Index 0 takes the value of index 1.
   double posterior_log_variance(Index t) const;
   double large_variance(Index t) const;
   /// Weights of x0 and x_t in the posterior mean (thesis eq. 6.3).
@@ -20477,8 +20685,8 @@ Tensor<B, R> coefficients(std::span<const Index> t, F f) {
   return Tensor<B, R>::from(std::span<const typename B::scalar>(values), s);
 }
 
-/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps: the steps 0 ... t of thesis eq. 6.1 at once (Ho et al. 2020, eq. 4).
-/// One t per leading index, or one for all.
+/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps. This is steps 0 ... t of thesis eq. 6.1 at once (Ho et al. 2020, eq.
+/// 4). One t per leading index, or one for all.
 template <Backend B, int R>
 Tensor<B, R> q_sample(const GaussianDiffusion& d, const Tensor<B, R>& x0, std::span<const Index> t,
                       const Tensor<B, R>& eps) {
@@ -20510,7 +20718,7 @@ Tensor<B, R> posterior_mean_from_score(const GaussianDiffusion& d, const Tensor<
          coefficients<B, R>(t, [&](Index i) { return d.beta(i) / std::sqrt(d.alpha(i)); }) * score;
 }
 
-/// x0 from whatever the network predicted.
+/// x0 from any prediction of the network.
 ///     eps:    sqrt(1/abar) x_t - sqrt(1/abar - 1) eps
 ///     score:  x_t / sqrt(abar) + (1 - abar) / sqrt(abar) score
 ///     x_prev: x_prev / c0 - ct / c0 x_t
@@ -20546,7 +20754,7 @@ Tensor<B, R> score_from_x0(const GaussianDiffusion& d, const Tensor<B, R>& x0, c
   return coefficients<B, R>(t, [&](Index i) { return std::sqrt(d.abar(i)) / (1 - d.abar(i)); }) * x0 -
          coefficients<B, R>(t, [&](Index i) { return 1 / (1 - d.abar(i)); }) * x_t;
 }
-/// Any prediction into any other (not into x_prev, which is a sample).
+/// Converts any prediction into any other (except x_prev, which is a sample).
 template <Backend B, int R>
 Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Prediction to, const Tensor<B, R>& value,
                                 const Tensor<B, R>& x_t, std::span<const Index> t) {
@@ -20566,7 +20774,7 @@ Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Pre
     case Prediction::score:
       return score_from_x0(d, x0, x_t, t);
     case Prediction::x_prev:
-      raise<config_error>(102, "convert_prediction: x_prev is a sample, not a statement about x0");
+      raise<config_error>(102, "convert_prediction: x_prev is a sample, which does not predict x0");
   }
   return x0;
 }
@@ -20579,17 +20787,17 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP  // <motionlang/diffusion/respacing.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP
-/// Which steps of a long process a short sampling run keeps.
+/// The steps of a long process that a short sampling run keeps.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One section of nearly equal size per count; in each, `count` steps evenly from its first to its last, rounded half
-/// to even; of 0, none. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error
-/// 105.
+/// One section of nearly equal size per count. Each section gives `count` steps, evenly from its first to its last,
+/// rounded half to even; a count of 0 gives none. Source  improved diffusion (Nichol and Dhariwal 2021),
+/// `space_timesteps`. Throws config_error 105.
 std::vector<Index> respace(Index steps, std::span<const Index> counts);
 
-/// "ddimN": the smallest stride that keeps N steps, starting at 0; or a list of counts "10,15,20" (one number is one
-/// section). Empty: all steps. Throws config_error 105.
+/// "ddimN": the smallest stride that keeps N steps, starting at 0. A list of counts "10,15,20": one section for each.
+/// Empty: all steps. Throws config_error 105.
 std::vector<Index> respace(Index steps, std::string_view specification);
 
 MOTIONLANG_NAMESPACE_END
@@ -20713,7 +20921,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///     all            everything (the released GRU of MDM)
 enum class BatchMates { none, longest_text, all };
 
-/// Properties of a denoiser that a host has to know.
+/// Properties of a denoiser that its caller must know.
 struct DenoiserTraits {
   Prediction prediction = Prediction::x0;
   Index crop_frames = 0;            // > 0: every crop has exactly this many frames (MDM and MotionDiffuse: 196)
@@ -20726,10 +20934,9 @@ struct DenoiserTraits {
   Index longest() const { return crop_frames > 0 ? crop_frames : longest_crop; }
 };
 
-/// A network that cleans noisy sequences given a text for each.
+/// A network that removes noise from sequences, given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), except
-///          the last digits in bf16x3 (core/precision.hpp)
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws)
 /// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
 template <class D, class B>
 concept Denoiser = Module<D> &&
@@ -20738,7 +20945,7 @@ concept Denoiser = Module<D> &&
   { d.traits() } -> std::same_as<DenoiserTraits>;
 };
 
-/// A denoiser that does a part of its work on the texts alone, which is the same at every step:
+/// A denoiser that does part of its work on the texts alone, once for all steps:
 ///     d(x, t, d.encode(text)) == d(x, t, text)
 /// Models   MdmSmplDenoiser, MotionDiffuseDenoiser, AnyDenoiser
 template <class D, class B>
@@ -20747,10 +20954,10 @@ concept EncodesText = Denoiser<D, B> &&
   { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
 };
 
-/// Denoises frames with several texts each: sequence i of x with the texts uses.begin(i) ...
-/// uses.end(i) - 1, such as a text and none, for guidance. t: a step for each text. Throws shape_error 204 for other
-/// numbers of sequences, texts or steps. A denoiser that computes once what the texts of a sequence have in common
-/// takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
+/// Denoises frames with several texts each. Sequence i of x has the texts uses.begin(i) ... uses.end(i) - 1, such as a
+/// text and the empty one for guidance. t: a step for each text. Throws shape_error 204 for other numbers of sequences,
+/// texts or steps. A denoiser that shares work between the texts of a sequence takes `uses` after x (MdmSmplDenoiser,
+/// AnyDenoiser):
 ///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
 template <Backend B, Denoiser<B> D, class Text>
 Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
@@ -20761,7 +20968,7 @@ Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const 
     return denoiser(repeat_sequences(x, uses), t, text);
 }
 
-/// The texts as they are passed to a denoiser at every step.
+/// The texts in the form that a denoiser receives at every step.
 template <Backend B, Denoiser<B> D>
 auto encoded_text(const D& denoiser, TextFeatures<B> text) {
   if constexpr (EncodesText<D, B>)
@@ -20777,8 +20984,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 enum class MdmArch { trans_enc, trans_dec, gru };
 enum class MdmCondition { text, action, none };
-/// The rows before the frames in trans_dec: nothing, the time embedding with the text's (all checkpoints of
-/// 2022-2023), or the time embedding alone (DistilBERT models).
+/// The rows before the frames in trans_dec: none, the time embedding with the text's (all checkpoints of 2022-2023), or
+/// the time embedding alone (DistilBERT models).
 enum class MdmClassToken { none, time_plus_text, time_only };
 
 struct MdmConfig {
@@ -20802,13 +21009,13 @@ struct MdmConfig {
   Index max_len = 1024;
 };
 
-/// e = time MLP(pe[t]) + text projection(m * text): one conditioning vector per sequence. m = 0, i.e. features that are
-/// zero, is the unconditional call; the projection's bias remains. Actions are one-hot features.
+/// e = time MLP(pe[t]) + text projection(m * text): one conditioning vector per sequence. m = 0, that is, zero
+/// features, gives the unconditional call; the projection's bias remains. Actions are one-hot features.
 ///     trans_enc   [e, frames] + positions -> post-norm encoder -> frames
 ///     trans_dec   frames (+ class token) + positions attend to e (or to every text token plus time)
 ///     gru         GRU(Linear([features, e]) + positions)
 /// Source  Tevet et al. (2023), section 3; GuyTevet/motion-diffusion-model model/mdm.py, whose keys are the field names
-/// Shapes  a published [batch, J, C, frames] motion is here frames rows of J * C features
+/// Shapes  a published motion [batch, J, C, frames] is frames rows of J * C features here
 template <Backend B>
 struct MdmDenoiser {
   Linear<B> pose_embedding;
@@ -20830,7 +21037,7 @@ struct MdmDenoiser {
                               &M::gru, "output_process.poseFinal", &M::pose_final, "positions", &M::positions, "config",
                               &M::config);
   }
-  /// The official name of a parameter: the GRU's are numbered, not nested.
+  /// The official name of a parameter. Those of the GRU are numbered, not nested.
   static std::string official_key(const std::string& path) { return gru_key(path); }
 
   MdmDenoiser() = default;
@@ -20942,22 +21149,21 @@ struct MdmSmplConfig {
   Index ff_size = 2048;
   Index num_layers = 8;
   Index num_heads = 8;
-  Index nb_registers = 2;  // may be none
+  Index nb_registers = 2;  // may be 0
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
 
-  /// Frames that fit behind the tokens of time and of a text of one token.
+  /// Frames that fit after the tokens of time and of a text of one token.
   Index longest_crop() const { return max_len - 2 - nb_registers; }
 };
 
-/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
-/// the frames are read off its end.
+/// The sequence [time, text ..., registers, frames] plus sinusoidal positions goes through a pre-norm transformer
+/// encoder. The frames are the last rows of the result.
 /// Source   thesis 6.2.4 ("Multi-track timeline control", Petrovich et al. 2024); nv-tlabs/stmc src/model/mdm_smpl.py,
-///          whose state-dict keys (behind "denoiser.") are the field names
-/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
-///          the batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) none
-///          does.
+///          whose state-dict keys (after "denoiser.") are the field names
+/// Caution  Texts of several tokens are placed as the published code pads them: frames follow the longest text of the
+///          batch. So such a sequence depends on the rest of its batch. Texts of one token (CLIP, ours) do not
 /// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {
@@ -20999,7 +21205,7 @@ struct MdmSmplDenoiser {
         positions(c.max_len, c.latent_dim),
         dropout_p(c.dropout) {}
 
-  /// Behind the tokens for time and text and the registers.
+  /// The frames that fit after the tokens for time and text and the registers.
   DenoiserTraits traits() const {
     return {.longest_crop =
                 MdmSmplConfig{.nb_registers = register_count(), .max_len = positions.rows().size(0)}.longest_crop(),
@@ -21031,8 +21237,8 @@ struct MdmSmplDenoiser {
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
     return sequence(x, t, encode(text));
   }
-  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is
-  /// computed once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
+  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout. Work that they share is done
+  /// once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
     const ModuleScope scope(*this);
@@ -21069,7 +21275,7 @@ struct MdmSmplDenoiser {
     if (!registers) return concat_tokens(time, text.tokens);
     return concat_tokens(time, text.tokens, repeat_sequence(*registers, text.tokens.count()));
   }
-  /// Rows after a text have the positions that they have behind the longest text of the batch and its padding.
+  /// Rows after a text have the positions that follow the longest text of the batch and its padding.
   static PoolVector<PositionGap> gaps(const EncodedText& text) {
     const Offsets& texts = text.tokens.offsets;
     PoolVector<PositionGap> out;
@@ -21102,7 +21308,7 @@ struct MotionDiffuseConfig {
   Index text_num_heads = 4;
   Index text_ff_size = 2048;
   Activation activation = Activation::gelu;
-  bool no_eff = false;  // standard attention, which in the released code masks nothing
+  bool no_eff = false;  // standard attention, which masks nothing in the released code
 };
 
 /// "Stylization": Linear(silu(LN(h) (1 + scale) + shift)), scale and shift from the embedding of time and text.
@@ -21119,7 +21325,7 @@ struct StylizationBlock {
   StylizationBlock(Index width, Index time_width, Rng auto& rng)
       : emb_layer(time_width, 2 * width, rng), out_layer(width, width, rng), norm(width) {}
 
-  /// h and x (rows, width), emb (sequences, time width): x with what is made of h added
+  /// h and x (rows, width), emb (sequences, time width): adds the result for h to x
   Tensor<B, 2> operator()(const Tensor<B, 2>& h, const Tensor<B, 2>& emb, const Offsets& offsets,
                           const Tensor<B, 2>& x) const {
     const ModuleScope scope(*this);
@@ -21158,14 +21364,15 @@ struct MotionDiffuseAttention {
     if (cross) text_norm.emplace(c.text_latent_dim);
   }
 
-  /// Self-attention when there is no text.
+  /// Self-attention if there is no text.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>* text, const Tensor<B, 2>& emb) const {
     const ModuleScope scope(*this);
     const auto n = norm(x.rows), source = text == nullptr ? n : (*text_norm)(text->rows);
     const Offsets& keys = text == nullptr ? x.offsets : text->offsets;
     const auto q = query(n), k = key(source), v = value(source);
-    const auto y = no_eff ? attention(q, k, v, x.offsets, keys, {.heads = heads})
-                          : linear_attention(q, k, v, x.offsets, keys, heads);
+    const auto y = no_eff
+                       ? attention(q, k, v, x.offsets, keys, {.heads = heads, .precision = precision_of(query.weight)})
+                       : linear_attention(q, k, v, x.offsets, keys, heads);
     return proj_out(y, emb, x.offsets, x.rows);
   }
 };
@@ -21209,11 +21416,11 @@ struct MotionDiffuseBlock {
   }
 };
 
-/// Predicts the noise. Frames beyond a sequence's length are simply absent: linear attention gives masked frames no
+/// Predicts the noise. Frames beyond a sequence's length are absent, because linear attention gives masked frames no
 /// weight. With `no_eff` the released mask shifts whole rows of scores and hides nothing, so there all frames must be
 /// given.
-/// Source  Zhang et al. (2022), section 3; mingyuan-zhang/MotionDiffuse text2motion/models/transformer.py, keys
-///         as there (without the CLIP tower, whose states after the last layer norm are the input)
+/// Source  Zhang et al. (2022), section 3; mingyuan-zhang/MotionDiffuse text2motion/models/transformer.py, with its
+///         keys (without the CLIP tower, whose states after the last layer norm are the input)
 template <Backend B>
 struct MotionDiffuseDenoiser {
   Tensor<B, 2> sequence_embedding;  // (num_frames, latent)
@@ -21258,12 +21465,12 @@ struct MotionDiffuseDenoiser {
     return {.prediction = Prediction::eps, .crop_frames = config.num_frames, .uses_lengths = !config.no_eff};
   }
 
-  /// The part that depends on the text alone; it is the same at every step.
+  /// The part that depends only on the text. It is the same at every step.
   struct EncodedText {
     Tensor<B, 2> xf_proj;  // (sequences, 4 latent)
     Sequences<B> xf_out;   // text rows, text width
   };
-  /// Throws shape_error 204 unless every text has an end token, 203 if that lies outside the text.
+  /// Throws shape_error 204 unless every text has an end token, and 203 if the end token is outside the text.
   EncodedText encode(const TextFeatures<B>& text) const {
     if (static_cast<Index>(text.end_position.size()) != text.count()) {
       raise<shape_error>(204, "MotionDiffuseDenoiser: ", text.count(), " texts, ", text.end_position.size(),
@@ -21331,7 +21538,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Exactly one of the members is set. The names of its parameters stand behind that of the member.
+/// Exactly one of the members is set. The names of its parameters start with that of the member.
 template <Backend B>
 struct AnyDenoiser {
   std::optional<MdmSmplDenoiser<B>> mdm_smpl{};
@@ -21347,7 +21554,7 @@ struct AnyDenoiser {
     return mdm_smpl ? mdm_smpl->traits() : mdm ? mdm->traits() : motiondiffuse->traits();
   }
 
-  /// Texts as they are, for MDM, or what the others make of them before the first step.
+  /// The texts as they are for MDM, or encoded by the other two before the first step.
   struct EncodedText {
     TextFeatures<B> text;
     std::optional<typename MdmSmplDenoiser<B>::EncodedText> mdm_smpl{};
@@ -21389,8 +21596,8 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     guided = null + w (cond - null)
-/// Source  Ho and Salimans (2022), eq. 6 in the form that all motion models use. Applied to whatever the network
-///         predicts, before clipping, inpainting and stitching. With w = 1 the unconditional call can be left out.
+/// Source  Ho and Salimans (2022), eq. 6 in the form that all motion models use. It applies to any prediction of the
+///         network, before clipping, inpainting and stitching. With w = 1 the unconditional call can be left out.
 template <Backend B, int R>
 Tensor<B, R> guide(const Tensor<B, R>& cond, const Tensor<B, R>& null, double w) {
   return null + (cond - null) * w;
@@ -21406,14 +21613,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_MDM_ACTIONS_HPP  // <motionlang/diffusion/mdm_actions.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_MDM_ACTIONS_HPP
-/// MDM for actions: motions for classes, which stand where MDM for texts has a text.
+/// MDM for actions: generates motions for classes, with an action instead of a text.
 ///
 ///     const GaussianDiffusion diffusion(CosineSchedule{.steps = 1000});
 ///     const MdmActions<B> mdm{.denoiser = network, .diffusion = diffusion};
-///     // Frames of rotations and way, as ACTOR has them.
+/// Frames of rotations and path, as in ACTOR.
 ///     const auto motions = mdm.generate(actions, Philox{.seed = 7});
 ///
-/// An unconstrained model (HumanAct12 without its classes) has one class, which it does not look at.
+/// An unconstrained model (HumanAct12 without its classes) has one class, which it ignores.
 /// Source  Tevet et al., "Human motion diffusion model" (ICLR 2023), section 4.2; MDM model/mdm.py
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_SAMPLER_HPP  // <motionlang/diffusion/sampler.hpp>
@@ -21421,9 +21628,9 @@ MOTIONLANG_NAMESPACE_END
 /// From noise to a sample: ancestral (DDPM), DDIM with its inversion, and PLMS.
 ///
 /// The loops know nothing of motion. They call
-///     network(x, t) -> what the network predicts at index t of the process (already guided), same shape as x
-///     noise(draw)   -> standard normal numbers of that shape; draw 0 is the first after the initial tensor
-///     fix(x0, t)    -> the clean estimate that is used (inpainting, stitching); identity if not given
+///    network(x, t) -> the network's prediction at index t of the process (already guided), with the shape of x
+///    noise(draw)   -> standard normal values of that shape; draw 0 is the first after the initial tensor
+///    fix(x0, t)    -> the clean estimate to use (inpainting, stitching); identity if not given
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -21434,11 +21641,11 @@ struct StepOptions {
   bool clip = false;  // x0 to [-1, 1]
 };
 
-/// The process with this many of its steps, evenly kept; all of them for 0. Throws config_error 105.
+/// The process with this many of its steps, evenly chosen; 0: all of them. Throws config_error 105.
 GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps);
 
-/// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a
-/// batch it sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
+/// Standard normal values (sequences, frames, features). Every sequence has its own stream, so it sees the same noise
+/// alone and in a batch. draw: 0 for the initial tensor, 1, 2, ... for the steps.
 template <Backend B>
 Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
   using S = typename B::scalar;
@@ -21451,15 +21658,18 @@ Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
   return Tensor<B, 3>::from(std::span<const S>(values), shape);
 }
 
-/// How a whole reverse process is run.
+/// Options of a whole reverse process.
 struct SamplingOptions {
   enum class Sampler { ddpm, ddim };
   Sampler sampler = Sampler::ddpm;
   double eta = 0;  // of ddim
-  /// As in STMC's released code. The noise of thesis eq. 6.2 is NoiseScale::posterior_std.
-  NoiseScale noise_scale = NoiseScale::posterior_variance;
+  /// As thesis eq. 6.2 has it: N(mu, Sigma) is mu + sqrt(Sigma) noise.
+  NoiseScale noise_scale = NoiseScale::posterior_std;
   bool clip = false;
 };
+/// As STMC's released code samples MDM-SMPL, and all of its published results: the factor of the noise is Sigma itself.
+/// Differs from thesis eq. 6.2: as Sigma is below 1, motions have less noise than the distribution says.
+inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseScale::posterior_variance};
 std::string_view to_string(SamplingOptions::Sampler sampler);
 /// "ddpm" or "ddim". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
@@ -21493,9 +21703,9 @@ Tensor<B, R> clean_estimate(const GaussianDiffusion& d, const Tensor<B, R>& x, c
 
 }  // namespace detail
 
-/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise, a sample of thesis eq. 6.2.
-/// t: one index per sample, or one for all. When the network predicts x_{t-1}, that is the mean.
-/// Differs from thesis eq. 6.2 with NoiseScale::posterior_variance: the factor is the variance, as STMC's code has it.
+/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise, a sample of thesis eq. 6.2. t: one index
+/// per sample, or one for all. If the network predicts x_{t-1}, this is the mean. Differs from thesis eq. 6.2 with
+/// NoiseScale::posterior_variance: the factor is the variance, as in STMC's code.
 template <Backend B, int R, class Fix = detail::KeepX0>
 AncestralStep<B, R> ancestral_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
                                    const Tensor<B, R>& noise, std::span<const Index> t, const StepOptions& options = {},
@@ -21509,14 +21719,14 @@ AncestralStep<B, R> ancestral_step(const GaussianDiffusion& d, const Tensor<B, R
   return {std::move(x0), std::move(mean), std::move(x_prev)};
 }
 
-/// Called after every step with the index just made and the tensors of that step. Does nothing by default.
+/// Called after every step with the new index and the tensors of that step. Does nothing by default.
 struct IgnoreSteps {
   void operator()(Index, const auto&) const {}
 };
 
-/// All steps from index `first` (the last of the process when -1) down to 0. Returns the x0 of the last step, which is
-/// also the last x (c0 is 1 and the noise factor 0 at t = 0); of a network that predicts x_{t-1}, what it says last.
-/// Throws `cancelled` if progress says so.
+/// All steps from index `first` (-1: the last of the process) down to 0. Returns the x0 of the last step. It equals the
+/// last x, because c0 is 1 and the noise factor 0 at t = 0. If the network predicts x_{t-1}, returns its last
+/// prediction. Throws `cancelled` if progress returns false.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise,
                               const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
@@ -21549,8 +21759,8 @@ AncestralStep<B, R> ddim_step(const GaussianDiffusion& d, const Tensor<B, R>& x,
   return {std::move(x0), std::move(mean), std::move(x_prev)};
 }
 
-/// A whole DDIM run, from index `first` (the last of the process when -1) on. It saves time only on a respaced process.
-/// `noise` is asked for only if eta > 0, but then at every step.
+/// A whole DDIM run, from index `first` on (-1: the last of the process). It saves time only on a respaced process.
+/// `noise` is called only if eta > 0, but then at every step.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ddim(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise, double eta,
                          const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
@@ -21570,7 +21780,7 @@ Tensor<B, R> sample_ddim(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
   return x;
 }
 
-/// From a sample towards its noise: one step from index t to t + 1 (DDIM, eta = 0, backwards).
+/// From a sample towards its noise: one step of DDIM from index t to t + 1 (eta = 0, backwards).
 ///     x_{t+1} = sqrt(abarn) x0 + sqrt(1 - abarn) eps
 template <Backend B, int R>
 Tensor<B, R> ddim_inversion_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output, Index t,
@@ -21581,7 +21791,7 @@ Tensor<B, R> ddim_inversion_step(const GaussianDiffusion& d, const Tensor<B, R>&
 }
 
 /// Pseudo linear multistep (Liu et al. 2022) of order 2 ... 4: DDIM steps with an extrapolated eps. The first step
-/// averages the eps at (x, t) and at the Euler prediction; later ones use as many old values as there are. Returns the
+/// averages the eps at (x, t) and at the Euler prediction. Later steps use as many old values as there are. Returns the
 /// x0 of the last step. Throws config_error 101 for another order.
 template <Backend B, int R, class Network, class Watch = IgnoreSteps>
 Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, int order,
@@ -21602,7 +21812,7 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
     const T e = predict(x, t);
     T used = e;
     switch (t == 0 ? 0 : std::min<std::size_t>(old.size() + 1, static_cast<std::size_t>(order))) {
-      case 0:  // the last step takes x0 of the network itself
+      case 0:  // the last step returns the network's own x0
         break;
       case 1:
         used = (e + predict(advance(x, e, t).x_prev, t - 1)) * 0.5;
@@ -21657,7 +21867,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct MdmActionOptions {
-  Index steps = 0;                   // evenly kept of the model's; 0: all
+  Index steps = 0;                   // evenly chosen from the model's; 0: all
   std::optional<double> guidance{};  // the model's own unless given
   SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
   Progress progress{};
@@ -21667,7 +21877,7 @@ template <Backend B>
 struct MdmActions {
   MdmDenoiser<B> denoiser;  // conditioned on actions, or on nothing
   GaussianDiffusion diffusion;
-  double guidance = 1;  // the published models were trained without empty actions, and have none
+  double guidance = 1;  // the published models were trained without empty actions, so they have no guidance
 
   /// A motion of the denoiser's `crop_frames` for each action. The noise of a motion depends on the generator and on
   /// its place.
@@ -21694,7 +21904,7 @@ struct MdmActions {
     const auto network = [&](const Tensor<B, 2>& x, Index t) {
       const std::vector<Index> at(static_cast<std::size_t>(n), process.network_t(t));
       const auto of = [&](const TextFeatures<B>& f) { return denoiser(Sequences<B>(x, offsets), at, f).rows; };
-      // two calls: the GRU runs over its batch
+      // Two calls, because the GRU runs over its batch.
       return weight == 1 ? of(wanted) : guide(of(wanted), of(nothing), weight);
     };
     const auto noise = [&](Index draw) {
@@ -21715,11 +21925,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_BAG_OF_WORDS_HPP  // <motionlang/text/bag_of_words.hpp>
 #define MOTIONLANG_HAS_TEXT_BAG_OF_WORDS_HPP
-/// One unit vector for each text from the words in it: which texts say nearly the same, where there is no network that
-/// knows.
+/// One unit vector for each text, computed from its words. It finds texts that mean nearly the same if there is no
+/// network that does so.
 ///
 ///     v_w = count of w in the text * (ln((1 + texts) / (1 + texts with w)) + 1/100),   then length 1
-/// so that words which stand in every text ("a", "person") weigh next to nothing. Order and synonyms are not seen.
+/// Words in every text ("a", "person") have almost no weight. Order and synonyms are ignored.
 /// Source  Salton, Buckley: "Term-weighting approaches in automatic text retrieval" (1988)
 
 #ifndef MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP  // <motionlang/text/text_encoder.hpp>
@@ -21728,9 +21938,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Turns texts into vectors: one sequence of tokens for each, a single row if it pools.
-/// Laws     a text gives the same features alone and among others (except the last digits in bf16x3); "" is a text like
-///          any other
+/// Turns texts into vectors: a sequence of tokens for each, or a single row if it pools.
+/// Laws     a text gives the same features alone and among others; "" is a text like any other
 /// Models   CaptionEncoder, and yours
 template <class E, class B>
 concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {
@@ -21744,15 +21953,15 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class BagOfWords {
  public:
-  /// Counts each different text once. Words as WordPiece sees them.
+  /// Counts each different text once. Words are those of WordPiece.
   explicit BagOfWords(std::span<const std::string> texts);
 
-  /// Words, and one for all that are not known.
+  /// The number of words, plus one for all unknown words.
   Index width() const { return static_cast<Index>(words_.size()) + 1; }
 
   std::vector<double> vector(std::string_view text) const;
 
-  /// A text without words is all zero.
+  /// The vector of a text without words is zero.
   template <Backend B>
   TextFeatures<B> encode(std::span<const std::string> texts) const {
     std::vector<typename B::scalar> rows;
@@ -21778,10 +21987,10 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP  // <motionlang/text/word_piece.hpp>
 #define MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP
-/// A small word-piece tokenizer whose vocabulary is learnt from the captions of a training set.
+/// A small word-piece tokenizer that learns its vocabulary from the captions of a training set.
 ///
-/// For plain captions: ASCII letters are lowered, everything that is neither letter nor digit separates words. The
-/// tokenizers of BERT and CLIP, with their Unicode rules, are other headers.
+/// It is for plain captions: ASCII letters are lower-cased, and characters that are neither letters nor digits separate
+/// words. Other headers have the tokenizers of BERT and CLIP, with their Unicode rules.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -21796,28 +22005,35 @@ class WordPiece {
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;
-  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source`
-  /// stands in messages.
+  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no duplicate piece. Messages
+  /// name `source`.
   explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece");
 
   /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at
-  /// least `least` times, until `size` pieces; ties go to the alphabetically first.
+  /// least `least` times, up to `size` pieces. Among equals the alphabetically first wins.
   /// Source  the WordPiece criterion as described for BERT (Schuster and Nakajima 2012)
   static WordPiece learn(std::span<const std::string> texts, Index size, Index least = 2);
+
+  /// All letters and digits of the texts, and each word that they say at least `least` times. Encoders with vectors of
+  /// words (text/word_vectors.hpp) know the other words by those.
+  static WordPiece of_words(std::span<const std::string> texts, Index least = 2);
 
   const std::vector<std::string>& vocabulary() const { return pieces_; }
   Index size() const { return static_cast<Index>(pieces_.size()); }
 
-  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that
+  /// [CLS] pieces [SEP], at most `longest` ids. Every word is split greedily into the longest known pieces; a word that
   /// cannot be split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
   std::vector<Index> encode(std::string_view text, Index longest = 64) const;
+
+  /// The id of a word that is one piece.
+  std::optional<Index> find(const std::string& word) const;
+  /// Adds the pieces of a word to ids.
+  void append_word(std::vector<Index>& ids, const std::string& word) const;
 
   /// Lower-case runs of letters and digits.
   static std::vector<std::string> words(std::string_view text);
 
  private:
-  void append_word(std::vector<Index>& ids, const std::string& word) const;
-
   std::vector<std::string> pieces_;
   std::shared_ptr<const detail::WordPieceIds> ids_;  // of the pieces; copies share it
 };
@@ -21830,13 +22046,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_DETAIL_LONGEST_PIECES_HPP  // <motionlang/text/detail/longest_pieces.hpp>
 #define MOTIONLANG_HAS_TEXT_DETAIL_LONGEST_PIECES_HPP
-/// Words in their longest known pieces, as word-piece tokenizers split them.
+/// Splits words into their longest known pieces, for word-piece tokenizers.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Splits a word from the left into the longest known pieces and appends their ids; `unknown` alone if that fails.
+/// Splits a word from the left into the longest known pieces and appends their ids; only `unknown` if that fails.
 /// find(text, first) is the id of a piece that begins the word (first) or continues it, -1 if there is none.
 template <class Find>
 void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown,
@@ -21888,11 +22104,31 @@ MOTIONLANG_BODY WordPiece::WordPiece(std::vector<std::string> vocabulary, std::s
   ids_ = std::move(ids);
 }
 
-MOTIONLANG_BODY WordPiece WordPiece::learn(std::span<const std::string> texts, Index size, Index least) {
+namespace detail {
+/// How often texts say each word.
+inline std::map<std::string, Index> word_counts(std::span<const std::string> texts) {
   std::map<std::string, Index> counts;
   for (const std::string& t : texts) {
-    for (const std::string& w : words(t)) ++counts[w];
+    for (const std::string& w : WordPiece::words(t)) ++counts[w];
   }
+  return counts;
+}
+}  // namespace detail
+
+MOTIONLANG_BODY WordPiece WordPiece::of_words(std::span<const std::string> texts, Index least) {
+  std::vector<std::string> vocabulary{"[CLS]", "[SEP]", "[UNK]"};
+  std::set<std::string> letters, whole;
+  for (const auto& [word, count] : detail::word_counts(texts)) {
+    for (std::size_t i = 0; i < word.size(); ++i) letters.insert((i == 0 ? "" : "##") + word.substr(i, 1));
+    if (count >= least && word.size() > 1) whole.insert(word);
+  }
+  vocabulary.insert(vocabulary.end(), letters.begin(), letters.end());
+  vocabulary.insert(vocabulary.end(), whole.begin(), whole.end());
+  return WordPiece(std::move(vocabulary));
+}
+
+MOTIONLANG_BODY WordPiece WordPiece::learn(std::span<const std::string> texts, Index size, Index least) {
+  const auto counts = detail::word_counts(texts);
   struct Word {
     std::vector<std::string> pieces;
     Index count;
@@ -21960,6 +22196,12 @@ MOTIONLANG_BODY std::vector<std::string> WordPiece::words(std::string_view text)
   return out;
 }
 
+MOTIONLANG_BODY std::optional<Index> WordPiece::find(const std::string& word) const {
+  if (ids_ == nullptr) return std::nullopt;
+  const auto found = ids_->ids.find(word);
+  return found == ids_->ids.end() ? std::nullopt : std::optional(found->second);
+}
+
 MOTIONLANG_BODY void WordPiece::append_word(std::vector<Index>& ids, const std::string& word) const {
   const std::size_t longest = ids_ == nullptr ? 0 : ids_->longest;
   detail::append_longest_pieces(ids, word, longest, unknown_id, [&](std::string_view part, bool first) {
@@ -22008,29 +22250,29 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_BERT_HPP  // <motionlang/text/bert.hpp>
 #define MOTIONLANG_HAS_TEXT_BERT_HPP
-/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors,
-/// in whether there are token types, and in how positions count.
+/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. They are one network. They differ in the names of their
+/// tensors, in token types, and in the counting of positions.
 ///
 ///     // weights/text_network_file.hpp
 ///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);
 ///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
-/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (except the
-/// last digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made
-/// ready with `prepare`. On an Autodiff backend it is trained.
+/// Batches are packed: padding is never computed, and a text has the same values alone and among others. Loading a file
+/// packs the weights for the kernels; call `prepare` for a network from elsewhere. On an Autodiff backend it can be
+/// trained.
 
 #ifndef MOTIONLANG_HAS_TEXT_TOKEN_OFFSETS_HPP  // <motionlang/text/token_offsets.hpp>
 #define MOTIONLANG_HAS_TEXT_TOKEN_OFFSETS_HPP
-/// Where the texts of a batch of ids begin.
+/// The begins of the texts in a batch of ids.
 
 #ifndef MOTIONLANG_HAS_TEXT_TOKENIZER_HPP  // <motionlang/text/tokenizer.hpp>
 #define MOTIONLANG_HAS_TEXT_TOKENIZER_HPP
-/// The concept of a tokenizer, batches of ids, and the strings that stand for an id wherever they occur in a text.
+/// The concept of a tokenizer, batches of ids, and strings with an id of their own anywhere in a text.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Turns a text into the ids that a network takes, framed by the marks for begin and end.
-/// Laws     every id is at least 0 and below size(); any bytes are a text, what is not UTF-8 counts as U+FFFD
+/// Turns a text into the ids for a network, between the marks of start and end.
+/// Laws     every id is at least 0 and below size(); any bytes are a text: bytes that are not UTF-8 count as U+FFFD
 /// Models   WordPiece, BertTokenizer, ClipTokenizer, and yours
 template <class T>
 concept Tokenizer = requires(const T& t, std::string_view text) {
@@ -22038,14 +22280,14 @@ concept Tokenizer = requires(const T& t, std::string_view text) {
   { t.size() } -> std::same_as<Index>;
 };
 
-/// The ids of several texts, one text after the other: what an embedding and `Offsets(lengths)` take.
+/// The ids of several texts in order, for an embedding and `Offsets(lengths)`.
 struct TokenBatch {
   std::vector<Index> ids, lengths;
 
   Index count() const { return static_cast<Index>(lengths.size()); }
   Index longest() const { return lengths.empty() ? 0 : *std::max_element(lengths.begin(), lengths.end()); }
 
-  /// (texts, width), filled up with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a
+  /// (texts, width), padded with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a
   /// text is longer.
   std::vector<Index> padded(Index pad, Index width = 0) const;
 };
@@ -22061,18 +22303,18 @@ TokenBatch tokenize(const T& tokenizer, std::span<const std::string> texts) {
   return out;
 }
 
-/// A string that becomes its id before words are looked for. White space beside it does not matter, since all our
+/// A string that becomes its id before words are found. White space beside it does not matter, because all our
 /// tokenizers drop white space.
 struct AddedToken {
   std::string content;
   Index id = 0;
-  bool normalized = false;  // looked for in the normalised text, not in the raw one
+  bool normalized = false;  // find it in the normalised text, not in the raw one
   bool operator==(const AddedToken&) const = default;
 };
 
 namespace detail {
 
-/// Finds added tokens in a text: the leftmost, and the longest of those that begin at one place.
+/// Finds added tokens in a text: the leftmost one, and of several at one place the longest.
 class AddedTokenSearch {
  public:
   AddedTokenSearch() = default;
@@ -22082,7 +22324,7 @@ class AddedTokenSearch {
     return std::any_of(tokens_.begin(), tokens_.end(), [&](const AddedToken& t) { return t.id == id; });
   }
 
-  /// Calls on_text(part) for what lies between the tokens and on_token(id) for them, in the order of the text.
+  /// Calls on_text(part) for the text between tokens and on_token(id) for tokens, in the order of the text.
   template <class OnText, class OnToken>
   void split(std::string_view text, OnText on_text, OnToken on_token) const {
     std::size_t from = 0;
@@ -22127,14 +22369,13 @@ namespace detail {
 
 TokenPair framed(std::span<const FramePart> frame, std::span<const Index> a, std::span<const Index> b = {});
 
-/// Ids that a frame adds to its texts.
+/// The number of ids that a frame adds to its texts.
 std::size_t frame_size(std::span<const FramePart> frame);
 
-/// The ids of a text in its frame, no more than `longest`: what is beyond is cut off, or throws config_error 101 unless
-/// `truncate`.
+/// The framed ids of a text, at most `longest`. A longer text is cut if `truncate`, otherwise throws config_error 101.
 std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame, std::vector<Index> ids,
                                Index longest, bool truncate);
-/// Two texts in one frame; never cut. Throws config_error 101 beyond `longest` ids.
+/// Two texts in one frame, which is never cut. Throws config_error 101 beyond `longest` ids.
 TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePart> frame, std::span<const Index> a,
                       std::span<const Index> b, Index longest);
 
@@ -22219,7 +22460,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Throws shape_error 207 if the lengths are not those of the ids.
+/// Throws shape_error 207 if the lengths do not fit the ids.
 inline Offsets token_offsets(const TokenBatch& batch) {
   Offsets offsets(batch.lengths);
   if (offsets.rows() != static_cast<Index>(batch.ids.size()))
@@ -22234,7 +22475,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct BertConfig {
   Index vocabulary = 30522, width = 768, heads = 12, d_ff = 3072, layers = 6, positions = 512;
-  Index token_types = 2, buckets = 32;  // only where the member has them
+  Index token_types = 2, buckets = 32;  // only if the member has them
   Index padding = 0;                    // the id of padding; positions of MPNet depend on it
   Activation activation = Activation::gelu;
   double eps = 1e-12;
@@ -22245,7 +22486,7 @@ inline constexpr BertConfig distilbert_base{};
 inline constexpr BertConfig minilm_l6{.width = 384, .d_ff = 1536};
 inline constexpr BertConfig mpnet_base{.vocabulary = 30527, .layers = 12, .positions = 514, .padding = 1, .eps = 1e-5};
 
-/// Names of the published state dicts (Hugging Face), and what a member has.
+/// Names in the published state dicts (Hugging Face), and the parts of a member.
 struct DistilBertKeys {
   static constexpr const char *model_type = "distilbert", *layers = "transformer.layer", *query = "attention.q_lin",
                               *key = "attention.k_lin", *value = "attention.v_lin", *attended = "attention.out_lin",
@@ -22271,10 +22512,9 @@ struct MpnetKeys {
                         attended_dropout = true;
 };
 
-/// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later
-/// ones; up to a
-/// distance of 8 every distance has its own. Source  MPNet (Song et al. 2020), after T5 (Raffel et al. 2020), section
-/// 2.1; the borders 8 * 16^(i / 8) as whole numbers (huggingface/transformers, modeling_mpnet.py).
+/// The bucket, among 32, of a relative position r = key - query. 0 ... 15 are for keys up to the query, 16 ... 31 for
+/// later ones. Up to 8 every distance has its own bucket. Source  MPNet (Song et al. 2020), after T5 (Raffel et al.
+/// 2020), section 2.1; the borders 8 * 16^(i / 8) as whole numbers (huggingface/transformers, modeling_mpnet.py).
 constexpr Index mpnet_bucket(Index r) {
   constexpr Index borders[] = {12, 16, 23, 32, 46, 64, 91};
   const Index distance = r < 0 ? -r : r, later = r > 0 ? 16 : 0;
@@ -22285,7 +22525,7 @@ constexpr Index mpnet_bucket(Index r) {
 }
 
 /// Post-norm:   x = LN(SA(x) + x);   x = LN(W2 act(W1 x) + x)
-/// Dropout (only with a context) on the attention weights and W2's result, of BERT and MPNet on SA's too.
+/// Dropout (only with a context) acts on the attention weights and W2's result; in BERT and MPNet also on SA's.
 template <Backend B, class Keys>
 struct BertLayer {
   Linear<B> query, key, value, attended;
@@ -22328,8 +22568,10 @@ struct BertLayer {
   /// `rows` attend to x, which need not contain them.
   Tensor<B, 2> reading(const Tensor<B, 2>& rows, const Offsets& of_rows, const Tensor<B, 2>& x, const Offsets& offsets,
                        const Tensor<B, 2>* relative_scores = nullptr, const Context& context = {}) const {
-    const auto a = attention(query(rows), key(x), value(x), of_rows, offsets,
-                             {.heads = heads, .dropout = next_dropout(dropout_p, context)}, relative_scores);
+    const auto a = attention(
+        query(rows), key(x), value(x), of_rows, offsets,
+        {.heads = heads, .dropout = next_dropout(dropout_p, context), .precision = precision_of(query.weight)},
+        relative_scores);
     const auto drop = Keys::attended_dropout ? next_dropout(dropout_p, context) : Dropout{};
     const auto y = attended_norm(attended(a, Activation::none, &rows, drop));
     return norm(down(up(y, activation), Activation::none, &y, next_dropout(dropout_p, context)));
@@ -22370,7 +22612,7 @@ struct BertNetwork {
     for (Index i = 0; i < c.layers; ++i) layers.emplace_back(c, rng);
   }
 
-  /// Ids of the longest text that there are positions for.
+  /// The number of ids for which there are positions.
   Index longest() const { return positions.weight.size(0) - first_position(); }
 
   /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long,
@@ -22389,9 +22631,9 @@ struct BertNetwork {
     }))};
   }
 
-  /// The row of a padded batch at `place` behind the end of each text, (texts, width): a piece of padding, which
-  /// attends to the text and is not attended to. Published SINC models with separate texts see it. Throws config_error
-  /// 101 if there is no such position.
+  /// The row of a padded batch at `place` after the end of each text, (texts, width): a token of padding, which attends
+  /// to the text and is not attended to. Published SINC models with separate texts read it. Throws config_error 101 if
+  /// there is no such position.
   Tensor<B, 2> padding_states(const TokenBatch& batch, Index place) const requires(!Keys::relative_scores) {
     const Offsets offsets = token_offsets(batch), one = Offsets::equal(offsets.count(), 1);
     check_length(std::max(offsets.longest(), place + 1));
@@ -22437,7 +22679,7 @@ struct BertNetwork {
   }
 };
 
-/// Packs the weights of the layers. Embeddings are looked up, not multiplied with.
+/// Packs the weights of the layers. Embeddings are looked up, not multiplied.
 template <Backend B, class Keys>
 void prepare(BertNetwork<B, Keys>& network) {
   for (auto& layer : network.layers) prepare(layer);
@@ -22455,46 +22697,46 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_BERT_TOKENIZER_HPP  // <motionlang/text/bert_tokenizer.hpp>
 #define MOTIONLANG_HAS_TEXT_BERT_TOKENIZER_HPP
-/// The WordPiece tokenizer of BERT, DistilBERT and MiniLM, and its MPNet variant: ids as the fast tokenizers of Hugging
-/// Face give them. Vocabularies are read by weights/tokenizer_files.hpp.
+/// The WordPiece tokenizer of BERT, DistilBERT and MiniLM, and its MPNet variant. Its ids are those of Hugging Face's
+/// fast tokenizers. weights/tokenizer_files.hpp reads vocabularies.
 ///
 ///     const BertTokenizer bert(read_vocabulary("vocab.txt"));
 ///     bert.encode("a person walks.");   // [CLS] a person walks . [SEP]
 ///
 /// Source   Devlin et al. (2019), google-research/bert tokenization.py; MPNet's: huggingface/transformers,
 ///          tokenization_mpnet.py
-/// Differs  the tables are those of Unicode 15, in the fast tokenizers of Unicode 8: newer punctuation and newer
-///          combining marks are known here
+/// Differs  The tables are those of Unicode 15; the fast tokenizers have Unicode 8. So newer punctuation and combining
+///          marks are known here
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct BertTokenizerOptions {
-  bool clean_text = true;  // drops control characters, any white space is a blank
+  bool clean_text = true;  // drops control characters, and turns any white space into a blank
   bool split_cjk = true;   // every ideograph is a word
   bool lower_case = true;
-  std::optional<bool> strip_accents;  // unless set: as lower_case
+  std::optional<bool> strip_accents;  // unless set: the same as lower_case
   std::string begin = "[CLS]", end = "[SEP]", unknown = "[UNK]", pad = "[PAD]";
-  std::string continuation = "##";  // in front of a piece that continues a word
+  std::string continuation = "##";  // before a piece that continues a word
   Index longest_word = 100;         // code points; a longer word is unknown
-  /// Strings that are their own ids, in the order of preference; those that the vocabulary lacks are left out.
+  /// Strings with ids of their own, in the order of preference. Those that the vocabulary lacks are left out.
   std::vector<std::string> special{"[PAD]", "[UNK]", "[CLS]", "[SEP]", "[MASK]"};
   bool pair_has_types = true;      // the second text of a pair has token type 1
-  bool pair_has_two_ends = false;  // between the texts of a pair stands the end twice
-  Index longest = 512;             // ids of a text with its frame, as many as the network has positions
-  bool truncate = false;           // a longer text is cut, else refused
+  bool pair_has_two_ends = false;  // two end marks separate the texts of a pair
+  Index longest = 512;             // ids of a text with its frame; the number of positions of the network
+  bool truncate = false;           // cut a longer text, else refuse it
 
   /// The options of all-mpnet-base-v2.
   static BertTokenizerOptions mpnet();
 };
 
-/// The vocabulary of MPNet from that of BERT: four marks before it, one behind it.
+/// The vocabulary of MPNet from that of BERT: four marks before it, one after it.
 std::vector<std::string> mpnet_vocabulary(std::span<const std::string> bert);
 
 class BertTokenizer {
  public:
   /// vocabulary   the piece of every id
-  /// added        instead of options.special, as a tokenizer.json lists them
-  /// Throws       config_error 107, naming `source`: a piece is duplicated, is empty or not UTF-8, or begin, end or
+  /// added        replaces options.special, as listed in a tokenizer.json
+  /// Throws       config_error 107, naming `source`, if a piece is duplicated, empty or not UTF-8, or begin, end or
   ///              unknown is not a piece; 101 if options.longest leaves no room for a text
   explicit BertTokenizer(std::vector<std::string> vocabulary, BertTokenizerOptions options = {},
                          std::string_view source = "BertTokenizer", std::optional<std::vector<AddedToken>> added = {});
@@ -22502,30 +22744,32 @@ class BertTokenizer {
   const BertTokenizerOptions& options() const { return options_; }
   const std::vector<std::string>& vocabulary() const { return *pieces_; }
   Index size() const { return static_cast<Index>(pieces_->size()); }
-  /// The id of a piece as the vocabulary writes it ("walk", "##ing"); none if there is no such piece.
+  /// The id of a piece in the form of the vocabulary ("walk", "##ing"); none if there is no such piece.
   std::optional<Index> id(std::string_view piece) const;
   /// Throws config_error 103 if the vocabulary has no piece for padding.
   Index pad_id() const;
 
-  /// Other frames than the options make. Throws config_error 107 for ids that are not pieces, 101 as the constructor.
+  /// Sets other frames than those of the options. Throws config_error 107 for ids that are not pieces, 101 as the
+  /// constructor.
   void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source);
 
-  /// The framed ids of a text. Throws config_error 101 if they are more than options().longest and may not be cut.
+  /// The framed ids of a text. Throws config_error 101 if there are more than options().longest and they may not be
+  /// cut.
   std::vector<Index> encode(std::string_view text) const;
-  /// Two texts in one frame; never cut.
+  /// Two texts in one frame, which is never cut.
   TokenPair encode_pair(std::string_view a, std::string_view b) const;
-  /// Without a frame, of any length.
+  /// The ids without a frame, in any number.
   std::vector<Index> encode_words(std::string_view text) const;
 
-  /// The words that ids spell, separated by blanks; special tokens are left out. Throws shape_error 203 for an id that
-  /// is not one of the vocabulary.
+  /// The words for these ids, separated by blanks, without special tokens. Throws shape_error 203 for an unknown id.
   std::string decode(std::span<const Index> ids) const;
 
-  /// The text of which words are taken: cleaned, ideographs apart, without accents, in lower case, as the options say.
+  /// The text before it is split into words: cleaned, ideographs separated, without accents, in lower case, by the
+  /// options.
   std::string normalized(std::string_view text) const;
 
  private:
-  /// For a character that is white space or belongs to Other: true if it separates words. The others vanish.
+  /// For white space, or a character of the class Other: true if it separates words. The others are dropped.
   static bool is_blank(char32_t c, unsigned k);
   static bool is_cjk(char32_t c);
   /// ASCII symbols count as punctuation.
@@ -22564,7 +22808,7 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_TEXT_UNICODE_HPP  // <motionlang/text/unicode.hpp>
 #define MOTIONLANG_HAS_TEXT_UNICODE_HPP
 /// The part of Unicode that tokenizers need: classes of characters, words, lower case, canonical decomposition and
-/// composition (NFD, NFC). No locale, no collation, no other normal forms.
+/// composition (NFD, NFC). Locales, collation and other normal forms are not included.
 ///
 /// Source  Unicode Standard 15.0, sections 3.11, 3.12 (normal forms, Hangul) and 3.13 (final sigma); the tables are
 ///         generated by tests/tools/make_unicode_tables.py
@@ -22583,10 +22827,10 @@ inline constexpr unsigned cased = 64;            // Cased
 inline constexpr unsigned case_ignorable = 128;  // Case_Ignorable
 }  // namespace CharClass
 
-/// The classes that a code point belongs to, bits of CharClass.
+/// The classes of a code point, bits of CharClass.
 unsigned char_class(char32_t c);
 
-/// Calls on_word(word) for what stands between white space, as str.split() of Python finds it.
+/// Calls on_word(word) for every word between white space, like str.split() in Python.
 template <class F>
 void for_each_word(std::string_view text, F on_word) {
   const auto blank = [](char32_t c) {
@@ -22618,8 +22862,8 @@ std::u32string nfd(std::u32string_view text);
 /// Canonical composition.
 std::u32string nfc(std::u32string_view text);
 
-/// Full lower case without a language: U+0130 becomes i, U+0307, and where `final_sigma` is set a capital sigma at the
-/// end of a word U+03C2.
+/// Full lower case without a language: U+0130 becomes i, U+0307. With `final_sigma`, a capital sigma at the end of a
+/// word becomes U+03C2.
 std::u32string lower_case(std::u32string_view text, bool final_sigma = true);
 
 MOTIONLANG_NAMESPACE_END
@@ -23541,7 +23785,7 @@ MOTIONLANG_BODY std::u32string nfc(std::u32string_view text) {
   unsigned last = 0;  // class of the last character kept behind the starter; 0: none, or another starter
   for (const char32_t c : out) {
     const unsigned combining = combining_class(c);
-    // c can be reached from the starter if nothing between them has its class or is a starter itself
+    // c can be reached from the starter if no character between them has its class or is a starter itself.
     const bool adjacent = size == starter + 1;
     if (has_starter && (adjacent || (last != 0 && last < combining))) {
       if (const char32_t both = detail::composed(out[starter], c); both != 0) {
@@ -23816,8 +24060,306 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP  // <motionlang/text/caption_encoder.hpp>
 #define MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP
-/// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come
-/// with a motion model and be trained together with it.
+/// A small text encoder of our own: word pieces, a transformer, one vector per caption. It is below 2 MB, so it can be
+/// part of a motion model and be trained together with it. With word vectors it also understands words that no training
+/// caption contains.
+
+#ifndef MOTIONLANG_HAS_TEXT_HEARD_WORDS_HPP  // <motionlang/text/heard_words.hpp>
+#define MOTIONLANG_HAS_TEXT_HEARD_WORDS_HPP
+/// The tokens of a text for an encoder that has an embedding of its own and, if wanted, vectors of many words.
+///
+/// A word that is one piece is that piece. Another word with a vector is [UNK], and its vector says which word it is.
+/// Every other word is split into pieces. A token has the vector of its word, or zeros.
+
+#ifndef MOTIONLANG_HAS_TEXT_WORD_VECTORS_HPP  // <motionlang/text/word_vectors.hpp>
+#define MOTIONLANG_HAS_TEXT_WORD_VECTORS_HPP
+/// Vectors of many words, in 8 bits a number: a text encoder that adds them to its own embedding hears that "stroll" is
+/// near "walk", although no caption of its training says "stroll".
+///
+///     const WordVectors vectors = read_word_vectors("words.safetensors");        // weights/word_vector_file.hpp
+///     if (const auto row = vectors.find("strolled")) use(vectors.vector(*row));  // of "stroll", if that is all it has
+///
+/// Number k of a vector is code_k * scale_k. 30,000 words of 64 numbers take 1.9 MB, and 0.25 MB for their letters.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+class WordVectors {
+ public:
+  static constexpr bool is_option = true;  // holds no tensors
+
+  /// No words.
+  WordVectors() = default;
+  /// The words are sorted; codes has a row of scales.size() for each. `source` stands in messages. Throws config_error
+  /// 107 for words out of order or a scale that is not finite, shape_error 205 for another number of codes.
+  WordVectors(std::vector<std::string> words, std::vector<std::int8_t> codes, std::vector<float> scales,
+              std::string_view source = "WordVectors");
+  /// Rounds vectors (words, width), in any order, to 8 bits: the largest number of a column becomes 127.
+  /// Throws numeric_error 301 for a number that is not finite.
+  static WordVectors rounded(std::span<const std::string> words, std::span<const float> vectors);
+
+  bool empty() const { return size() == 0; }
+  Index size() const { return table_ ? static_cast<Index>(table_->words.size()) : 0; }
+  Index width() const { return table_ ? static_cast<Index>(table_->scales.size()) : 0; }
+  const std::vector<std::string>& words() const { return table().words; }
+  std::span<const std::int8_t> codes() const { return table().codes; }
+  std::span<const float> scales() const { return table().scales; }
+
+  /// The row of a word in lower case, or that of the word without -s, -es, -ed or -ing (text/word_forms.hpp).
+  std::optional<Index> find(std::string_view word) const;
+  /// 16 digits that change with any word or value.
+  std::string checksum() const;
+  /// The numbers of a row. Throws shape_error 203 if there is no such row.
+  std::vector<float> vector(Index row) const;
+
+ private:
+  struct Table {
+    std::vector<std::string> words{};  // sorted
+    std::vector<std::int8_t> codes{};  // (words, width)
+    std::vector<float> scales{};       // (width)
+  };
+  const Table& table() const;
+  std::optional<Index> exact(std::string_view word) const;
+
+  std::shared_ptr<const Table> table_;
+};
+
+/// The cosine between two vectors; 0 if one of them has no length.
+double word_likeness(std::span<const float> a, std::span<const float> b);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_WORD_VECTORS_IPP  // <motionlang/text/word_vectors.ipp>
+#define MOTIONLANG_HAS_TEXT_WORD_VECTORS_IPP
+// Bodies of word_vectors.hpp.
+
+#ifndef MOTIONLANG_HAS_FILE_DETAIL_CONTENT_HASH_HPP  // <motionlang/file/detail/content_hash.hpp>
+#define MOTIONLANG_HAS_FILE_DETAIL_CONTENT_HASH_HPP
+/// A checksum of many bytes at the speed of memory. It protects against accidents, not against forgery.
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the remaining bytes and the length. Every step is
+/// invertible, so one changed word always changes the result.
+inline std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t before = 0xCBF29CE484222325u) {
+  constexpr std::uint64_t prime = 0x100000001B3u;
+  std::uint64_t lanes[4] = {before, before ^ 1u, before ^ 2u, before ^ 3u}, words[4];
+  const std::uint64_t size = bytes.size();
+  for (; bytes.size() >= sizeof words; bytes = bytes.subspan(sizeof words)) {
+    std::memcpy(words, bytes.data(), sizeof words);
+    for (int i = 0; i < 4; ++i) lanes[i] = (lanes[i] ^ words[i]) * prime;
+  }
+  std::uint64_t h = before;
+  for (const std::uint64_t lane : lanes) h = (h ^ lane) * prime;
+  for (const std::byte b : bytes) h = (h ^ static_cast<std::uint64_t>(b)) * prime;
+  h = (h ^ size) * prime;
+  return h ^ h >> 32;
+}
+
+inline std::string hexadecimal(std::uint64_t value) {
+  std::string out(16, '0');
+  for (std::size_t i = 16; i-- > 0; value >>= 4) out[i] = "0123456789abcdef"[value & 15u];
+  return out;
+}
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_WORD_FORMS_HPP  // <motionlang/text/word_forms.hpp>
+#define MOTIONLANG_HAS_TEXT_WORD_FORMS_HPP
+/// The forms of English words: "strolled" is looked up as "stroll" where only that is known.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The word itself if it is known, else its first known form without -ing, -ed, -es or -s ("hopping" is "hop", "waving"
+/// is "wave", "hurries" is "hurry"), else the word.
+/// known  whether a word has an entry
+template <class Known>
+std::string known_form(const std::string& word, const Known& known) {
+  if (known(word)) return word;
+  for (const std::string_view end : {"ies", "ied", "ing", "ed", "es", "s"}) {
+    if (!word.ends_with(end) || word.size() < end.size() + 2) continue;
+    std::string stem = word.substr(0, word.size() - end.size());
+    if (end.front() == 'i' && end != "ing") {
+      if (known(stem + "y")) return stem + "y";
+      continue;
+    }
+    if (known(stem)) return stem;
+    if (known(stem + "e")) return stem + "e";
+    if (stem.back() == stem[stem.size() - 2] && known(stem.substr(0, stem.size() - 1)))
+      return stem.substr(0, stem.size() - 1);
+  }
+  return word;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY WordVectors::WordVectors(std::vector<std::string> words, std::vector<std::int8_t> codes,
+                                         std::vector<float> scales, std::string_view source) {
+  if (scales.empty() || codes.size() != words.size() * scales.size())
+    raise<shape_error>(205, source, ": ", counted(codes.size(), "number"), " for ", counted(words.size(), "word"),
+                       " of ", scales.size());
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (!(words[i - 1] < words[i]))
+      raise<config_error>(107, source, ": word ", i, " is '", words[i], "' behind '", words[i - 1],
+                          "', but words are sorted and each is there once");
+  }
+  for (std::size_t k = 0; k < scales.size(); ++k) {
+    if (!std::isfinite(scales[k])) raise<config_error>(107, source, ": scale ", k, " is ", scales[k]);
+  }
+  table_ = std::make_shared<const Table>(Table{std::move(words), std::move(codes), std::move(scales)});
+}
+
+MOTIONLANG_BODY WordVectors WordVectors::rounded(std::span<const std::string> words, std::span<const float> vectors) {
+  if (words.empty() || vectors.empty() || vectors.size() % words.size() != 0)
+    raise<shape_error>(205, "WordVectors: ", counted(vectors.size(), "number"), " for ", counted(words.size(), "word"));
+  const std::size_t width = vectors.size() / words.size();
+  std::vector<float> scales(width);
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    if (!std::isfinite(vectors[i]))
+      raise<numeric_error>(301, "WordVectors: number ", i % width, " of '", words[i / width], "' is ", vectors[i]);
+    scales[i % width] = std::max(scales[i % width], std::abs(vectors[i]) / 127);
+  }
+  std::vector<std::size_t> order(words.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return words[a] < words[b]; });
+  std::vector<std::string> sorted;
+  std::vector<std::int8_t> codes;
+  for (const std::size_t i : order) {
+    sorted.push_back(words[i]);
+    for (std::size_t k = 0; k < width; ++k) {
+      const float scale = scales[k];
+      const double steps = scale == 0 ? 0 : std::round(vectors[i * width + k] / scale);
+      codes.push_back(static_cast<std::int8_t>(std::clamp(steps, -127.0, 127.0)));
+    }
+  }
+  return {std::move(sorted), std::move(codes), std::move(scales)};
+}
+
+MOTIONLANG_BODY const WordVectors::Table& WordVectors::table() const {
+  static const Table none;
+  return table_ ? *table_ : none;
+}
+
+MOTIONLANG_BODY std::optional<Index> WordVectors::exact(std::string_view word) const {
+  const auto& words = table().words;
+  const auto found = std::lower_bound(words.begin(), words.end(), word);
+  if (found == words.end() || *found != word) return std::nullopt;
+  return static_cast<Index>(found - words.begin());
+}
+
+MOTIONLANG_BODY std::optional<Index> WordVectors::find(std::string_view word) const {
+  if (empty()) return std::nullopt;
+  return exact(known_form(std::string(word), [this](const std::string& form) { return exact(form).has_value(); }));
+}
+
+MOTIONLANG_BODY std::vector<float> WordVectors::vector(Index row) const {
+  if (row < 0 || row >= size()) raise<shape_error>(203, "WordVectors: row ", row, " of ", size());
+  const auto codes = this->codes().subspan(static_cast<std::size_t>(row * width()));
+  std::vector<float> out;
+  for (std::size_t k = 0; k < scales().size(); ++k) out.push_back(static_cast<float>(codes[k]) * scales()[k]);
+  return out;
+}
+
+MOTIONLANG_BODY std::string WordVectors::checksum() const {
+  std::uint64_t hash = detail::content_hash(std::as_bytes(codes()));
+  hash = detail::content_hash(std::as_bytes(scales()), hash);
+  for (const std::string& word : words()) hash = detail::content_hash(std::as_bytes(std::span(word)), hash);
+  return detail::hexadecimal(hash);
+}
+
+MOTIONLANG_BODY double word_likeness(std::span<const float> a, std::span<const float> b) {
+  if (a.size() != b.size())
+    raise<shape_error>(202, "word_likeness: vectors of ", a.size(), " and ", b.size(), " numbers");
+  double ab = 0, aa = 0, bb = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const double x = a[k], y = b[k];
+    ab += x * y, aa += x * x, bb += y * y;
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct HeardWords {
+  static constexpr Index no_vector = -1;
+  std::vector<Index> ids{};      // of pieces, those of all texts
+  std::vector<Index> rows{};     // of vectors, or no_vector
+  std::vector<Index> lengths{};  // tokens of each text, with begin and end
+};
+
+/// At most `longest` tokens of each text. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
+HeardWords heard_words(const WordPiece& pieces, const WordVectors& vectors, std::span<const std::string> texts,
+                       Index longest);
+
+/// For training: each word that has a vector becomes [UNK] with this chance, so that the encoder learns to do with the
+/// vector alone.
+void hide_words(HeardWords& words, double chance, Philox& rng);
+
+/// (tokens, vectors.width())
+template <Backend B>
+Tensor<B, 2> word_rows(const HeardWords& words, const WordVectors& vectors) {
+  using S = typename B::scalar;
+  const auto width = static_cast<std::size_t>(vectors.width());
+  std::vector<S> values(words.rows.size() * width);
+  for (std::size_t i = 0; i < words.rows.size(); ++i) {
+    if (words.rows[i] == HeardWords::no_vector) continue;
+    const auto vector = vectors.vector(words.rows[i]);
+    std::copy(vector.begin(), vector.end(), values.begin() + static_cast<std::ptrdiff_t>(i * width));
+  }
+  return Tensor<B, 2>::from(values, {std::ssize(words.rows), vectors.width()});
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_HEARD_WORDS_IPP  // <motionlang/text/heard_words.ipp>
+#define MOTIONLANG_HAS_TEXT_HEARD_WORDS_IPP
+// Bodies of heard_words.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY HeardWords heard_words(const WordPiece& pieces, const WordVectors& vectors,
+                                       std::span<const std::string> texts, Index longest) {
+  if (longest < 2) raise<config_error>(101, "heard_words: at most ", longest, " tokens, the frame has 2");
+  HeardWords out;
+  for (const std::string& text : texts) {
+    const std::size_t first = out.ids.size(), end = first + static_cast<std::size_t>(longest) - 1;
+    out.ids.push_back(WordPiece::begin_id);
+    for (const std::string& word : WordPiece::words(text)) {
+      const auto row = vectors.find(word);
+      out.rows.resize(out.ids.size(), HeardWords::no_vector);
+      if (const auto id = pieces.find(word); id || row)
+        out.ids.push_back(id.value_or(WordPiece::unknown_id));
+      else
+        pieces.append_word(out.ids, word);
+      if (row) out.rows.push_back(*row);
+    }
+    out.ids.resize(std::min(out.ids.size(), end));
+    out.ids.push_back(WordPiece::end_id);
+    out.rows.resize(std::min(out.rows.size(), end));
+    out.rows.resize(out.ids.size(), HeardWords::no_vector);
+    out.lengths.push_back(static_cast<Index>(out.ids.size() - first));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY void hide_words(HeardWords& words, double chance, Philox& rng) {
+  for (std::size_t i = 0; i < words.ids.size(); ++i) {
+    if (words.rows[i] != HeardWords::no_vector && rng.uniform() < chance) words.ids[i] = WordPiece::unknown_id;
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -23828,26 +24370,32 @@ struct CaptionEncoderConfig {
   Index layers = 2;
   Index out = 128;
   double dropout = 0.1;
-  Index longest = 64;  // word pieces of a caption, with begin and end
+  Index longest = 64;         // word pieces of a caption, with the tokens of start and end
+  double hidden_words = 0.3;  // training: probability that only the vector of a word is used, if it has one
 };
 
-/// Pieces -> embedding + positions -> pre-norm transformer -> norm -> the row of [CLS] -> linear.
+/// Pieces -> embedding (+ projected word vectors) + positions -> pre-norm transformer -> norm -> the row of [CLS] ->
+/// linear.
 template <Backend B>
 struct CaptionEncoder {
   Embedding<B> embedding;
   TransformerEncoder<B> encoder;
   LayerNorm<B> norm;
   Linear<B> projection;
+  std::optional<LinearMap<B>> vector_projection;  // (width, vectors.width()); none without vectors
   PositionTable<B> positions;
   WordPiece tokenizer;
+  WordVectors vectors;
+  double hidden_words = 0;
 
   static constexpr auto fields() {
     using M = CaptionEncoder;
     return motionlang::fields("embedding", &M::embedding, "encoder", &M::encoder, "norm", &M::norm, "projection",
-                              &M::projection, "positions", &M::positions, "tokenizer", &M::tokenizer);
+                              &M::projection, "vector_projection", &M::vector_projection, "positions", &M::positions,
+                              "tokenizer", &M::tokenizer, "vectors", &M::vectors, "hidden_words", &M::hidden_words);
   }
   CaptionEncoder() = default;
-  CaptionEncoder(const CaptionEncoderConfig& c, WordPiece pieces, Rng auto& rng)
+  CaptionEncoder(const CaptionEncoderConfig& c, WordPiece pieces, Rng auto& rng, WordVectors words = {})
       : embedding(pieces.size(), c.width, rng, 0.5),
         encoder({.d_model = c.width,
                  .heads = c.heads,
@@ -23859,19 +24407,26 @@ struct CaptionEncoder {
         norm(c.width),
         projection(c.width, c.out, rng),
         positions(c.longest, c.width),
-        tokenizer(std::move(pieces)) {}
+        tokenizer(std::move(pieces)),
+        vectors(std::move(words)),
+        hidden_words(c.hidden_words) {
+    if (!vectors.empty()) vector_projection.emplace(vectors.width(), c.width, rng);
+  }
 
   /// (texts, out)
   Tensor<B, 2> operator()(std::span<const std::string> texts, const Context& context = {}) const {
     const ModuleScope scope(*this);
-    std::vector<Index> ids, lengths, first;
-    for (const std::string& t : texts) {
-      const auto pieces = tokenizer.encode(t, positions.rows().size(0));
-      first.push_back(static_cast<Index>(ids.size()));
-      ids.insert(ids.end(), pieces.begin(), pieces.end());
-      lengths.push_back(static_cast<Index>(pieces.size()));
+    HeardWords words = heard_words(tokenizer, vectors, texts, positions.rows().size(0));
+    if (context.dropout && vector_projection) {
+      auto rng = context.next_mask();
+      hide_words(words, hidden_words, rng);
     }
-    const auto tokens = add_positions(Sequences<B>(embedding(ids), Offsets(lengths)), positions.rows());
+    auto rows = embedding(words.ids);
+    if (vector_projection) rows = rows + (*vector_projection)(word_rows<B>(words, vectors));
+    const Offsets offsets(words.lengths);
+    std::vector<Index> first;
+    for (Index s = 0; s < offsets.count(); ++s) first.push_back(offsets.begin(s));
+    const auto tokens = add_positions(Sequences<B>(std::move(rows), offsets), positions.rows());
     return projection(norm(gather(encoder(tokens, context).rows, first)));
   }
   template <Backend C>
@@ -23901,7 +24456,7 @@ struct ClipTextConfig {
 inline constexpr ClipTextConfig clip_vit_b32{};
 inline constexpr ClipTextConfig clip_vit_l14{.width = 768, .heads = 12, .d_ff = 3072, .out = 768};
 
-/// Pre-norm, every token sees those before it:   x = x + SA(LN1 x);   x = x + W2 act(W1 LN2 x)
+/// Pre-norm; every token sees those before it:   x = x + SA(LN1 x);   x = x + W2 act(W1 LN2 x)
 template <Backend B>
 struct ClipBlock {
   MultiheadAttention<B> attn;
@@ -23960,9 +24515,9 @@ struct ClipText {
 
   Index longest() const { return positional_embedding.size(0); }
 
-  /// The normalised states of the last layer, one row for every id, and where the end tokens are: the first of the
-  /// largest id. A row depends on the ids before it only. Throws config_error 101 for a text longer than the context,
-  /// shape_error 203 for an unknown id.
+  /// The normalised states of the last layer, one row for every id, and the places of the end tokens (the first of the
+  /// largest id). A row depends only on the ids up to it. Throws config_error 101 for a text longer than the context,
+  /// and shape_error 203 for an unknown id.
   TextFeatures<B> operator()(const TokenBatch& batch) const {
     const ModuleScope scope(*this);
     const Offsets offsets = token_offsets(batch);
@@ -23982,10 +24537,11 @@ struct ClipText {
             end_positions(batch)};
   }
 
-  /// Vectors of end tokens into the space of texts and images, (texts, width) -> (texts, out). Their length is not 1.
+  /// Projects vectors of end tokens to the space of texts and images, (texts, width) -> (texts, out). Their length is
+  /// not 1.
   Tensor<B, 2> project(const Tensor<B, 2>& end_rows) const { return matmul(end_rows, text_projection); }
 
-  /// The texts up to their end tokens: what stands behind has no influence on the vector of a text.
+  /// The texts up to their end tokens. Later ids do not affect the vector of a text.
   TokenBatch until_end(const TokenBatch& batch) const {
     TokenBatch out;
     token_offsets(batch);  // checks them
@@ -24012,7 +24568,7 @@ struct ClipText {
   }
 };
 
-/// Packs the weights of the blocks. Embeddings are looked up, not multiplied with.
+/// Packs the weights of the blocks. Embeddings are looked up, not multiplied.
 template <Backend B>
 void prepare(ClipText<B>& network) {
   for (auto& block : network.blocks) prepare(block);
@@ -24023,8 +24579,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_CLIP_TOKENIZER_HPP  // <motionlang/text/clip_tokenizer.hpp>
 #define MOTIONLANG_HAS_TEXT_CLIP_TOKENIZER_HPP
-/// The tokenizer of CLIP: byte-level pair encoding with a mark at the end of words. Vocabularies are read by
-/// weights/tokenizer_files.hpp.
+/// The tokenizer of CLIP: byte-level pair encoding with a mark at the end of words. weights/tokenizer_files.hpp reads
+/// vocabularies.
 ///
 ///     const ClipTokenizer clip = read_clip_tokenizer("bpe_simple_vocab_16e6.txt.gz");
 ///     clip.encode("a person walks");                     // 49406 320 2533 8192 49407
@@ -24035,17 +24591,17 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How a text is cleaned before it is split into words.
+/// The cleaning of a text before it is split into words.
 enum class ClipCleaning {
   original,     // OpenAI's: repair_text, HTML entities twice, white space, lower case with final sigma
-  hugging_face  // NFC, white space, lower case without context, as its tokenizer.json says
+  hugging_face  // NFC, white space, lower case without context, as in its tokenizer.json
 };
 
 struct ClipTokenizerOptions {
   ClipCleaning cleaning = ClipCleaning::original;
-  Index longest = 77;                // ids of a text with its frame; MDM takes 22 for HumanML3D and KIT-ML
-  bool truncate = true;              // a longer text is cut, else refused
-  std::size_t cached_words = 16384;  // words whose ids are remembered
+  Index longest = 77;                // ids of a text with its frame; 22 in MDM for HumanML3D and KIT-ML
+  bool truncate = true;              // cut a longer text, else refuse it
+  std::size_t cached_words = 16384;  // words with cached ids
   std::string begin = "<|startoftext|>", end = "<|endoftext|>", unknown = "<|endoftext|>", word_end = "</w>";
 };
 
@@ -24063,9 +24619,9 @@ class ClipTokenizer {
   /// OpenAI's ids: 256 symbols of bytes, the same at the end of words, the merges, begin, end.
   explicit ClipTokenizer(const BytePairMerges& merges, const ClipTokenizerOptions& options = {},
                          std::string_view source = "ClipTokenizer");
-  /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words
-  /// are. Throws config_error 107, naming `source`, if begin or end is not a piece, a piece is duplicated or a merge
-  /// needs an unknown piece; 101 if options.longest leaves no room for the frame
+  /// Any ids. `added` replaces begin and end, as listed in a tokenizer.json; these strings are found before words.
+  /// Throws config_error 107, naming `source`, if begin or end is not a piece, a piece is duplicated or a merge needs
+  /// an unknown piece; 101 if options.longest leaves no room for the frame
   ClipTokenizer(std::vector<std::string> pieces, const BytePairMerges& merges, ClipTokenizerOptions options = {},
                 std::string_view source = "ClipTokenizer", const std::vector<AddedToken>& added = {});
 
@@ -24074,37 +24630,38 @@ class ClipTokenizer {
   Index size() const { return static_cast<Index>(pieces_->size()); }
   Index begin_id() const { return begin_; }
   Index end_id() const { return end_; }
-  /// OpenAI fills up with 0, Hugging Face with the end.
+  /// OpenAI pads with 0, Hugging Face with the end.
   Index pad_id() const { return options_.cleaning == ClipCleaning::original ? 0 : end_; }
 
-  /// Other frames than begin, text, end. Throws config_error 107 for ids that are not pieces, 101 as the constructor.
+  /// Sets other frames than begin, text, end. Throws config_error 107 for ids that are not pieces, 101 as the
+  /// constructor.
   void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source);
 
-  /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws
-  /// config_error 101.
+  /// The framed ids of a text, at most options().longest. A longer text loses its last words, or throws config_error
+  /// 101.
   std::vector<Index> encode(std::string_view text) const;
-  /// Two texts in one frame; never cut.
+  /// Two texts in one frame, which is never cut.
   TokenPair encode_pair(std::string_view a, std::string_view b) const;
-  /// Without a frame, of any length.
+  /// The ids without a frame, in any number.
   std::vector<Index> encode_words(std::string_view text) const;
 
-  /// The text that ids spell, in lower case with a blank behind every word; begin and end are left out. Throws
-  /// shape_error 203 for an id that is not one of the vocabulary.
+  /// The text for these ids, in lower case with a blank after every word, without start and end. Throws shape_error 203
+  /// for an unknown id.
   std::string decode(std::span<const Index> ids) const;
 
-  /// The text of which words are taken.
+  /// The text before it is split into words.
   std::string cleaned(std::string_view text) const;
 
  private:
   static std::vector<std::string> openai_pieces(const BytePairMerges& merges, const ClipTokenizerOptions& options);
 
-  /// The beginnings of a word, in the order in which it is tried. Without case, as the original compares, the long s
-  /// is an s.
+  /// The literal at the beginning of a text, in the order of the original. The comparison ignores case as the original
+  /// does, so the long s is an s.
   std::size_t literal_at(std::string_view text) const;
   std::size_t folded_prefix(std::string_view text, std::string_view literal) const;
 
-  /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in
-  /// the original: it is not a letter, but without case it is the iota, which is one, so that neither kind of run takes
+  /// Words: the literals, runs of letters, single numbers, and runs of other characters except white space. The
+  /// original loses U+0345. It is not a letter, but without case it is the letter iota, so neither kind of run takes
   /// it.
   void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const;
   void append_word(std::vector<Index>& ids, std::string_view word, detail::WordCache* cache) const;
@@ -24130,17 +24687,17 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_DETAIL_BYTE_SYMBOLS_HPP  // <motionlang/text/detail/byte_symbols.hpp>
 #define MOTIONLANG_HAS_TEXT_DETAIL_BYTE_SYMBOLS_HPP
-/// How vocabularies of byte-level pair encoding write bytes. Only bodies (*.ipp) include it.
+/// The symbols for bytes in vocabularies of byte-level pair encoding. Only bodies (*.ipp) include it.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The symbol of a byte in vocabularies: printable bytes stand for themselves, the others for U+0100 ... in their
+/// The symbol of a byte in vocabularies. Printable bytes are their own symbols; the others are U+0100 ... in their
 /// order.
 struct ByteSymbols {
   std::array<std::string, 256> symbol;      // of a byte, UTF-8
-  std::array<unsigned char, 256> in_order;  // the bytes as the first ids have them: printable ones first
+  std::array<unsigned char, 256> in_order;  // the bytes in the order of the first ids: printable ones first
   std::unordered_map<char32_t, unsigned char> byte;
 
   ByteSymbols() {
@@ -24170,18 +24727,17 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_TEXT_REPAIR_HPP  // <motionlang/text/text_repair.hpp>
 #define MOTIONLANG_HAS_TEXT_TEXT_REPAIR_HPP
-/// Cleaning of texts for the CLIP tokenizer: the deterministic steps of ftfy's repair, and HTML
-/// entities.
+/// Cleans texts for the CLIP tokenizer: the deterministic steps of ftfy's repair, and HTML entities.
 ///
 /// Source   openai/CLIP clip/simple_tokenizer.py basic_clean; ftfy 6.3.1 (Speer 2019); Python's html.unescape, HTML5's
 ///          rules
-/// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") stays as it is; the steps are repeated
+/// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") does not change; the steps are repeated
 ///          at most 100 times
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Replaces HTML entities as browsers do: named ones also without their semicolon where HTML allows that, the longest
-/// name first.
+/// Replaces HTML entities as browsers do. Named ones may lack their semicolon if HTML allows that; the longest name
+/// wins.
 std::string html_unescape(std::string_view text);
 
 /// Repairs a text: entities, C1 controls, ligatures, wide forms, curly quotes, line ends, terminal escapes, control
@@ -24203,8 +24759,9 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// Records: name, blank, code points in hexadecimal joined by +, comma. ? behind a name: its semicolon may be missing.
-/// ^ before a name: not of HTML5, a lower-case name in capitals that stands for the capital.
+/// Each record is a name, a blank, code points in hexadecimal joined by +, and a comma. ? after a name means that its
+/// semicolon may be missing. ^ before a name means that HTML5 does not know it: it is a lower-case name in capitals,
+/// which stands for the capital.
 inline constexpr char html_entities[] =
     "AElig? c6,AMP? 26,Aacute? c1,Abreve 102,Acirc? c2,Acy 410,Afr 1d504,Agrave? c0,Alpha 391,Amacr 100,And 2a53,"
     "Aogon 104,Aopf 1d538,ApplyFunction 2061,Aring? c5,Ascr 1d49c,Assign 2254,Atilde? c3,Auml? c4,Backslash 2216,"
@@ -24657,7 +25214,7 @@ inline const std::unordered_map<std::string_view, HtmlEntity>& html_entity_table
   return table;
 }
 
-/// A numeric character reference at text[at] == '&': its text, and the place behind it. None if there is no digit.
+/// A numeric character reference at text[at] == '&': its text, and the place after it. Nothing if there is no digit.
 struct Reference {
   std::string text;
   std::size_t end = 0;
@@ -24711,7 +25268,7 @@ std::string replace_references(std::string_view text, F reference) {
   return out;
 }
 
-/// The stricter reading of entities in the repair: they end in ';', and a numeric one is nothing but digits.
+/// The stricter reading of entities in the repair: they end in ';', and a numeric one has only digits.
 inline std::string unescape_closed_references(std::string_view text) {
   return replace_references(text, [](std::string_view t, std::size_t at) -> std::optional<Reference> {
     const bool numeric = t.substr(at + 1).starts_with('#');
@@ -24798,7 +25355,7 @@ constexpr bool is_removed_control(char32_t c) {
          (c >= 0xFFF9 && c <= 0xFFFC);
 }
 
-/// The place behind a terminal escape (ESC [ digits and semicolons, a letter) at text[at], `at` if there is none.
+/// The place after a terminal escape (ESC [ digits and semicolons, a letter) at text[at]; `at` if there is none.
 inline std::size_t escape_end(std::u32string_view text, std::size_t at) {
   if (text[at] != 0x1B || at + 1 >= text.size() || text[at + 1] != U'[') return at;
   std::size_t end = at + 2;
@@ -24887,8 +25444,8 @@ namespace detail {
 /// Byte pair encoding of single words: merges pairs of neighbours in the order of their rank. A constant table.
 class BytePairs {
  public:
-  /// Throws config_error 107, naming `source`, if a byte has no symbol and `unknown` < 0, or a merge names or makes no
-  /// piece.
+  /// Throws config_error 107 with the name `source` if a byte has no symbol and `unknown` < 0, or if a merge has a part
+  /// or a result that is not a piece.
   BytePairs(const std::vector<std::string>& pieces, const BytePairMerges& merges, const std::string& word_end,
             Index unknown, std::string_view source) {
     std::unordered_map<std::string_view, Index> ids;
@@ -24945,7 +25502,7 @@ class BytePairs {
         waiting.push({m->second.rank, at, left, right, m->second.both});
     };
     for (std::size_t i = 0; i < word.size(); ++i) propose(i);
-    // All places of the pair of lowest rank, from left to right, before any pair that they give rise to.
+    // All places of the pair of lowest rank, from left to right, before any new pairs.
     for (std::vector<Candidate> round; !waiting.empty(); round.clear()) {
       for (const std::size_t rank = waiting.top().rank; !waiting.empty() && waiting.top().rank == rank; waiting.pop())
         round.push_back(waiting.top());
@@ -24974,11 +25531,11 @@ class BytePairs {
   std::unordered_map<std::uint64_t, Merge> merges_;
 };
 
-/// The ids of words that have been seen. Forgets all of them when it is full. One thread at a time.
+/// The ids of words seen so far. It is emptied when full. One thread at a time.
 class WordCache {
  public:
   explicit WordCache(std::size_t most) : most_(most) {}
-  static constexpr std::size_t longest = 64;  // bytes of a word that is kept
+  static constexpr std::size_t longest = 64;  // bytes of a word to keep
 
   const std::vector<Index>* find(std::string_view word) const {
     const auto found = ids_.find(word);
@@ -25061,7 +25618,7 @@ MOTIONLANG_BODY TokenPair ClipTokenizer::encode_pair(std::string_view a, std::st
 
 MOTIONLANG_BODY std::vector<Index> ClipTokenizer::encode_words(std::string_view text) const {
   std::vector<Index> ids;
-  const std::unique_lock lock(cache_->mutex, std::try_to_lock);  // a second thread does without the cache
+  const std::unique_lock lock(cache_->mutex, std::try_to_lock);  // a second thread works without the cache
   detail::WordCache* cache = lock.owns_lock() ? cache_.get() : nullptr;
   const auto special = [&](Index id) { ids.push_back(id); };
   raw_.split(
@@ -25209,17 +25766,17 @@ MOTIONLANG_NAMESPACE_END
 ///     const GloVe words = read_glove("glove/our_vab");                                       // weights/glove_file.hpp
 ///     const TextFeatures<B> text = words.encode<B>(texts);                  // texts: "a/DET man/NOUN walk/VERB"
 ///
-/// A row is the vector of a word and, behind it, a one among the 15 tags. Texts are lists of word/tag, the second field
-/// of the caption files of HumanML3D. A caption without tags is read by approximation, see `caption_tokens`.
+/// A row is the vector of a word, followed by a one among the 15 tags. Texts are lists of word/tag, the second field of
+/// the caption files of HumanML3D. A caption without tags is tagged approximately, see `caption_tokens`.
 /// Source  Guo et al. (CVPR 2022), TM2T utils/word_vectorizer.py WordVectorizerV2
 
 #ifndef MOTIONLANG_HAS_TEXT_TAGGED_WORD_HPP  // <motionlang/text/tagged_word.hpp>
 #define MOTIONLANG_HAS_TEXT_TAGGED_WORD_HPP
-/// A word of a caption with its part of speech, as the caption files of HumanML3D list them.
+/// A word of a caption with its part of speech, as in the caption files of HumanML3D.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A word as its lemma, with its part of speech: "walk" and "VERB". No tag: none was written.
+/// A word as its lemma, with its part of speech: "walk" and "VERB". The tag is empty if none was written.
 struct TaggedWord {
   std::string word, tag;
   bool operator==(const TaggedWord&) const = default;
@@ -25233,45 +25790,45 @@ MOTIONLANG_NAMESPACE_BEGIN
 enum class SpeechTag { verb, noun, det, adp, num, aux, pron, adj, adv, loc, body, obj, act, desc, other };
 inline constexpr Index speech_tags = 15;
 
-/// By the name in the caption files; SpeechTag::other if there is none.
+/// The tag with this name in the caption files; SpeechTag::other if there is none.
 SpeechTag speech_tag(std::string_view name);
 
-/// The words that matter to motions have tags of their own: the first list that has the word. Nothing for other words.
+/// Words that matter to motions have tags of their own: that of the first list with the word. Nothing for other words.
 std::optional<SpeechTag> motion_tag(std::string_view word);
 
 /// Vectors of words, with "sos", "eos" and "unk" among them.
 class GloVe {
  public:
-  /// vectors has a row of `width` numbers for each word. Throws shape_error 205 for another size, config_error 103 if
+  /// `vectors` has a row of `width` values for each word. Throws shape_error 205 for another size, config_error 103 if
   /// sos, eos or unk is missing or a word is duplicated.
   GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width);
 
   Index size() const { return static_cast<Index>(row_.size()); }
   Index width() const { return width_; }
   bool contains(const std::string& word) const { return row_.contains(word); }
-  /// Its row; of an unknown word that of "unk". This is the number of the word in TM2T.
+  /// The row of a word; for an unknown word that of "unk". This is the number of the word in TM2T.
   Index id(const std::string& word) const;
-  /// The word of a row; behind the last row "pad". Throws shape_error 203 for other numbers.
+  /// The word of a row; "pad" after the last row. Throws shape_error 203 for other numbers.
   std::string word(Index id) const;
-  /// All of them in the order of their rows.
+  /// All words in the order of their rows.
   std::vector<std::string> words() const;
   std::span<const float> vector(const std::string& word) const;
-  /// The tag that counts: of an unknown word `other`, else the one of the word's list, else the given one.
+  /// The tag to use: `other` for an unknown word, otherwise that of the word's list, otherwise the given one.
   SpeechTag tag(const TaggedWord& w) const;
 
   /// sos, at most `longest` words, eos. Throws config_error 101 if `longest` is negative.
   static std::vector<TaggedWord> framed(std::span<const TaggedWord> words, Index longest);
 
-  /// "word/tag word/tag" where every word has a slash; other texts are captions, in which a slash is a mark like any
-  /// other ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside one with a tag of
-  /// the table.
+  /// "word/tag word/tag" if every word has a slash. Other texts are captions, in which a slash is an ordinary mark
+  /// ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside a word with a tag of the
+  /// table.
   std::vector<TaggedWord> tokens(std::string_view text) const;
-  /// An approximation to what was done with spaCy: hyphens are deleted, words are lower-cased, those with digits are
-  /// skipped; -s, -es, -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the
-  /// lists of `motion_tag` only.
+  /// An approximation of the original processing with spaCy. Hyphens are deleted, words are lower-cased, and those with
+  /// digits are skipped. Unknown words become a known form (text/word_forms.hpp). Tags come only from the lists of
+  /// `motion_tag`.
   std::vector<TaggedWord> caption_tokens(std::string_view text) const;
 
-  /// Rows of width + 15 numbers: sos, the words, eos.
+  /// Rows of width + 15 values: sos, the words, eos.
   template <Backend B>
   TextFeatures<B> encode(std::span<const std::string> texts, Index longest = 20) const {
     std::vector<typename B::scalar> values;
@@ -25291,8 +25848,6 @@ class GloVe {
   }
 
  private:
-  std::string known_form(const std::string& word) const;
-
   std::vector<float> vectors_;
   Index width_;
   std::unordered_map<std::string, std::size_t> row_;
@@ -25405,24 +25960,12 @@ MOTIONLANG_BODY std::vector<TaggedWord> GloVe::tokens(std::string_view text) con
 MOTIONLANG_BODY std::vector<TaggedWord> GloVe::caption_tokens(std::string_view text) const {
   std::string joined(text);
   std::erase(joined, '-');
+  const auto has_row = [this](const std::string& word) { return contains(word); };
   std::vector<TaggedWord> out;
   for (const std::string& word : WordPiece::words(joined)) {
-    if (word.find_first_of("0123456789") == word.npos) out.push_back({known_form(word), "OTHER"});
+    if (word.find_first_of("0123456789") == word.npos) out.push_back({known_form(word, has_row), "OTHER"});
   }
   return out;
-}
-
-MOTIONLANG_BODY std::string GloVe::known_form(const std::string& word) const {
-  if (contains(word)) return word;
-  for (const std::string_view end : {"ing", "ed", "es", "s"}) {
-    if (!word.ends_with(end) || word.size() < end.size() + 2) continue;
-    std::string stem = word.substr(0, word.size() - end.size());
-    if (contains(stem)) return stem;
-    if (contains(stem + "e")) return stem + "e";
-    if (stem.back() == stem[stem.size() - 2] && contains(stem.substr(0, stem.size() - 1)))
-      return stem.substr(0, stem.size() - 1);
-  }
-  return word;
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -25431,26 +25974,26 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_JOINED_LABELS_HPP  // <motionlang/text/joined_labels.hpp>
 #define MOTIONLANG_HAS_TEXT_JOINED_LABELS_HPP
-/// One sentence out of the labels of actions that happen at once, in the five ways of SINC.
+/// Joins labels of simultaneous actions to one sentence, in the five ways of SINC.
 ///
 ///     join_labels(labels, Conjunction::same_time)   // "walk and wave at the same time"
 ///
-/// `while_` and `during` put the second verb into its -ing form, for which a tagger of parts of speech is needed: a
-/// callable sentence -> words with their tags. Without one the words stay as they are.
+/// `while_` and `during` put the second verb into its -ing form. This needs a tagger of parts of speech: a callable
+/// sentence -> words with their tags. Without one the words do not change.
 ///
 /// Source   thesis B.2.2; SINC sinc/model/sinc.py rule_based_concat, gerund_augment
 /// Differs  the paper's evaluation says "while", its code "and ... at the same time"
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// In the order in which training draws them.
+/// In the order in which training numbers them.
 enum class Conjunction { while_, simultaneously, comma, same_time, during };
 
-/// A tagger that knows no words: the sentence stays as it is.
+/// A tagger that knows no words: the sentence does not change.
 struct NoTagger {};
 
-/// The words joined by single blanks, "ing" after the second verb unless it ends so. Naive as published: "run" becomes
-/// "runing". Of a word its form in the sentence is wanted, not its lemma; verbs have the tag "VERB".
+/// Joins the words by single blanks, with "ing" after the second verb unless it ends so. As published, it is naive:
+/// "run" becomes "runing". Words need their form in the sentence, not their lemma; verbs have the tag "VERB".
 std::string second_verb_to_gerund(std::span<const TaggedWord> words);
 
 namespace detail {
@@ -25460,7 +26003,7 @@ std::string sentence_of_labels(std::span<const std::string> labels, Conjunction 
 
 }  // namespace detail
 
-/// No label: an empty sentence.
+/// Without labels, an empty sentence.
 template <class Tagger = NoTagger>
 std::string join_labels(std::span<const std::string> labels, Conjunction conjunction, Tagger&& tagger = {}) {
   std::string out = detail::sentence_of_labels(labels, conjunction);
@@ -25519,8 +26062,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_KNOWN_WORDS_HPP  // <motionlang/text/known_words.hpp>
 #define MOTIONLANG_HAS_TEXT_KNOWN_WORDS_HPP
-/// The words that a model learned its texts from, and the words of a text that are not among them. A motion of unknown
-/// words looks as good as others, but is of something else.
+/// The words of a model's training texts, and the words of a text that are not among them. A motion for unknown words
+/// looks as good as others, but does not show those words.
 ///
 ///     const auto known = known_words(SafetensorsFile::open("stmc_free.safetensors").metadata());
 ///     for (const UnknownWord& w : unknown_words("Walk forwad", known))
@@ -25528,23 +26071,23 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Where the metadata of weights list the words.
+/// The entry of the words in the metadata of weights.
 inline constexpr const char* known_words_entry = "text.words";
 
-/// Each word of the captions once, for the metadata: in alphabetical order, one on each line.
+/// All words of the captions for the metadata: without duplicates, in alphabetical order, one on each line.
 std::string listed_words(std::span<const std::string> captions);
 
-/// Those of the metadata of weights; none where these do not list them.
+/// The words in the metadata of weights. None if they are not listed.
 std::vector<std::string> known_words(const std::map<std::string, std::string>& metadata);
 
 /// A word that a model does not know.
 struct UnknownWord {
-  std::string word{}, like{};  // like: a known word that differs in a third of its letters at most, or ""
+  std::string word{}, like{};  // like: a known word that differs in at most a third of its letters, or ""
 };
-/// Each of them once, in the order of the text. None if no words are known.
+/// All of them without duplicates, in the order of the text. None if no words are known.
 std::vector<UnknownWord> unknown_words(std::string_view text, const std::vector<std::string>& known);
 
-/// The words of a text with letters or digits beyond a-z and 0-9, which our tokenizer passes over.
+/// The words of a text with letters or digits beyond a-z and 0-9, which our tokenizer skips.
 std::vector<std::string> unreadable_words(std::string_view text);
 
 MOTIONLANG_NAMESPACE_END
@@ -25555,24 +26098,23 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_HPP  // <motionlang/file/key_report.hpp>
 #define MOTIONLANG_HAS_FILE_KEY_REPORT_HPP
-/// Names of tensors that do not match between a file and a model, as one list that a person can act on.
+/// Names of tensors that do not match between a file and a model, as a list that tells a person what to do.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Names that a file lacks, and names that nobody asked for.
+/// Names that a file lacks, and names that the model does not use.
 struct KeyReport {
   std::vector<std::string> missing, unexpected;
 };
 
-/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that
-/// many.
+/// The number of characters to insert, remove or exchange to turn a into b (Levenshtein), but at most `limit`.
 std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
 
-/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are
-/// looked at.
+/// The name that is most similar to `name`; empty if none shares half of it. Only the first 2,000 names of a long list
+/// are compared.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& among);
 
-/// A line for each name, and beside it the name of the other list that is most like it.
+/// A line for each name, with the most similar name of the other list.
 std::string to_string(const KeyReport& report);
 
 namespace detail {
@@ -25708,11 +26250,11 @@ MOTIONLANG_NAMESPACE_END
 ///     left <-> right, with the endings -s, -ward(s), -most, -hand(ed)
 ///     clockwise <-> counterclockwise, anticlockwise -> clockwise; also in parts: "counter-clockwise", "clock-wise"
 ///
-/// Whole words, capitals kept, all at once. "left" as a verb is exchanged, too: words do not tell.
+/// Only whole words are exchanged, all at once, with their capitals. The verb "left" is exchanged, too, because words
+/// alone do not show the difference.
 ///
-/// Source   Guo et al. (CVPR 2022): HumanML3D ships finished texts of mirrored clips, no program that makes them
-/// Differs  from the texts of the published KIT annotations, which exchange inside of words: "upright" is "upleft"
-///          there
+/// Source   Guo et al. (CVPR 2022): HumanML3D contains finished texts of mirrored clips, but no program that makes them
+/// Differs  from the texts of the published KIT annotations, which exchange inside words: "upright" is "upleft" there
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -25729,7 +26271,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Letters and digits; bytes of other characters than ASCII belong to words.
+/// Letters and digits; bytes of characters outside ASCII belong to words.
 constexpr bool in_word(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
          static_cast<unsigned char>(c) >= 0x80;
@@ -25760,7 +26302,7 @@ inline std::string with_capitals(std::string word, std::string_view like) {
   return word;
 }
 
-/// Words and what stands between them, in turns, beginning with a word (perhaps an empty one).
+/// Words and the gaps between them, alternating, beginning with a word (perhaps an empty one).
 inline std::vector<std::string_view> words_and_gaps(std::string_view text) {
   std::vector<std::string_view> out;
   for (bool word = true; !text.empty(); word = !word) {
@@ -25772,7 +26314,8 @@ inline std::vector<std::string_view> words_and_gaps(std::string_view text) {
   return out;
 }
 
-/// Words `first`, first + 2, ... of `count` in small letters as one; empty if more than a hyphen or a blank parts them.
+/// Words `first`, first + 2, ... of `count` in small letters as one; empty if more than a hyphen or a blank is between
+/// them.
 inline std::string joined_words(const std::vector<std::string_view>& pieces, std::size_t first, std::size_t count) {
   std::string out;
   for (std::size_t i = 0; i < 2 * count - 1; ++i) {
@@ -25828,13 +26371,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct TextOptions {
   Pooling pooling = Pooling::none;
-  bool normalize = false;  // pooled vectors get the length 1
+  bool normalize = false;  // scale pooled vectors to length 1
   Index width = 0;         // pads all texts to this many ids, as for MotionDiffuse (77); 0: no padding, as for the mean
-  Index padding = 0;       // the id to fill up with
+  Index padding = 0;       // the id of padding
 };
 
-/// The network takes a TokenBatch and gives TextFeatures<B>. Two things are optional: `until_end(batch)`, what suffices
-/// for the vector of the end token, and `project(rows)`, through which that vector goes.
+/// The network takes a TokenBatch and returns TextFeatures<B>. Two functions are optional: `until_end(batch)`, the part
+/// that the end token depends on, and `project(rows)`, which is applied to its vector.
 template <Tokenizer T, class Network>
 struct TokenizedEncoder {
   T tokenizer;
@@ -25872,9 +26415,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_WORD_PIECE_TOKENS_HPP  // <motionlang/text/word_piece_tokens.hpp>
 #define MOTIONLANG_HAS_TEXT_WORD_PIECE_TOKENS_HPP
-/// Word pieces as token vectors: a small vocabulary and a table that is trained together with what reads it. Stands
-/// where TEMOS and TMR have the last states of DistilBERT, when there is none: their own transformer makes texts of the
-/// pieces.
+/// Word pieces as token vectors: a small vocabulary and a table that is trained together with the model. In TEMOS and
+/// TMR it replaces the last states of DistilBERT; their own transformer then reads the pieces.
 ///
 ///     WordPieceTokens<B> tokens(WordPiece::learn(captions, 800), 128, rng);
 ///     const auto latent = tmr.encode_text(tokens(captions).tokens);
@@ -25896,7 +26438,7 @@ struct WordPieceTokens {
 
   Index width() const { return embedding.weight.size(1); }
 
-  /// A row for every piece, with those of begin and end.
+  /// A row for every piece, including those of start and end.
   TextFeatures<B> operator()(std::span<const std::string> texts) const {
     const ModuleScope scope(*this);
     const TokenBatch batch = tokenize(tokenizer, texts);
@@ -25912,21 +26454,22 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_BASELINES_HPP  // <motionlang/compose/baselines.hpp>
 #define MOTIONLANG_HAS_COMPOSE_BASELINES_HPP
-/// The timelines of the baselines that STMC is compared with: everything on one track, or in one sentence.
+/// STMC and the baselines that it is compared with, by name; and the timelines of those that put everything on one
+/// track, or into one sentence.
 ///
-/// Source  thesis 6.3.3; STMC (Petrovich et al. 2024) mtt/create_baselines.py. They are made from seconds and
-///         written to files, which are then read at 20 fps; converting with to_frames gives the same.
+/// Source  thesis 6.3.3; STMC (Petrovich et al. 2024) mtt/create_baselines.py. The published script works in seconds
+///         and writes files, which are then read at 20 fps. Converting with to_frames gives the same.
 
 #ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_HPP  // <motionlang/compose/timeline.hpp>
 #define MOTIONLANG_HAS_COMPOSE_TIMELINE_HPP
 /// A timeline: texts, each with its time and its body parts. Reading and writing is in timeline_text.hpp.
 ///
-/// Times are frames (Index) where motion is made, and seconds (double) where files are written and edited; the two are
-/// different types, so they cannot be mixed.
+/// Motion is made in frames (Index), and files are written and edited in seconds (double). The two are different types,
+/// so they cannot be mixed.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Where an interval was read, for messages. It says nothing about the interval: all places are equal.
+/// The place where an interval was read, for messages. It is not part of the interval's value: all places are equal.
 struct TextPlace {
   Index line = 0, column = 0;  // from 1; 0: not from a text
   constexpr bool operator==(const TextPlace&) const { return true; }
@@ -25942,7 +26485,7 @@ struct BasicInterval {
   bool operator==(const BasicInterval&) const = default;
 };
 
-/// Intervals in the order of the file, which matters: it decides ties.
+/// Intervals in the order of the file, which decides ties.
 template <class T>
 struct BasicTimeline {
   std::vector<BasicInterval<T>> intervals;
@@ -25965,7 +26508,7 @@ using TimelineInSeconds = BasicTimeline<double>;
 /// Times beyond this number of frames or seconds are refused.
 inline constexpr Index latest_time = 1'000'000'000;
 
-/// trunc(fps * seconds), calculated in double as the published readers do. Throws config_error 101 if it is not a time.
+/// trunc(fps * seconds), computed in double like the published readers. Throws config_error 101 if it is not a time.
 Index frame_at(double seconds, double fps);
 
 /// Moves a timeline so that it begins at 0.
@@ -26032,14 +26575,34 @@ inline BodyParts united(BodyParts a, BodyParts b) { return {a.bits | b.bits}; }
 
 }  // namespace detail
 
-/// One track (DiffCollage): on each piece between cuts the active texts joined by " while ", with all their parts.
+/// One track (DiffCollage): each piece between cuts has its active texts joined by " while ", with all their parts.
 /// Pieces without a text are left out.
 TimelineInSeconds single_track(const TimelineInSeconds& timeline);
 
-/// One sentence, "T0 and then T1 while T2", with the parts of all texts, from 0 to at most 9.8 s, the longest motion
-/// that the models were trained on. The published rule is for timelines of three texts: of longer ones the first three
-/// are in the sentence, shorter ones leave its end away.
+/// One sentence, "T0 and then T1 while T2", with the parts of all texts. It lasts from 0 to at most 9.8 s, the longest
+/// motion that the models were trained on. The published rule is for timelines of three texts. From longer timelines
+/// the sentence takes the first three texts; for shorter ones it ends earlier.
 TimelineInSeconds one_text(const TimelineInSeconds& timeline);
+
+/// The ways of making a motion from a timeline (thesis, table 6.1).
+///   stmc          every step of denoising is a collage of the texts
+///   sinc          each text is sampled alone, and parts are stitched once at the end, with hard cuts
+///   sinc_lerp     the same; around cuts parts are interpolated (systems/sinc_baseline.hpp)
+///   single_track  STMC of `single_track`: DiffCollage
+///   one_text      STMC of `one_text`, which is plain text to motion
+enum class StmcMode { stmc, sinc, sinc_lerp, single_track, one_text };
+
+inline constexpr std::array stmc_modes{StmcMode::stmc, StmcMode::sinc, StmcMode::sinc_lerp, StmcMode::single_track,
+                                       StmcMode::one_text};
+/// "stmc", "sinc", "sinc-lerp", "single-track", "one-text".
+std::string_view to_string(StmcMode mode);
+/// Throws config_error 103 for another name.
+StmcMode parse_stmc_mode(std::string_view name, std::string_view where = "mode");
+
+/// The timeline that a mode samples: that of a baseline with one track or one sentence, or the timeline as it is. In
+/// frames cuts stay where they are.
+/// fps  of the frames
+Timeline timeline_of_mode(StmcMode mode, const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END
 
@@ -26055,7 +26618,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A stretch without cuts inside, and the intervals that cover it, in file order.
+/// A range without cuts inside, and the intervals that cover it, in file order.
 template <class T>
 struct BasicPiece {
   T start{}, end{};
@@ -26065,7 +26628,7 @@ struct BasicPiece {
 using Piece = BasicPiece<Index>;
 
 /// The pieces between neighbouring cuts; those of gaps have no intervals. Throws config_error 101 if so many intervals
-/// lie over each other that the lists would not be reasonable (10 million entries).
+/// overlap that the lists would have more than 10 million entries.
 template <class T>
 std::vector<BasicPiece<T>> elementary_pieces(const BasicTimeline<T>& timeline) {
   std::vector<std::pair<T, Index>> events;  // every start and end, with the number of its interval
@@ -26098,8 +26661,7 @@ std::vector<BasicPiece<T>> elementary_pieces(const BasicTimeline<T>& timeline) {
   return pieces;
 }
 
-/// Adds an interval with the unconditional text "" and all body parts for every stretch from 0 to the end that no text
-/// covers.
+/// Adds an interval with the unconditional text "" and all body parts for every gap between 0 and the end.
 template <class T>
 void fill_gaps(BasicTimeline<T>& timeline) {
   std::vector<std::pair<T, T>> covered;
@@ -26116,6 +26678,13 @@ MOTIONLANG_NAMESPACE_END
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::array<std::string_view, stmc_modes.size()> stmc_mode_names{"stmc", "sinc", "sinc-lerp",
+                                                                                 "single-track", "one-text"};
+
+}  // namespace detail
 
 MOTIONLANG_BODY TimelineInSeconds single_track(const TimelineInSeconds& timeline) {
   TimelineInSeconds out{{}, timeline.body};
@@ -26148,14 +26717,32 @@ MOTIONLANG_BODY TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
   return {{std::move(joined)}, timeline.body};
 }
 
+MOTIONLANG_BODY std::string_view to_string(StmcMode mode) {
+  return detail::stmc_mode_names[static_cast<std::size_t>(mode)];
+}
+
+MOTIONLANG_BODY StmcMode parse_stmc_mode(std::string_view name, std::string_view where) {
+  for (const StmcMode mode : stmc_modes) {
+    if (name == to_string(mode)) return mode;
+  }
+  raise<config_error>(103, where, " '", name, "' is not one of ", join_text(detail::stmc_mode_names));
+}
+
+MOTIONLANG_BODY Timeline timeline_of_mode(StmcMode mode, const Timeline& timeline, double fps) {
+  if (mode == StmcMode::single_track) return to_frames(single_track(to_seconds(timeline, fps)), fps);
+  if (mode == StmcMode::one_text) return to_frames(one_text(to_seconds(timeline, fps)), fps);
+  return timeline;
+}
+
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_BODY_PART_ANSWERS_HPP  // <motionlang/compose/body_part_answers.hpp>
 #define MOTIONLANG_HAS_COMPOSE_BODY_PART_ANSWERS_HPP
-/// Answers of a language model to the question which body parts an action moves, as the parts of SINC; and a table
-/// of such answers. Read from a file by datasets/body_part_table.hpp; without a table, body_part_lexicon.hpp guesses.
+/// Answers of a language model to the question which body parts an action moves, and a table of such answers. The parts
+/// are those of SINC. datasets/body_part_table.hpp reads a table from a file. Without one, body_part_lexicon.hpp
+/// guesses.
 ///
 ///     parse_body_part_answer("Answer: right leg\nleft leg\nbuttocks")   // global, left leg, right leg
 ///
@@ -26164,14 +26751,14 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One part per line; those of the face, wrists and hands say nothing; shoulders are arms, buttocks and waist the
-/// pelvis, the neck is the torso. Throws config_error 103 for a name that is not one, and if no part is named.
+/// One part per line. Lines about the face, wrists and hands are ignored. Shoulders count as arms, buttocks and waist
+/// as the pelvis, and the neck as the torso. Throws config_error 103 for an unknown name, and if no part is named.
 SincParts parse_body_part_answer(std::string_view answer);
 
 /// Parts of actions by their labels. The order of the labels is that of the file: lists of partners follow it.
 class BodyPartTable {
  public:
-  /// The last one counts if a label is added again. Throws config_error 103.
+  /// If a label is added again, the last one counts. Throws config_error 103.
   void add(const std::string& label, std::string_view answer);
 
   const std::vector<std::string>& labels() const { return labels_; }
@@ -26259,8 +26846,8 @@ MOTIONLANG_NAMESPACE_END
 ///     guess_body_parts("waves with the left hand")   // left arm
 ///     guess_body_parts("kick twice")                 // legs
 ///
-/// Rule   every known word adds its parts; words of one arm mean the right one unless "left arm", "left hand", ... is
-///        written; both arms with "both", with "left and right", or with a plural; nothing known: all parts
+/// Rule   Every known word adds its parts. Words of one arm mean the right one unless "left arm", "left hand", ... is
+///        written. "both", "left and right" or a plural mean both arms. Without a known word, the text moves all parts.
 ///
 /// In another body the words of its BodyPartition add their parts, and so do names and synonyms of parts.
 
@@ -26288,7 +26875,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The meaning of a word stem for the body. `arm` is one arm, whose side the rest of the text tells.
+/// The meaning of a word stem for the body. `arm` is one arm; the rest of the text gives the side.
 struct WordMeaning {
   std::string_view stem;
   bool arm = false, arms = false, legs = false, head = false, spine = false;
@@ -26364,8 +26951,8 @@ inline constexpr std::array lexicon = {
 };
 // clang-format on
 
-/// The entry with the longest stem of which the word is a form: the stem and at most four more letters ("step" +
-/// "ping"). Null if there is none.
+/// The entry with the longest stem of the word: the stem and at most four more letters ("step" + "ping"). Null if there
+/// is none.
 template <class Entries>
 const auto* meaning_of(const Entries& entries, std::string_view word) {
   const typename Entries::value_type* best = nullptr;
@@ -26376,7 +26963,7 @@ const auto* meaning_of(const Entries& entries, std::string_view word) {
   return best;
 }
 
-/// Runs of letters in lower case. With `digits` these are letters, too ("arm 2").
+/// Runs of letters in lower case. With `digits`, digits also count as letters ("arm 2").
 inline std::vector<std::string> words_of(std::string_view text, bool digits = false) {
   std::vector<std::string> words;
   bool inside = false;
@@ -26390,7 +26977,8 @@ inline std::vector<std::string> words_of(std::string_view text, bool digits = fa
   return words;
 }
 
-/// "left" and "right" are sides of an arm if the next word, or the one behind "and right", is one: not in "turn left".
+/// "left" and "right" are sides of an arm if the next word, or the one after "and right", is an arm: not in "turn
+/// left".
 struct Sides {
   bool left = false, right = false;
 
@@ -26460,36 +27048,36 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP  // <motionlang/compose/collage.hpp>
 #define MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP
-/// The denoising step of STMC: all crops of all timelines through the network in ragged batches, guided, stitched.
+/// The denoising step of STMC: all crops of all timelines go through the network in ragged batches, and are guided and
+/// stitched.
 ///
-/// Independent of the feature type and of the network: any layout with a partition into parts, any `Denoiser`.
+/// It does not depend on the feature type or the network: any layout with a partition into parts, any `Denoiser`.
 
 #ifndef MOTIONLANG_HAS_COMPOSE_STITCHING_HPP  // <motionlang/compose/stitching.hpp>
 #define MOTIONLANG_HAS_COMPOSE_STITCHING_HPP
-/// Values of a composition: crops cut out of a motion, and a motion put together from crops, per body part and
-/// interval.
+/// Cuts crops out of a motion, and puts a motion together from crops, per body part and interval.
 ///
-/// All index lists are made once per plan; cutting and stitching are then gathers and scatters of whole rows.
+/// All index lists are made once per plan. Cutting and stitching are then gathers and scatters of whole rows.
 
 #ifndef MOTIONLANG_HAS_COMPOSE_PLAN_HPP  // <motionlang/compose/plan.hpp>
 #define MOTIONLANG_HAS_COMPOSE_PLAN_HPP
-/// From timelines to the integers of a composition: which crops to denoise, and which frames of which crop are added to
-/// and subtracted from which frames of the motion, for each body part. No tensors here.
+/// From timelines to the integers of a composition: the crops to denoise, and the frames of each crop that are added to
+/// or subtracted from frames of the motion, for each body part. There are no tensors here.
 ///
 /// Source     thesis 6.2.3; STMC (Petrovich et al. 2024); reference: nv-tlabs/stmc src/stmc.py process_timelines
 /// Notation   a, b -> start, end of an interval; T -> frames; O, l, r -> Overlap; x -> cut
-/// Property   for every body part and frame, additions minus subtractions = 1, however close the cuts are, if extension
-///            and transition crops are both on or both off; see net_weights
-/// Differs    from the reference, where told to: gaps are filled with the unconditional text "" (the reference stops),
-///            and transitions at which no part changes can be left out
+/// Property   For every body part and frame, additions minus subtractions = 1, however close the cuts are. This holds
+///            if extension and transition crops are both on or both off; see net_weights
+/// Differs    from the reference, if the options say so: gaps are filled with the unconditional text "" (the reference
+///            stops), and transitions at which no part changes can be left out
 
 #ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP  // <motionlang/compose/overlap.hpp>
 #define MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP
 /// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
 ///
 /// Source   thesis 6.2.3, "Temporal stitching"; STMC (Petrovich et al. 2024) src/stmc.py
-/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap, the longer half to the
-///          right
+/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap. The longer half is on
+///          the right
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -26541,12 +27129,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// The rule for frames without a text: let the model move freely, or throw timeline_error 505.
 enum class Gaps { fill, refuse };
-/// The rule for a cut at which no part changes its owner, because other texts hide a text: throw timeline_error
-/// 506, or leave the transition out (the result is the same without it).
+/// The rule for a cut at which no part changes its owner, because other texts hide a text. `refuse` throws
+/// timeline_error 506, and `ignore` leaves the transition out. The result is the same without it.
 enum class HiddenTexts { refuse, ignore };
 
-/// The default number of frames that go through the denoiser together. It is more than 12 s on five tracks have, with
-/// and without their texts. The published network holds about 90 MB for them.
+/// The default number of frames that go through the denoiser together. Timelines of 12 s with five tracks have fewer,
+/// with and without their texts. The published network needs about 90 MB for them.
 inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {
@@ -26563,14 +27151,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP  // <motionlang/compose/sinc_assignment.hpp>
 #define MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP
-/// Which text owns which body part while several texts are active.
+/// Assigns each body part to one text while several texts are active.
 ///
 /// Source   thesis 6.2.3, figure 6.4: the heuristic of SINC (thesis B.2.1) as STMC src/stmc.py applies it. Where papers
-///          and code differ (the base is a text with legs first, ties are random), the code is followed.
-/// Rule     1. Base: of the texts with the part that carries the path, the legs of a human, the one with the most body
-///             parts (of all texts, if none has that part). It gets all parts.
-///          2. The others, by number of parts, largest first, in file order among equals, take their parts away from
-///             whoever holds them: the text with fewer parts wins, among equals the later one.
+///          and code differ (the base is a text with legs first, ties are random), this follows the code.
+/// Rule     1. The base is the text with the most body parts. It must have the part that carries the path (the legs of
+///             a human), unless no text has it. It gets all parts.
+///          2. The others take their parts from the present owners. They come by number of parts, the largest first, in
+///             file order among equals. So the text with fewer parts wins, and among equals the later one.
 /// Ties     between base texts: the first in the file, or random as published when a generator is given
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -26578,7 +27166,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Number of the interval that owns each body part.
 using PartOwners = std::vector<Index>;
 
-/// A generator that can put a list into random order: PythonRandom (as published), NumpyRandom.
+/// A generator that can shuffle a list: PythonRandom (as published), NumpyRandom.
 template <class G>
 concept Shuffler = requires(G& g, std::span<Index> list) {
   g.shuffle(list);
@@ -26591,9 +27179,8 @@ struct FirstWins {
 
 namespace detail {
 
-/// Among texts with the path (or all, if none has it), the one with the most parts; on a tie, the first after a
-/// shuffle.
-/// Shuffling one text draws nothing.
+/// Among texts with the path (or all, if none has it), the one with the most parts. On a tie, the first after a
+/// shuffle. Shuffling a single text takes no random numbers.
 template <class T, Shuffler G>
 Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
   const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts; };
@@ -26635,8 +27222,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A stretch of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
-/// numbers agree with the reference; they take part in nothing.
+/// A range of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
+/// numbers agree with the reference; they have no effect.
 struct Crop {
   Index interval = 0;  // -1: a transition, with the unconditional text
   FrameRange range;
@@ -26644,7 +27231,7 @@ struct Crop {
   bool operator==(const Crop&) const = default;
 };
 
-/// A part belongs to one text for a stretch; neighbours have different owners.
+/// A part belongs to one text for a range of frames. Neighbours have different owners.
 struct PartInterval {
   BodyPart part{};
   Index owner = 0;
@@ -26652,7 +27239,7 @@ struct PartInterval {
   bool operator==(const PartInterval&) const = default;
 };
 
-/// Frames `from` of a crop go to frames `to` of the motion, for the features of one part.
+/// The frames `from` of a crop become the frames `to` of the motion, for the features of one part.
 struct Slice {
   BodyPart part{};
   Index crop = 0;
@@ -26797,8 +27384,8 @@ inline void merge_pieces(TimelinePlan& plan) {
   }
 }
 
-/// The cuts at which a transition is made, ascending: all but the first and the last. Throws timeline_error 506 at one
-/// where no part changes its owner, or leaves it out.
+/// The cuts with a transition, ascending: all except the first and the last. At a cut where no part changes its owner,
+/// it throws timeline_error 506 or leaves the cut out.
 inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts hidden) {
   std::vector<Index> cuts;
   for (std::size_t k = 1; k < plan.pieces.size(); ++k) {
@@ -26839,7 +27426,7 @@ inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const
   check_crops(plan, options.longest_crop);
 }
 
-/// For each stretch of a part: its extended frames are added from the crop of its owner; where it starts, the window of
+/// For each stretch of a part, its extended frames are added from the crop of its owner. At its start, the window of
 /// the transition, which both neighbours have added, is subtracted once.
 inline void make_slices(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
                         const PlanOptions& options) {
@@ -26949,21 +27536,21 @@ struct CropRows {
   Offsets offsets;          // of the crops
   Index stride = 0;
 
-  /// With crop_frames > 0 every crop has exactly that many frames, whatever follows its range (MDM); the motions need
-  /// as many rows behind their end. A crop without frames has no rows.
+  /// With crop_frames > 0 every crop has exactly that many frames, whatever follows its range (MDM). The motions then
+  /// need as many rows behind their end. A crop without frames has no rows.
   static CropRows of(const BatchPlan& plan, Index crop_frames = 0);
 };
 
 namespace detail {
 
-/// Rows of crops that are added to rows of motions for one part, with 1 or -1 each.
+/// Rows of crops that are added to rows of motions for one part, with the factor 1 or -1.
 struct PartMoves {
   std::vector<Index> from, to;
   std::vector<signed char> sign;
 };
 PartMoves moves_of_part(const BatchPlan& plan, const Offsets& crops, Index stride, BodyPart part);
 
-/// Throws config_error 102 unless the layout gives each number to one body part of the body that the timelines have.
+/// Throws config_error 102 unless the layout gives each value to one body part of the body of the timelines.
 void check_layout(const FeatureLayout& layout, const BatchPlan& plan);
 
 }  // namespace detail
@@ -26977,7 +27564,7 @@ class Stitcher {
  public:
   Stitcher() = default;
   /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that
-  /// does not give each number to one body part, and for one of another body.
+  /// does not give each value to one body part, and for a layout of another body.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
     detail::check_layout(layout, plan);
@@ -26992,7 +27579,7 @@ class Stitcher {
     }
   }
 
-  /// crops (rows of all crops, features) -> (motions * stride, features); rows that nothing is added to are 0.
+  /// crops (rows of all crops, features) -> (motions * stride, features). Rows to which nothing is added are 0.
   Tensor<B, 2> operator()(const Tensor<B, 2>& crops) const {
     auto motion = Tensor<B, 2>::zeros({rows_, features_});
     for (const Part& p : parts_)
@@ -27012,8 +27599,8 @@ class Stitcher {
 /// Softens hard cuts (the SINC+lerp baseline): in every window of the plan the part is interpolated
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
-/// All windows read the hard-cut motion; where they overlap the later one wins. Source: STMC src/stmc.py.
-/// Throws config_error 102 for a layout that does not give each number to one body part, and for one of another body.
+/// All windows read the hard-cut motion. Where they overlap, the later one wins. Source: STMC src/stmc.py. Throws
+/// config_error 102 for a layout that does not give each value to one body part, and for a layout of another body.
 template <Backend B>
 Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout& layout, const Tensor<B, 2>& motion,
                                      Index stride) {
@@ -27101,7 +27688,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The results of one step, for those who want to see them. Rows are those of the crops, in batch order.
+/// The results of one step, for callers who want to see them. Rows are those of the crops, in batch order.
 template <Backend B>
 struct CollageStep {
   Tensor<B, 2> crops, cond, null, guided, x0;
@@ -27117,24 +27704,24 @@ struct JobBatch {
 };
 struct JobBatches {
   std::vector<JobBatch> batches;
-  std::vector<Index> cond, null;  // for every row of the crops its row of all batches, with its text and without
+  std::vector<Index> cond, null;  // for every row of the crops its row in all batches, with its text and without
 };
 struct JobOptions {
   bool guided = true;
-  bool divide = true;  // whether a sequence has the same result in any batch
+  bool divide = true;  // a sequence has the same result in any batch
   Index rows_at_once = 0;
 };
 
 /// texts: of every crop; null: the unconditional one.
 JobBatches plan_jobs(const CropRows& crops, std::span<const Index> texts, Index null, const JobOptions& options);
 
-/// For every crop its text as a number: equal texts have the same, "" that of the unconditional one.
+/// The text of every crop as a number. Equal texts have the same number, and "" has that of the unconditional text.
 std::vector<Index> texts_of_crops(const BatchPlan& plan, Index null);
 
 /// Throws shape_error 204 unless there is a text for every interval, and one unconditional one.
 void check_texts(const BatchPlan& plan, Index texts, Index nulls);
 
-/// The rows of crops of fixed size without those behind their own frames.
+/// The rows of crops of fixed size, without the rows behind their own frames.
 CropRows own_frames(const BatchPlan& plan, Index stride, Index crop_frames);
 
 Offsets joined(const Offsets& a, const Offsets& b);
@@ -27142,19 +27729,20 @@ Offsets joined(const Offsets& a, const Offsets& b);
 }  // namespace detail
 
 /// Source  thesis 6.2.3, figure 6.3 c; STMC (Petrovich et al. 2024) src/model/gaussian.py p_sample_stmc
-/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow
-///         with the timelines. Sequences of the same frames and the same text go through it once: both calls of
-///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together; what
-///         a denoiser can compute for the frames of a crop whatever its text is computed once as well. The longest come
-///         first, so that threads end together; crops without frames are left out. Texts, offsets and index lists are
+/// Cost    One call of the network per step and `rows_at_once` frames, so its memory does not grow with the timelines.
+///         Sequences with the same frames and the same text go through it once. These are both calls of guidance if a
+///         crop's text is "", and the unconditional calls of texts that begin and end together. Work of a denoiser that
+///         depends on the frames of a crop but not on its text is done once, too. The longest sequences come first, so
+///         that threads end together. Crops without frames are left out. Texts, offsets and index lists are prepared
+///         here, not in the loop.
 ///         prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
   /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
-  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the
-  /// denoiser, config_error 101 for a negative rows_at_once.
+  /// Throws shape_error 204 if the number of texts is wrong, timeline_error 508 if a crop is too long for the denoiser,
+  /// and config_error 101 for a negative rows_at_once.
   Collage(const D& denoiser, BatchPlan plan, FeatureLayout layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
@@ -27171,7 +27759,7 @@ class Collage {
     detail::check_texts(plan_, text.count(), null.count());
     prepare_step();
   }
-  /// The same with some crops and slices of its plan only (compose/edits.hpp).
+  /// The same with only some of the crops and slices of its plan (compose/edits.hpp).
   Collage with_plan(BatchPlan plan) const {  // NOLINT(performance-unnecessary-value-param): it is moved from
     Collage out = *this;
     out.plan_ = std::move(plan);
@@ -27200,8 +27788,8 @@ class Collage {
             (texts_.padded_tokens >= texts.longest() || texts.rows() == texts.count() * texts.longest()));
   }
 
-  /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops
-  /// into x0 where it predicts something else: to_x0(output rows, crop rows).
+  /// x (rows, features) at network step t -> composite clean estimate. If the network predicts something else than x0,
+  /// `to_x0` converts its output for the crops: to_x0(output rows, crop rows).
   template <class F>
   CollageStep<B> step(const Tensor<B, 2>& x, Index t, F to_x0) const {
     CollageStep<B> s;
@@ -27232,7 +27820,7 @@ class Collage {
     for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
     const bool fixed = traits.crop_frames > 0;
     motion_ = CropRows::of(plan_, traits.crop_frames);
-    // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
+    // With a mask, a crop of fixed size shrinks to its own frames again: masked frames are ignored.
     crops_ = fixed && traits.uses_lengths ? detail::own_frames(plan_, motion_.stride, traits.crop_frames) : motion_;
     stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
     build_batch();
@@ -27240,7 +27828,6 @@ class Collage {
 
   /// The outputs of the network for all jobs, one after the other.
   Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
-    const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const auto of = [&](const Batch& b) {
       const PoolVector<Index> steps(static_cast<std::size_t>(b.uses.rows()), t);
       return denoise_with_texts(*denoiser_, Sequences<B>(gather(x, b.rows), b.frames), b.uses, steps, b.text).rows;
@@ -27253,7 +27840,6 @@ class Collage {
   }
 
   void build_batch() {
-    const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const Index null = texts_.count() - 1;
     auto jobs = detail::plan_jobs(crops_, detail::texts_of_crops(plan_, null), null,
                                   {.guided = guidance_ != 1, .divide = can_divide(), .rows_at_once = rows_at_once_});
@@ -27274,7 +27860,7 @@ class Collage {
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
   std::vector<Batch> batches_;
-  std::vector<Index> cond_, null_;  // for every row of the crops its row of all batches, with its text and without
+  std::vector<Index> cond_, null_;  // for every row of the crops its row in all batches, with its text and without
 };
 
 /// x0 of all timelines at index t of the process.
@@ -27287,10 +27873,10 @@ Tensor<B, 2> clean_motion(const Collage<B, D>& collage, const GaussianDiffusion&
   return collage.step(x, diffusion.network_t(t), to_clean).x0;
 }
 
-/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x, noise(1), noise(2), ... belong to
-/// the steps; all of shape (rows, features).
-/// -> clean motions (rows, features), normalised; rows behind a timeline's end mean nothing. `watch(t, step)` sees
-/// every step. Throws `cancelled` if progress says so.
+/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x; noise(1), noise(2), ... belong to
+/// the steps. All have the shape (rows, features).
+/// -> clean motions (rows, features), normalised. Rows behind a timeline's end mean nothing. `watch(t, step)` sees
+/// every step. Throws `cancelled` if progress returns false.
 template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,
                                   const SamplingOptions& options = {}, Progress progress = {},
@@ -27326,14 +27912,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Frames of a crop with a text: what the network sees as one sequence.
+/// Frames of a crop with a text, which the network reads as one sequence.
 struct CropJob {
   Index first, length, text;                         // first: row of the motions
   auto operator<=>(const CropJob&) const = default;  // NOLINT(modernize-use-nullptr): there is no 0
 };
 
-/// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
-/// texts.
+/// For a network whose sequences depend on each other: as published, all crops in their order, and then the same
+/// without their texts.
 inline JobBatches two_calls(const CropRows& crops, std::span<const Index> texts, Index null, bool guided) {
   JobBatches out;
   const Index rows = crops.offsets.rows();
@@ -27356,7 +27942,7 @@ MOTIONLANG_BODY JobBatches plan_jobs(const CropRows& crops, std::span<const Inde
                                      const JobOptions& options) {
   if (!options.divide) return two_calls(crops, texts, null, options.guided);
   std::vector<std::pair<CropJob, CropJob>> pairs;  // with its text, and without
-  std::map<CropJob, Index> begin;                  // of all jobs, where their rows begin in the batch
+  std::map<CropJob, Index> begin;                  // the first row of each job in the batch
   for (Index i = 0; const Index text : texts) {
     const Index length = crops.offsets.length(i);
     const Index first = length == 0 ? 0 : crops.rows[static_cast<std::size_t>(crops.offsets.begin(i))];
@@ -27374,7 +27960,7 @@ MOTIONLANG_BODY JobBatches plan_jobs(const CropRows& crops, std::span<const Inde
   const Index most = options.rows_at_once > 0 ? options.rows_at_once : std::numeric_limits<Index>::max();
   JobBatches out;
   std::vector<Index> rows, lengths, uses, which;  // of the next batch
-  Index results = 0, before = 0;                  // rows of its results, and of those of the batches so far
+  Index results = 0, before = 0;                  // rows of its results, and of all earlier batches
   const CropJob* last = nullptr;                  // of the batch
   const auto end_batch = [&] {
     out.batches.push_back({rows, Offsets(lengths), Offsets(uses), which});
@@ -27463,8 +28049,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP  // <motionlang/compose/cut_texts.hpp>
 #define MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP
-/// Texts cut where a denoiser does them best in parts: where their action is over, where they lend body parts or get
-/// them back, and where they are too long.
+/// Cuts texts into parts that a denoiser generates better. It cuts where their action is over, where they give body
+/// parts to another text or regain them, and where they are too long.
 ///
 ///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
 ///
@@ -27472,13 +28058,13 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops
-/// are what a model has seen least of: ours walks as far in 8 s as in 10.
+/// Seconds of a text that a denoiser generates as a whole. HumanML3D's clips and ours end at 9.8 s, and a model has
+/// seen the longest crops least often. Ours walks as far in 8 s as in 10.
 inline constexpr double longest_whole_text = 8;
-/// Seconds below which a part would be too short for the denoiser to do what the text says.
+/// The least seconds of a part, so that the denoiser can do what the text says.
 inline constexpr double shortest_part = 0.5;
 
-/// end_actions, cut_at_handovers, divide_long_texts. Throws what they throw.
+/// Applies end_actions, cut_at_handovers and divide_long_texts. Throws what they throw.
 Timeline cut_texts(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END
@@ -27491,9 +28077,9 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP
 /// Cuts texts where their body parts change.
 ///
-/// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
-/// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then
-/// without them, then with its own again; the transitions are where they were.
+/// As published, a text that goes on while another borrows its arms is one crop. So the denoiser sees raised arms in
+/// the middle of "walk forward" and keeps them up before and after. If the text is cut at these times, it walks with
+/// its own arms, then without them, then with its own again. The transitions stay where they were.
 ///
 ///     const auto motion = stmc.generate(cut_at_handovers(timeline, 10), rng);
 ///
@@ -27550,27 +28136,27 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP  // <motionlang/compose/long_texts.hpp>
 #define MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP
-/// Long texts in parts.
+/// Divides long texts.
 ///
-/// Denoisers learn from clips of ten seconds at most. A text of a minute as one crop makes somebody who stands, or
-/// turns in the air; in parts that follow each other it is done all the time.
+/// Denoisers learn from clips of ten seconds at most. If a text of a minute is one crop, the figure stands still or
+/// turns in the air. In parts that follow each other, the action goes on all the time.
 ///
 ///     const auto motion = stmc.generate(divide_long_texts(timeline, 160), rng);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The limit for one text: a day in parts of 8 s makes 10,800.
+/// The limit for one text. A day in parts of 8 s makes 10,800.
 inline constexpr Index most_parts = 100000;
 
 namespace detail {
 
-/// An interval in `count` parts that follow each other, equally long to a frame.
+/// An interval as `count` parts that follow each other, whose lengths differ by at most one frame.
 std::vector<Interval> equal_parts(const Interval& whole, Index count);
 
 }  // namespace detail
 
-/// Divides every text of more than `longest` frames into as few parts as will do, which are equally long to a frame.
-/// Throws config_error 101 unless longest is 1 or more, and for more than most_parts of a text.
+/// Divides every text of more than `longest` frames into as few parts as possible, whose lengths differ by at most one
+/// frame. Throws config_error 101 unless longest is 1 or more, and for more than most_parts of a text.
 Timeline divide_long_texts(const Timeline& timeline, Index longest);
 
 MOTIONLANG_NAMESPACE_END
@@ -27617,8 +28203,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_HPP  // <motionlang/compose/natural_lengths.hpp>
 #define MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_HPP
-/// Actions that begin and end: a denoiser that has more time than an action takes does it again, or slowly, and may
-/// begin in the middle. Such a text becomes several: standing, the action for as long as people take, what follows.
+/// Actions that begin and end. A denoiser that has more time than an action takes repeats it, slows it down, or begins
+/// in the middle. So a text becomes several: standing, the action for its usual time, and what follows.
 ///
 ///     const auto length = natural_length("sit down");                     // 2.8 s, then "sit quietly"
 ///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
@@ -27627,23 +28213,24 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How long an action takes, and a text of what somebody does then.
+/// The usual duration of an action, and a text for the time after it.
 struct NaturalLength {
   double seconds = 0;
   std::string then{};
-  bool from_rest = false;  // raising arms, bending: begins as somebody stands
+  bool from_rest = false;  // raising arms, bending: starts from standing
 };
 
-/// That of an English text of one action that ends: turning, raising arms, sitting down, standing up, jumping, bending,
-/// kicking, punching and throwing. Nothing for other texts, and for those with "again", "and", "while", "times", ...
+/// The length of an English text of one action that ends: turning, raising arms, sitting down, standing up, jumping,
+/// bending, kicking, punching and throwing. Nothing for other texts, and for those with "again", "and", "while",
+/// "times", ...
 std::optional<NaturalLength> natural_length(std::string_view text);
 
-/// Seconds of "stand still" in front of an action that begins from rest.
+/// The seconds of "stand still" before an action that starts from rest.
 inline constexpr double standing_lead_in = 0.5;
 
 /// Every text that lasts at least a second longer than its action becomes the action and what follows it, with the same
-/// parts. An action from rest has a standing_lead_in if it has two seconds, all parts and the start of the timeline.
-/// For the human body; other timelines stay as they are.
+/// parts. An action from rest gets a standing_lead_in if it lasts two seconds, has all parts and starts the timeline.
+/// This is for the human body; other timelines stay as they are.
 Timeline end_actions(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END
@@ -27657,7 +28244,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 /// The words of a text in lower case.
-inline std::vector<std::string> lower_words(std::string_view text) {
+inline std::vector<std::string> lower_case_words(std::string_view text) {
   std::vector<std::string> words(1);
   for (const char c : text) {
     const char l = lower(c);
@@ -27670,7 +28257,7 @@ inline std::vector<std::string> lower_words(std::string_view text) {
   return words;
 }
 
-/// Words of actions that go on, or that need another one.
+/// Words of actions that continue, or that need another action.
 inline constexpr std::array continuing_words{"again",      "and",  "then",  "while",   "times",  "twice",
                                              "repeatedly", "keep", "keeps", "circles", "circle", "continuously",
                                              "several",    "many", "jacks", "rope",    "walk",   "walks",
@@ -27679,7 +28266,7 @@ inline constexpr std::array continuing_words{"again",      "and",  "then",  "whi
 }  // namespace detail
 
 MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view text) {
-  const auto words = detail::lower_words(text);
+  const auto words = detail::lower_case_words(text);
   const auto says = [&](std::initializer_list<std::string_view> any) {
     return std::any_of(words.begin(), words.end(),
                        [&](const std::string& w) { return std::find(any.begin(), any.end(), w) != any.end(); });
@@ -27750,23 +28337,23 @@ MOTIONLANG_NAMESPACE_END
 /// The frames that an edit of a timeline can change, step by step. No tensors here.
 ///
 /// A step of STMC makes every frame from the crops that are added and subtracted there, and a crop reads all of its
-/// frames. So an edit changes in the first step the frames that are made of other crops than before, in the second one
-/// all frames of every crop that reads one of these, and so on: it goes one crop further with every step. It stops
-/// where nothing spans a cut (overlap 0), and at the end of the run. As the noise belongs to the frame, all other
-/// frames are those of before, bit for bit.
+/// frames. So in the first step an edit changes the frames that are made of other crops than before. In the second step
+/// it changes all frames of every crop that reads one of these, and so on: it spreads by one crop per step. It stops
+/// where nothing spans a cut (overlap 0), and at the end of the run. Because the noise belongs to the frame, all other
+/// frames stay the same, bit for bit.
 ///
 /// Source   follows from STMC (thesis 6.2.3, figure 6.3 c); not in the thesis
-/// Caution  holds for denoisers whose sequences do not depend on their batch mates (see MdmSmplDenoiser)
+/// Caution  holds for denoisers whose sequences do not depend on the other sequences of a batch (see MdmSmplDenoiser)
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The frames that differ between two runs with the same noise, of which the first is recorded, after each step.
+/// The frames that differ after each step between two runs with the same noise. The first run is recorded.
 class EditSpread {
  public:
-  /// The plans of both runs, and how many rows every timeline has in them. The timelines of a batch are compared by
-  /// their place in it.
+  /// The plans of both runs, and the rows of every timeline in them. The timelines of a batch are compared by their
+  /// place in it.
   /// reads   frames that the denoiser reads from the start of a crop; 0: those of the crop
-  /// within  frames further than this from the edit are said not to differ, although they would
+  /// within  frames further than this from the edit count as equal, although they would differ
   EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows, Index reads = 0,
              std::optional<Index> within = {});
 
@@ -27775,15 +28362,15 @@ class EditSpread {
   /// Frames of all timelines that differ.
   Index frames() const;
 
-  /// True if every timeline with frames that differ has no others.
+  /// True if in every timeline either all frames differ or none.
   bool everywhere() const;
   /// True if `within` has changed anything so far.
   bool limited() const { return limited_; }
 
-  /// The next step. Whether more frames differ after it.
+  /// Goes to the next step. Returns true if more frames differ after it.
   bool advance();
 
-  /// The plan with only those crops that make frames that differ; the others have no frames and no slices.
+  /// The plan with only the crops whose frames differ. The others have no frames and no slices.
   BatchPlan needed() const;
 
  private:
@@ -27796,7 +28383,7 @@ class EditSpread {
     return std::count(differs_[m].begin(), differs_[m].begin() + plan_.timelines[m].frames, 1);
   }
   bool any(std::size_t m, const FrameRange& range) const;
-  /// Frames that are at most `within` away from one that is marked.
+  /// Frames that are at most `within` away from a marked one.
   static std::vector<char> near(const std::vector<char>& marked, Index within);
 
   BatchPlan plan_;
@@ -27815,7 +28402,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A crop that is added to a part of a frame, or subtracted from it. Two frames with equal lists are stitched alike.
+/// A crop to add to a part of a frame, or to subtract from it. Two frames with equal lists are stitched alike.
 struct FrameTerm {
   BodyPart part{};
   bool add = true;
@@ -27824,7 +28411,7 @@ struct FrameTerm {
   bool operator==(const FrameTerm&) const = default;
 };
 
-/// For `rows` frames; frames behind the end depend on nothing.
+/// For `rows` frames; frames after the end depend on nothing.
 inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan, Index rows) {
   std::vector<std::vector<FrameTerm>> terms(static_cast<std::size_t>(rows));
   const auto note = [&](const std::vector<Slice>& slices, bool add) {
@@ -27844,7 +28431,7 @@ MOTIONLANG_BODY EditSpread::EditSpread(const BatchPlan& before, Index rows_befor
                                        Index reads, std::optional<Index> within)
     : plan_(std::move(after)), rows_(rows), reads_(reads) {
   for (std::size_t m = 0; m < plan_.timelines.size(); ++m) {
-    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded, or of another body
+    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // true if nothing is recorded, or for another body
     if (m < before.timelines.size() && before.timelines[m].timeline.body == plan_.timelines[m].timeline.body) {
       const Index longest = std::max(rows, rows_before);
       const auto was = detail::frame_terms(before.timelines[m], longest),
@@ -27931,23 +28518,23 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_IN_TURN_HPP  // <motionlang/compose/in_turn.hpp>
 #define MOTIONLANG_HAS_COMPOSE_IN_TURN_HPP
-/// Sentences of several actions, one after the other, as texts that follow each other in a timeline.
+/// Splits sentences of several actions into texts that follow each other in a timeline.
 ///
-/// Denoisers learn from clips of a few seconds, most of which show one thing: of "walk forward then sit down" they do
-/// one half.
+/// Denoisers learn from clips of a few seconds, most of which show one action. Given "walk forward then sit down", they
+/// perform only one half.
 ///
 ///     actions_in_turn("walk forward, then sit down");                // {"walk forward", "sit down"}
 ///     const auto motion = stmc.generate(in_turn(timeline), rng);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The actions that a sentence says one after the other: it is cut at "then", "afterwards", "after that", "after which"
-/// and "followed by" (with the "and" before them), at semicolons and at full stops. "and" alone joins what is done at
-/// once. A sentence of one action is given back as it is.
+/// The actions of a sentence, in order. The sentence is cut at "then", "afterwards", "after that", "after which" and
+/// "followed by" (with the "and" before them), at semicolons and at full stops. "and" alone joins simultaneous actions.
+/// A sentence of one action is returned unchanged.
 std::vector<std::string> actions_in_turn(std::string_view sentence);
 
-/// Every text of several actions becomes as many texts, one after the other, which share its frames evenly. Throws
-/// config_error 101 if it has fewer frames than actions.
+/// Replaces every text of several actions by one text for each. They follow each other and share its frames evenly.
+/// Throws config_error 101 if it has fewer frames than actions.
 Timeline in_turn(const Timeline& timeline);
 
 MOTIONLANG_NAMESPACE_END
@@ -27960,7 +28547,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A word of a sentence, as written and as it is compared: in lower case without commas and stops around it.
+/// A word of a sentence as written, and as compared: in lower case without commas and stops around it.
 struct SentenceWord {
   std::string_view written;
   std::string plain;
@@ -27983,7 +28570,7 @@ inline std::vector<SentenceWord> sentence_words(std::string_view sentence) {
   return words;
 }
 
-/// How many words from the i-th on say that something follows: "then", "after that", ...
+/// The number of words from word i on that announce another action: "then", "after that", ...
 inline std::size_t words_of_turn(const std::vector<SentenceWord>& words, std::size_t i) {
   static constexpr std::array<std::array<std::string_view, 2>, 5> turns{
       {{"then", ""}, {"afterwards", ""}, {"after", "that"}, {"after", "which"}, {"followed", "by"}}};
@@ -28041,18 +28628,17 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_MTT_TIMELINES_HPP  // <motionlang/compose/mtt_timelines.hpp>
 #define MOTIONLANG_HAS_COMPOSE_MTT_TIMELINES_HPP
-/// Timelines for evaluation, drawn from a list of texts: the generator of STMC's multi-track data set MTT. The data set
-/// itself is not part of this library; with its 60 texts, the 500 timelines come out byte for byte.
+/// Random timelines for evaluation from a list of texts: the generator of STMC's multi-track data set MTT. The data set
+/// itself is not part of this library. With its 60 texts, the generator gives its 500 timelines byte for byte.
 ///
 ///     const auto texts = parse_mtt_texts("gallop in a ring # legs\nflick a switch # right arm\n...");
-///     const std::string file = write_timelines(mtt_timelines(texts));
+///     const MttFiles files = mtt_files(mtt_timelines(texts));     // MTT, and its two baselines
 ///
-/// Each timeline has three intervals: two back to back on one track, one on a second track beside them, with other body
-/// parts than those it meets.
+/// Each timeline has three intervals: two on one track, back to back, and one beside them on a second track. The third
+/// has other body parts than the intervals that it overlaps.
 /// Source  thesis 6.3.1; STMC (Petrovich et al., CVPR workshops 2024) mtt/sampling_timelines.py
-/// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and end at 9.2 s; parts are other ones only
-/// where
-///         the window of the third interval was chosen, which is where it lies
+/// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and are at most 9.2 s. The parts must only
+/// differ from those of the window that was chosen for the third interval, which is where it lies
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -28071,11 +28657,24 @@ struct MttOptions {
   std::int64_t seed = 1234;
   double mean = 6, std = 1.2, cap = 9.2;  // of durations, seconds
   std::array<Index, body_part_count> weights = {1, 1, 3, 1,
-                                                1};  // how often a text with this part is drawn; by BodyPart
+                                                1};  // how often a text with this part is chosen; by BodyPart
 };
 
 /// Throws config_error 101 if the texts and weights give no pair, 102 if they leave none for the second track
 std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> texts, const MttOptions& options = {});
+
+/// The contents of the files of timelines (timeline_text.hpp), as published.
+struct MttFiles {
+  std::string multi_track;   // MTT.txt
+  std::string single_track;  // the same texts on one track, for DiffCollage (baselines.hpp)
+  std::string one_text;      // one sentence for each timeline (baselines.hpp)
+};
+/// Throws timeline_error 510 if a text contains '#' or a line end.
+MttFiles mtt_files(std::span<const TimelineInSeconds> timelines);
+
+/// The numbers of the texts of a timeline, interval by interval, in the list that they were drawn from. Throws
+/// config_error 102 for a text that the list lacks.
+std::vector<Index> mtt_labels(std::span<const MttText> texts, const TimelineInSeconds& timeline);
 
 MOTIONLANG_NAMESPACE_END
 
@@ -28095,7 +28694,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A time in seconds, finite and not beyond `latest_time`; nothing if the whole text is none.
+/// A finite time in seconds, at most `latest_time`. Nothing if the text is not such a time.
 std::optional<double> parse_seconds(std::string_view text);
 
 /// Shortest decimal form, as Python prints a float: 5.5, 8.0, 1e-05, 1e+16.
@@ -28149,7 +28748,7 @@ template <class... T>
   raise<timeline_error>(id, name, ":", place.line, ":", place.column, ": ", what...);
 }
 
-/// One line of a file, split at '#'. Knows where it stands.
+/// One line of a file, split at '#'. It knows its place in the file.
 class TimelineLine {
  public:
   TimelineLine(std::string_view line, Index number, std::string_view name) : line_(line), number_(number), name_(name) {
@@ -28190,7 +28789,7 @@ class TimelineLine {
     return *t;
   }
 
-  /// The parts that the fields from `first` on name.
+  /// The parts that are named by the fields from `first` on.
   BodyParts parts(std::size_t first, const BodyPartition& body) const {
     BodyParts parts;
     for (std::size_t i = first; i < fields_.size(); ++i) {
@@ -28213,398 +28812,6 @@ class TimelineLine {
 MOTIONLANG_NAMESPACE_END
 #endif
 
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::vector<MttText> parse_mtt_texts(std::string_view file, std::string_view name) {
-  std::vector<MttText> out;
-  detail::for_each_line(file, [&](std::string_view content, Index number) {
-    if (detail::trim(content).empty()) return;
-    const detail::TimelineLine line(content, number, name);
-    if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # body part'");
-    out.push_back({line.text(), line.parts(1, {})});
-  });
-  if (out.empty()) raise<timeline_error>(507, name, ": no line");
-  return out;
-}
-
-namespace detail {
-
-class MttGenerator {
- public:
-  MttGenerator(std::span<const MttText> texts, const MttOptions& options)
-      : texts_(texts), options_(options), random_(options.seed) {
-    for (const MttText& t : texts) {
-      Index weight = 0;
-      for (int p = 0; p < body_part_count; ++p) {
-        if (t.parts.has(static_cast<BodyPart>(p))) weight += options.weights[static_cast<std::size_t>(p)];
-      }
-      weights_.push_back(weight);
-    }
-  }
-
-  /// One timeline, or nothing where no text is left for the second track.
-  std::optional<TimelineInSeconds> draw() {
-    const auto pair = random_.sample_counts(weights_, 2);
-    const MttText &one = at(pair[0]), &two = at(pair[1]);
-    const double d1 = duration(random_.gauss(options_.mean, options_.std));
-    const double d2 = duration(random_.gauss(options_.mean, options_.std));
-    struct Window {
-      double length, offset;
-      BodyParts taken;
-    };
-    const Window left{d1, 0, one.parts}, right{d2, d1, two.parts},
-        both{std::min(d1 + d2, options_.cap), 0, united(one.parts, two.parts)};
-    const std::array<const Window*, 4> places{&left, &right, d1 > d2 ? &left : &right, &both};
-    constexpr std::array<Index, 4> often{2, 2, 2, 1};
-    const Window& window = *places[static_cast<std::size_t>(random_.sample_counts(often, 1)[0])];
-
-    const double drawn = python_round(options_.mean + options_.std * random_.gauss(0, 1), 2);
-    std::vector<Index> candidates;
-    for (Index k = 0; k < std::ssize(texts_) && drawn <= window.length; ++k) {
-      if ((at(k).parts.bits & window.taken.bits) == 0 && k != pair[0] && k != pair[1]) candidates.push_back(k);
-    }
-    if (candidates.empty()) return std::nullopt;
-    const MttText& third = at(candidates[static_cast<std::size_t>(random_.choice(std::ssize(candidates)))]);
-    const double d3 = std::min(drawn, options_.cap);
-    const double start = python_round(window.offset + random_.uniform(0, window.length - d3), 2);
-    TimelineInSeconds out{{{one.text, 0, d1, one.parts},
-                           {two.text, d1, d1 + d2, two.parts},
-                           {third.text, start, start + d3, third.parts}}};
-    for (auto& i : out.intervals) i.start = hundredths(i.start), i.end = hundredths(i.end);
-    return out;
-  }
-
- private:
-  const MttText& at(Index k) const { return texts_[static_cast<std::size_t>(k)]; }
-  double duration(double drawn) const { return std::min(python_round(drawn, 2), options_.cap); }
-  /// As times are written, which may cost a hundredth.
-  static double hundredths(double seconds) { return std::trunc(seconds * 100) / 100; }
-
-  std::span<const MttText> texts_;
-  const MttOptions& options_;
-  PythonRandom random_;
-  std::vector<Index> weights_;
-};
-
-}  // namespace detail
-
-MOTIONLANG_BODY std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> texts,
-                                                             const MttOptions& options) {
-  detail::MttGenerator generator(texts, options);
-  std::vector<TimelineInSeconds> out;
-  for (int misses = 0; std::ssize(out) < options.count;) {
-    if (auto timeline = generator.draw()) {
-      out.push_back(std::move(*timeline));
-      misses = 0;
-    } else if (++misses > 100'000) {  // the published loop would not end
-      raise<config_error>(102, "mtt_timelines: of ", counted(texts.size(), "text"), " none fits beside two others");
-    }
-  }
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_HPP  // <motionlang/compose/sinc_composition.hpp>
-#define MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_HPP
-/// One motion out of two: each gives the body parts that its action needs.
-///
-///     compose_motions(walk, parts_of_walk, wave, parts_of_wave)   // walks, the right arm waves
-///
-/// Source  thesis B.2.1, steps 1 to 5; SINC (Athanasiou et al., ICCV 2023) sinc/tools/frank.py combine_motions
-/// Rule    1. The motion with fewer parts is the second one (a tie: as given) and overrides.
-///         2. Legs and pelvis stay together: with the second if it has any of them, else with the first.
-///         3. What the second does not have comes from the first. The path over the ground is of the one with the legs.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Where the longer motion is cut: at its end, as in training, or at both ends, as published compositions of generated
-/// motions are.
-enum class SincTrim { end, both_ends };
-
-namespace detail {
-
-/// The parts that motion b, which has fewer, gives, and the frames at which both begin.
-struct SincComposition {
-  SincParts of_b;
-  bool path_of_b;
-  std::size_t frames, from_a, from_b;
-
-  SincComposition(SincParts parts_b, std::size_t frames_a, std::size_t frames_b, SincTrim trim);
-};
-
-}  // namespace detail
-
-/// a, b     22 joints each
-/// result   as many frames as the shorter one has; paths are not moved onto one another
-/// Throws   shape_error 205 if rotations are not 22 for each frame
-template <Scalar S>
-SmplVelpMotion<S> compose_motions(const SmplVelpMotion<S>& a, SincParts parts_a, const SmplVelpMotion<S>& b,
-                                  SincParts parts_b, SincTrim trim = SincTrim::end) {
-  if (parts_a.count() < parts_b.count()) return compose_motions(b, parts_b, a, parts_a, trim);
-  constexpr std::size_t joints = sinc_part_of_joint.size();
-  for (const auto* m : {&a, &b}) {
-    if (m->rotations.size() == joints * m->trans.size()) continue;
-    raise<shape_error>(205, "compose_motions: ", m->rotations.size(), " rotations for ", m->trans.size(), " frames");
-  }
-  const detail::SincComposition c(parts_b, a.trans.size(), b.trans.size(), trim);
-  SmplVelpMotion<S> out;
-  for (std::size_t f = 0; f < c.frames; ++f) {
-    for (std::size_t j = 0; j < joints; ++j) {
-      out.rotations.push_back(has(c.of_b, sinc_part_of_joint[j]) ? b.rotations[(c.from_b + f) * joints + j]
-                                                                 : a.rotations[(c.from_a + f) * joints + j]);
-    }
-    out.trans.push_back(c.path_of_b ? b.trans[c.from_b + f] : a.trans[c.from_a + f]);
-  }
-  return out;
-}
-
-/// The same of clips on one skeleton, SMPL's 24 joints; a hand goes with its arm.
-/// Throws config_error 102 for other skeletons or frame rates that differ.
-Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& b, SincParts parts_b,
-                       SincTrim trim = SincTrim::end);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_IPP  // <motionlang/compose/sinc_composition.ipp>
-#define MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_IPP
-// Bodies of sinc_composition.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-MOTIONLANG_BODY SincComposition::SincComposition(SincParts parts_b, std::size_t frames_a, std::size_t frames_b,
-                                                 SincTrim trim) {
-  const SincParts lower = sinc_parts(SincPart::global, SincPart::left_leg, SincPart::right_leg);
-  path_of_b = (parts_b & lower).any();
-  of_b = path_of_b ? parts_b | lower : parts_b & ~lower;
-  frames = std::min(frames_a, frames_b);
-  const bool both_ends = trim == SincTrim::both_ends;
-  from_a = both_ends ? (frames_a - frames) / 2 : 0;
-  from_b = both_ends ? (frames_b - frames) / 2 : 0;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& b, SincParts parts_b,
-                                       SincTrim trim) {
-  if (parts_a.count() < parts_b.count()) return compose_motions(b, parts_b, a, parts_a, trim);
-  detail::require_same_kind("compose_motions", a, b);
-  if (a.skeleton.names != smpl24_skeleton().names)
-    raise<config_error>(102, "compose_motions: '", a.name, "' is not on SMPL's 24 joints");
-  const detail::SincComposition c(parts_b, a.root.size(), b.root.size(), trim);
-  Motion out{a.skeleton, a.fps, {}, {}, concat_text(a.name, " + ", b.name)};
-  for (std::size_t f = 0; f < c.frames; ++f) {
-    const std::size_t in_a = c.from_a + f, in_b = c.from_b + f, joints = a.skeleton.names.size();
-    for (std::size_t j = 0; j < joints; ++j) {
-      const std::size_t wrist = j - 2;  // of a hand
-      const SincPart part = sinc_part_of_joint[j < sinc_part_of_joint.size() ? j : wrist];
-      out.local.push_back(has(c.of_b, part) ? b.local[in_b * joints + j] : a.local[in_a * joints + j]);
-    }
-    out.root.push_back(c.path_of_b ? b.root[in_b] : a.root[in_a]);
-  }
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_COMPOSE_TEACH_JOIN_HPP  // <motionlang/compose/teach_join.hpp>
-#define MOTIONLANG_HAS_COMPOSE_TEACH_JOIN_HPP
-/// Joins generated parts as TEACH does: the next part is turned and moved onto the last frame of the one before it, and
-/// the frames between them are interpolated.
-///
-/// Source    thesis A.2.3 and A.3.4; TEACH (Athanasiou et al., 3DV 2022) teach/tools/interpolation.py
-/// Notation  last frame of what is there -> e, first frame of the next part -> b
-/// World     Z up. The turn is the difference of the z of two rotation vectors, which is that of the headings only for
-///           bodies that do not lean. This is as published.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Pose and place of one frame.
-template <Scalar S>
-struct PoseInWorld {
-  std::span<const Matrix3<S>> rotations;  // (joints); joint 0 in the world
-  Vec3<S> trans;
-};
-
-/// How the next part joins: turned to the heading of the end and moved, or moved only.
-enum class Alignment { full, translation };
-
-/// Moves the part so that its first frame stands where e stands. Heights stay.
-/// rotations  (frames, joints) of the part, turned in place
-/// trans      (frames), moved in place
-/// Throws     shape_error 205 if the sizes do not fit
-template <Scalar S>
-void align_to(const PoseInWorld<S>& e, std::span<Matrix3<S>> rotations, std::span<Vec3<S>> trans,
-              Alignment alignment = Alignment::full) {
-  const std::size_t joints = e.rotations.size();
-  if (joints == 0 || rotations.size() != trans.size() * joints) {
-    raise<shape_error>(205, "align_to: ", counted(rotations.size(), "rotation"), " for ",
-                       counted(trans.size(), "frame"), " of ", counted(joints, "joint"));
-  }
-  if (trans.empty()) return;
-  auto turn = Matrix3<S>::identity();
-  if (alignment == Alignment::full) {
-    const S angle = pytorch3d::matrix_to_axis_angle(rotations[0]).z - pytorch3d::matrix_to_axis_angle(e.rotations[0]).z;
-    turn = axis_rotation(2, -angle);
-  }
-  const Vec3<S> first = trans[0];
-  for (std::size_t f = 0; f < trans.size(); ++f) {
-    rotations[f * joints] = turn * rotations[f * joints];
-    const Vec3<S> path = turn * (trans[f] - first);
-    trans[f] = {e.trans.x + path.x, e.trans.y + path.y, trans[f].z};
-  }
-}
-
-namespace detail {
-
-/// sin((1-t) o)/sin o a + sin(t o)/sin o b for the shorter way round; straight for a . b > 0.99.
-template <Scalar S>
-Quaternion<S> teach_slerp(const Quaternion<S>& p, const Quaternion<S>& q, S t) {
-  const Quaternion<S> a = normalized(p), other = normalized(q);
-  const S d = dot(a, other), cosine = std::abs(d);
-  const Quaternion<S> b = (d < S(0) ? S(-1) : S(1)) * other;
-  S wa = S(1) - t, wb = t;
-  if (!(S(1) - cosine < S(0.01))) {
-    const S o = std::acos(cosine);
-    wa = std::sin(wa * o) / std::sin(o), wb = std::sin(wb * o) / std::sin(o);
-  }
-  return normalized(wa * a + wb * b);
-}
-
-}  // namespace detail
-
-/// `frames` frames between two, at k / (frames + 1): rotations along the shorter arc, places in a straight line.
-/// Throws shape_error 205 if the poses differ in their joints.
-template <Scalar S>
-SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b, Index frames) {
-  if (e.rotations.size() != b.rotations.size()) {
-    raise<shape_error>(205, "slerp_window: ", e.rotations.size(), " and ", b.rotations.size(), " joints");
-  }
-  SmplVelpMotion<S> out;
-  for (Index k = 1; k <= frames; ++k) {
-    const S t = static_cast<S>(k) / static_cast<S>(frames + 1);
-    for (std::size_t j = 0; j < e.rotations.size(); ++j) {
-      out.rotations.push_back(to_matrix(detail::teach_slerp(pytorch3d::matrix_to_quaternion(e.rotations[j]),
-                                                            pytorch3d::matrix_to_quaternion(b.rotations[j]), t)));
-    }
-    out.trans.push_back((S(1) - t) * e.trans + t * b.trans);
-  }
-  return out;
-}
-
-/// Aligns each part to the end of the one before it. The first `window` frames of all parts except the first are
-/// interpolated.
-/// lengths  frames of the parts, which together are those of the motion
-/// Throws   shape_error 205 if the motion has another number of frames, or a part has no frame behind its window;
-///          config_error 101 for a negative window
-template <Scalar S>
-void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index window = 0,
-                Alignment alignment = Alignment::full) {
-  if (window < 0) raise<config_error>(101, "join_parts: a window of ", window, " frames");
-  const auto frames = std::ssize(motion.trans);
-  const auto joints = frames == 0 ? 0 : motion.rotations.size() / motion.trans.size();
-  const auto rotations = std::span(motion.rotations);
-  const auto trans = std::span(motion.trans);
-  const auto pose = [&](std::size_t f) {
-    return PoseInWorld<S>{std::span<const Matrix3<S>>(rotations.subspan(f * joints, joints)), trans[f]};
-  };
-  Index end = 0;
-  for (std::size_t part = 0; part < lengths.size(); ++part) {
-    const Index start = end, gap = part == 0 ? 0 : window;
-    end += lengths[part];
-    if (lengths[part] <= gap || end > frames)
-      raise<shape_error>(205, "join_parts: part ", part, " of ", lengths[part], " frames, window ", window,
-                         ", motion of ", frames, " frames");
-    if (part == 0) continue;
-    const auto last = static_cast<std::size_t>(start - 1), next = static_cast<std::size_t>(start + gap),
-               count = static_cast<std::size_t>(end - start - gap);
-    align_to(pose(last), rotations.subspan(next * joints, count * joints), trans.subspan(next, count), alignment);
-    const auto between = slerp_window(pose(last), pose(next), gap);
-    std::copy(between.rotations.begin(), between.rotations.end(), rotations.subspan((last + 1) * joints).begin());
-    std::copy(between.trans.begin(), between.trans.end(), trans.subspan(last + 1).begin());
-  }
-  if (end != frames) raise<shape_error>(205, "join_parts: parts of ", end, " frames, motion of ", frames);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_HPP  // <motionlang/compose/text_sinc_parts.hpp>
-#define MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_HPP
-/// The parts of SINC that somebody wrote down, or that a text is about.
-///
-///     parse_sinc_parts("left arm, right arm");            // both arms
-///     text_sinc_parts("a person waves", nullptr);         // guessed: arms
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The parts that a list with commas names; none if it is something else.
-std::optional<SincParts> parse_sinc_parts(std::string_view list);
-
-/// STMC's parts as SINC's: the legs are both, with the pelvis, which carries them; spine and head are the torso.
-SincParts as_sinc_parts(const BodyParts& parts);
-
-/// The parts that a list names; of another text those of the table, or without one guessed (guess_body_parts). "": all.
-/// Throws config_error 103 for a text that is not in the table.
-SincParts text_sinc_parts(const std::string& text, const BodyPartTable* table);
-
-/// "left arm, right arm"
-std::string list_sinc_parts(const SincParts& parts);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_IPP  // <motionlang/compose/text_sinc_parts.ipp>
-#define MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_IPP
-// Bodies of text_sinc_parts.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::optional<SincParts> parse_sinc_parts(std::string_view list) {
-  SincParts parts;
-  while (!list.empty()) {
-    const std::size_t comma = std::min(list.find(','), list.size());
-    const auto part = parse_sinc_part(detail::trim(list.substr(0, comma)));
-    if (!part) return std::nullopt;
-    parts.set(static_cast<std::size_t>(*part));
-    list.remove_prefix(std::min(comma + 1, list.size()));
-  }
-  return parts;
-}
-
-MOTIONLANG_BODY SincParts as_sinc_parts(const BodyParts& parts) {
-  using enum SincPart;
-  SincParts out;
-  if (parts.has(BodyPart::left_arm)) out |= sinc_parts(left_arm);
-  if (parts.has(BodyPart::right_arm)) out |= sinc_parts(right_arm);
-  if (parts.has(BodyPart::legs)) out |= sinc_parts(global, left_leg, right_leg);
-  if (parts.has(BodyPart::spine) || parts.has(BodyPart::head)) out |= sinc_parts(torso);
-  return out;
-}
-
-MOTIONLANG_BODY SincParts text_sinc_parts(const std::string& text, const BodyPartTable* table) {
-  if (text.empty()) return ~SincParts{};
-  if (const auto listed = parse_sinc_parts(text)) return *listed;
-  return table != nullptr ? table->parts(text) : as_sinc_parts(guess_body_parts(text));
-}
-
-MOTIONLANG_BODY std::string list_sinc_parts(const SincParts& parts) {
-  std::vector<std::string_view> names;
-  for (std::size_t p = 0; p < sinc_part_count; ++p) {
-    if (parts[p]) names.push_back(sinc_part_names[p]);
-  }
-  return join_text(names);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
 #ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP  // <motionlang/compose/timeline_text.hpp>
 #define MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP
 /// The text form of timelines.
@@ -28613,25 +28820,26 @@ MOTIONLANG_NAMESPACE_END
 ///     timeline  := line { line }
 ///     file      := timelines separated by blank lines
 ///
-/// Source   STMC (Petrovich et al. 2024), src/stmc.py read_timelines and src/text.py; there is no comment syntax and a
-///          text cannot contain '#'
-/// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
-///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
-///          intervals do not concern the text: see PlanOptions.
-/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is
-///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
+/// Source   STMC (Petrovich et al. 2024), src/stmc.py read_timelines and src/text.py. There are no comments, and a text
+///          cannot contain '#'
+/// Differs  Lines of spaces count as blank, any line end is accepted (LF, CRLF, CR), and a byte order mark is skipped.
+///          An interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
+///          intervals do not matter here: see PlanOptions.
+/// Throws   timeline_error 501-504, 507, 509. Messages begin "name:line:column: "; columns count characters. Faults of
+///          a whole timeline are found when it is planned. Their messages name line and column of an interval
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct TimelineTextOptions {
   double fps = 20;  // frame = trunc(fps * seconds)
-  /// Take intervals without a frame and texts without parts as they are. Else texts without parts move the whole body.
+  /// Accept intervals without a frame and texts without parts as they are. Otherwise texts without parts move the whole
+  /// body.
   bool as_published = false;
   std::string_view name = "timeline";  // of the file, for messages
   BodyPartition body{};                // whose parts the texts move
 };
 
-/// A text with a length, for motions of one text each: it moves the whole body.
+/// A text with a duration, for a motion of its own. It moves the whole body.
 struct TimedText {
   std::string text;
   Index frames = 0;
@@ -28643,24 +28851,24 @@ std::vector<Timeline> parse_timelines(std::string_view text, const TimelineTextO
 /// All timelines of a file, in seconds; options.fps has no effect.
 std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
                                                           const TimelineTextOptions& options = {});
-/// The only timeline of a text. Throws timeline_error 509 if there are several.
+/// The timeline of a text that has only one. Throws timeline_error 509 if there are several.
 ///
 ///     auto timeline = parse_timeline("walking in a circle # 0.0 # 6.0 # legs\n"
 ///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
 Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {});
 
-/// True if a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
-/// three fields, or a body part where timelines have their second time. The published programs ask for one line of
-/// fewer than three fields only (`as_published`), and then blame the others.
+/// True if a file is a list of single texts ("text # duration") rather than of timelines. Then every line has fewer
+/// than three fields, or a body part instead of the second time. The published programs (`as_published`) only need one
+/// line of fewer than three fields, and then refuse the others.
 bool is_text_list(std::string_view text, const TimelineTextOptions& options = {});
 
-/// Lines "text # duration"; blank lines are skipped. Body parts may follow, as in timelines, and have no effect: a
-/// single text moves the whole body. `as_published` takes any further field. Throws timeline_error 501 ... 504, 507.
+/// Lines "text # duration"; blank lines are skipped. Body parts may follow, as in timelines, but have no effect: a
+/// single text moves the whole body. `as_published` accepts any further field. Throws timeline_error 501 ... 504, 507.
 std::vector<TimedText> parse_text_list(std::string_view text, const TimelineTextOptions& options = {});
 
 /// The text form: fields joined by " # ", body parts in alphabetical order, an empty line after each timeline. Reading
-/// it gives the same timelines back (texts trimmed, begin at 0). Throws timeline_error 510 if a text contains '#' or a
-/// line end.
+/// it gives the same timelines (texts trimmed, start at 0). Throws timeline_error 510 if a text contains '#' or a line
+/// end.
 std::string write_timelines(std::span<const TimelineInSeconds> timelines);
 std::string write_timeline(const TimelineInSeconds& timeline);
 
@@ -28803,24 +29011,435 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<MttText> parse_mtt_texts(std::string_view file, std::string_view name) {
+  std::vector<MttText> out;
+  detail::for_each_line(file, [&](std::string_view content, Index number) {
+    if (detail::trim(content).empty()) return;
+    const detail::TimelineLine line(content, number, name);
+    if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # body part'");
+    out.push_back({line.text(), line.parts(1, {})});
+  });
+  if (out.empty()) raise<timeline_error>(507, name, ": no line");
+  return out;
+}
+
+namespace detail {
+
+class MttGenerator {
+ public:
+  MttGenerator(std::span<const MttText> texts, const MttOptions& options)
+      : texts_(texts), options_(options), random_(options.seed) {
+    for (const MttText& t : texts) {
+      Index weight = 0;
+      for (int p = 0; p < body_part_count; ++p) {
+        if (t.parts.has(static_cast<BodyPart>(p))) weight += options.weights[static_cast<std::size_t>(p)];
+      }
+      weights_.push_back(weight);
+    }
+  }
+
+  /// One timeline, or nothing if no text is left for the second track.
+  std::optional<TimelineInSeconds> draw() {
+    const auto pair = random_.sample_counts(weights_, 2);
+    const MttText &one = at(pair[0]), &two = at(pair[1]);
+    const double d1 = duration(random_.gauss(options_.mean, options_.std));
+    const double d2 = duration(random_.gauss(options_.mean, options_.std));
+    struct Window {
+      double length, offset;
+      BodyParts taken;
+    };
+    const Window left{d1, 0, one.parts}, right{d2, d1, two.parts},
+        both{std::min(d1 + d2, options_.cap), 0, united(one.parts, two.parts)};
+    const std::array<const Window*, 4> places{&left, &right, d1 > d2 ? &left : &right, &both};
+    constexpr std::array<Index, 4> often{2, 2, 2, 1};
+    const Window& window = *places[static_cast<std::size_t>(random_.sample_counts(often, 1)[0])];
+
+    const double drawn = python_round(options_.mean + options_.std * random_.gauss(0, 1), 2);
+    std::vector<Index> candidates;
+    for (Index k = 0; k < std::ssize(texts_) && drawn <= window.length; ++k) {
+      if ((at(k).parts.bits & window.taken.bits) == 0 && k != pair[0] && k != pair[1]) candidates.push_back(k);
+    }
+    if (candidates.empty()) return std::nullopt;
+    const MttText& third = at(candidates[static_cast<std::size_t>(random_.choice(std::ssize(candidates)))]);
+    const double d3 = std::min(drawn, options_.cap);
+    const double start = python_round(window.offset + random_.uniform(0, window.length - d3), 2);
+    TimelineInSeconds out{{{one.text, 0, d1, one.parts},
+                           {two.text, d1, d1 + d2, two.parts},
+                           {third.text, start, start + d3, third.parts}}};
+    for (auto& i : out.intervals) i.start = hundredths(i.start), i.end = hundredths(i.end);
+    return out;
+  }
+
+ private:
+  const MttText& at(Index k) const { return texts_[static_cast<std::size_t>(k)]; }
+  double duration(double drawn) const { return std::min(python_round(drawn, 2), options_.cap); }
+  /// Seconds as written, which may lose a hundredth.
+  static double hundredths(double seconds) { return std::trunc(seconds * 100) / 100; }
+
+  std::span<const MttText> texts_;
+  const MttOptions& options_;
+  PythonRandom random_;
+  std::vector<Index> weights_;
+};
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> texts,
+                                                             const MttOptions& options) {
+  detail::MttGenerator generator(texts, options);
+  std::vector<TimelineInSeconds> out;
+  for (int misses = 0; std::ssize(out) < options.count;) {
+    if (auto timeline = generator.draw()) {
+      out.push_back(std::move(*timeline));
+      misses = 0;
+    } else if (++misses > 100'000) {  // the published loop would not end
+      raise<config_error>(102, "mtt_timelines: of ", counted(texts.size(), "text"), " none fits beside two others");
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY MttFiles mtt_files(std::span<const TimelineInSeconds> timelines) {
+  std::vector<TimelineInSeconds> single, one;
+  for (const TimelineInSeconds& t : timelines) {
+    single.push_back(single_track(t));
+    one.push_back(one_text(t));
+  }
+  return {write_timelines(timelines), write_timelines(single), write_timelines(one)};
+}
+
+MOTIONLANG_BODY std::vector<Index> mtt_labels(std::span<const MttText> texts, const TimelineInSeconds& timeline) {
+  std::vector<Index> out;
+  for (const IntervalInSeconds& i : timeline.intervals) {
+    const auto found = std::find_if(texts.begin(), texts.end(), [&](const MttText& t) { return t.text == i.text; });
+    if (found == texts.end())
+      raise<config_error>(102, "mtt_labels: '", i.text, "' is not among the ", counted(texts.size(), "text"));
+    out.push_back(found - texts.begin());
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_HPP  // <motionlang/compose/sinc_composition.hpp>
+#define MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_HPP
+/// One motion out of two: each gives the body parts that its action needs.
+///
+///     compose_motions(walk, parts_of_walk, wave, parts_of_wave)   // walks, the right arm waves
+///
+/// Source  thesis B.2.1, steps 1 to 5; SINC (Athanasiou et al., ICCV 2023) sinc/tools/frank.py combine_motions
+/// Rule    1. The motion with fewer parts is the second one (a tie: as given) and overrides.
+///         2. Legs and pelvis stay together: they come from the second if it has any of them, else from the first.
+///         3. All other parts come from the first. The path over the ground comes from the motion with the legs.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The place where the longer motion is cut: at its end, as in training, or at both ends, as in published compositions
+/// of generated motions.
+enum class SincTrim { end, both_ends };
+
+namespace detail {
+
+/// The parts that motion b gives, which has fewer, and the frames at which both begin.
+struct SincComposition {
+  SincParts of_b;
+  bool path_of_b;
+  std::size_t frames, from_a, from_b;
+
+  SincComposition(SincParts parts_b, std::size_t frames_a, std::size_t frames_b, SincTrim trim);
+};
+
+}  // namespace detail
+
+/// a, b     22 joints each
+/// result   as many frames as the shorter one has; paths are not moved onto one another
+/// Throws   shape_error 205 if rotations are not 22 for each frame
+template <Scalar S>
+SmplVelpMotion<S> compose_motions(const SmplVelpMotion<S>& a, SincParts parts_a, const SmplVelpMotion<S>& b,
+                                  SincParts parts_b, SincTrim trim = SincTrim::end) {
+  if (parts_a.count() < parts_b.count()) return compose_motions(b, parts_b, a, parts_a, trim);
+  constexpr std::size_t joints = sinc_part_of_joint.size();
+  for (const auto* m : {&a, &b}) {
+    if (m->rotations.size() == joints * m->trans.size()) continue;
+    raise<shape_error>(205, "compose_motions: ", m->rotations.size(), " rotations for ", m->trans.size(), " frames");
+  }
+  const detail::SincComposition c(parts_b, a.trans.size(), b.trans.size(), trim);
+  SmplVelpMotion<S> out;
+  for (std::size_t f = 0; f < c.frames; ++f) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      out.rotations.push_back(has(c.of_b, sinc_part_of_joint[j]) ? b.rotations[(c.from_b + f) * joints + j]
+                                                                 : a.rotations[(c.from_a + f) * joints + j]);
+    }
+    out.trans.push_back(c.path_of_b ? b.trans[c.from_b + f] : a.trans[c.from_a + f]);
+  }
+  return out;
+}
+
+/// The same for clips on one skeleton, SMPL's 24 joints. A hand goes with its arm. Throws config_error 102 for other
+/// skeletons or different frame rates.
+Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& b, SincParts parts_b,
+                       SincTrim trim = SincTrim::end);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_IPP  // <motionlang/compose/sinc_composition.ipp>
+#define MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_IPP
+// Bodies of sinc_composition.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY SincComposition::SincComposition(SincParts parts_b, std::size_t frames_a, std::size_t frames_b,
+                                                 SincTrim trim) {
+  const SincParts lower = sinc_parts(SincPart::global, SincPart::left_leg, SincPart::right_leg);
+  path_of_b = (parts_b & lower).any();
+  of_b = path_of_b ? parts_b | lower : parts_b & ~lower;
+  frames = std::min(frames_a, frames_b);
+  const bool both_ends = trim == SincTrim::both_ends;
+  from_a = both_ends ? (frames_a - frames) / 2 : 0;
+  from_b = both_ends ? (frames_b - frames) / 2 : 0;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& b, SincParts parts_b,
+                                       SincTrim trim) {
+  if (parts_a.count() < parts_b.count()) return compose_motions(b, parts_b, a, parts_a, trim);
+  detail::require_same_kind("compose_motions", a, b);
+  if (a.skeleton.names != smpl24_skeleton().names)
+    raise<config_error>(102, "compose_motions: '", a.name, "' is not on SMPL's 24 joints");
+  const detail::SincComposition c(parts_b, a.root.size(), b.root.size(), trim);
+  Motion out{a.skeleton, a.fps, {}, {}, concat_text(a.name, " + ", b.name)};
+  for (std::size_t f = 0; f < c.frames; ++f) {
+    const std::size_t in_a = c.from_a + f, in_b = c.from_b + f, joints = a.skeleton.names.size();
+    for (std::size_t j = 0; j < joints; ++j) {
+      const std::size_t wrist = j - 2;  // of a hand
+      const SincPart part = sinc_part_of_joint[j < sinc_part_of_joint.size() ? j : wrist];
+      out.local.push_back(has(c.of_b, part) ? b.local[in_b * joints + j] : a.local[in_a * joints + j]);
+    }
+    out.root.push_back(c.path_of_b ? b.root[in_b] : a.root[in_a]);
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_TEACH_JOIN_HPP  // <motionlang/compose/teach_join.hpp>
+#define MOTIONLANG_HAS_COMPOSE_TEACH_JOIN_HPP
+/// Joins generated parts as TEACH does. The next part is turned and moved onto the last frame of the part before it,
+/// and the frames between them are interpolated.
+///
+/// Source    thesis A.2.3 and A.3.4; TEACH (Athanasiou et al., 3DV 2022) teach/tools/interpolation.py
+/// Notation  last frame of the motion so far -> e, first frame of the next part -> b
+/// World     Z up. As published, the turn is the difference of the z of two rotation vectors. It equals that of the
+///           headings only if the bodies do not lean.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Pose and place of one frame.
+template <Scalar S>
+struct PoseInWorld {
+  std::span<const Matrix3<S>> rotations;  // (joints); joint 0 in the world
+  Vec3<S> trans;
+};
+
+/// The way in which the next part joins: turned to the heading of the end and moved, or only moved.
+enum class Alignment { full, translation };
+
+/// Moves the part so that its first frame is where e is. Heights stay.
+/// rotations  (frames, joints) of the part, turned in place
+/// trans      (frames), moved in place
+/// Throws     shape_error 205 if the sizes do not fit
+template <Scalar S>
+void align_to(const PoseInWorld<S>& e, std::span<Matrix3<S>> rotations, std::span<Vec3<S>> trans,
+              Alignment alignment = Alignment::full) {
+  const std::size_t joints = e.rotations.size();
+  if (joints == 0 || rotations.size() != trans.size() * joints) {
+    raise<shape_error>(205, "align_to: ", counted(rotations.size(), "rotation"), " for ",
+                       counted(trans.size(), "frame"), " of ", counted(joints, "joint"));
+  }
+  if (trans.empty()) return;
+  auto turn = Matrix3<S>::identity();
+  if (alignment == Alignment::full) {
+    const S angle = pytorch3d::matrix_to_axis_angle(rotations[0]).z - pytorch3d::matrix_to_axis_angle(e.rotations[0]).z;
+    turn = axis_rotation(2, -angle);
+  }
+  const Vec3<S> first = trans[0];
+  for (std::size_t f = 0; f < trans.size(); ++f) {
+    rotations[f * joints] = turn * rotations[f * joints];
+    const Vec3<S> path = turn * (trans[f] - first);
+    trans[f] = {e.trans.x + path.x, e.trans.y + path.y, trans[f].z};
+  }
+}
+
+namespace detail {
+
+/// sin((1-t) o)/sin o a + sin(t o)/sin o b along the shorter arc; linear for a . b > 0.99.
+template <Scalar S>
+Quaternion<S> teach_slerp(const Quaternion<S>& p, const Quaternion<S>& q, S t) {
+  const Quaternion<S> a = normalized(p), other = normalized(q);
+  const S d = dot(a, other), cosine = std::abs(d);
+  const Quaternion<S> b = (d < S(0) ? S(-1) : S(1)) * other;
+  S wa = S(1) - t, wb = t;
+  if (!(S(1) - cosine < S(0.01))) {
+    const S o = std::acos(cosine);
+    wa = std::sin(wa * o) / std::sin(o), wb = std::sin(wb * o) / std::sin(o);
+  }
+  return normalized(wa * a + wb * b);
+}
+
+}  // namespace detail
+
+/// `frames` frames between two poses, at k / (frames + 1). Rotations follow the shorter arc, and places a straight
+/// line. Throws shape_error 205 if the poses differ in their joints.
+template <Scalar S>
+SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b, Index frames) {
+  if (e.rotations.size() != b.rotations.size()) {
+    raise<shape_error>(205, "slerp_window: ", e.rotations.size(), " and ", b.rotations.size(), " joints");
+  }
+  SmplVelpMotion<S> out;
+  for (Index k = 1; k <= frames; ++k) {
+    const S t = static_cast<S>(k) / static_cast<S>(frames + 1);
+    for (std::size_t j = 0; j < e.rotations.size(); ++j) {
+      out.rotations.push_back(to_matrix(detail::teach_slerp(pytorch3d::matrix_to_quaternion(e.rotations[j]),
+                                                            pytorch3d::matrix_to_quaternion(b.rotations[j]), t)));
+    }
+    out.trans.push_back((S(1) - t) * e.trans + t * b.trans);
+  }
+  return out;
+}
+
+/// Aligns each part to the end of the one before it, and interpolates the first `window` frames of all parts except the
+/// first.
+/// lengths  frames of the parts, which together are those of the motion
+/// Throws   shape_error 205 if the motion has another number of frames, or a part has no frame behind its window;
+///          config_error 101 for a negative window
+template <Scalar S>
+void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index window = 0,
+                Alignment alignment = Alignment::full) {
+  if (window < 0) raise<config_error>(101, "join_parts: a window of ", window, " frames");
+  const auto frames = std::ssize(motion.trans);
+  const auto joints = frames == 0 ? 0 : motion.rotations.size() / motion.trans.size();
+  const auto rotations = std::span(motion.rotations);
+  const auto trans = std::span(motion.trans);
+  const auto pose = [&](std::size_t f) {
+    return PoseInWorld<S>{std::span<const Matrix3<S>>(rotations.subspan(f * joints, joints)), trans[f]};
+  };
+  Index end = 0;
+  for (std::size_t part = 0; part < lengths.size(); ++part) {
+    const Index start = end, gap = part == 0 ? 0 : window;
+    end += lengths[part];
+    if (lengths[part] <= gap || end > frames)
+      raise<shape_error>(205, "join_parts: part ", part, " of ", lengths[part], " frames, window ", window,
+                         ", motion of ", frames, " frames");
+    if (part == 0) continue;
+    const auto last = static_cast<std::size_t>(start - 1), next = static_cast<std::size_t>(start + gap),
+               count = static_cast<std::size_t>(end - start - gap);
+    align_to(pose(last), rotations.subspan(next * joints, count * joints), trans.subspan(next, count), alignment);
+    const auto between = slerp_window(pose(last), pose(next), gap);
+    std::copy(between.rotations.begin(), between.rotations.end(), rotations.subspan((last + 1) * joints).begin());
+    std::copy(between.trans.begin(), between.trans.end(), trans.subspan(last + 1).begin());
+  }
+  if (end != frames) raise<shape_error>(205, "join_parts: parts of ", end, " frames, motion of ", frames);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_HPP  // <motionlang/compose/text_sinc_parts.hpp>
+#define MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_HPP
+/// The parts of SINC in a list or a text.
+///
+///     parse_sinc_parts("left arm, right arm");            // both arms
+///     text_sinc_parts("a person waves", nullptr);         // guessed: arms
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The parts of a list with commas. None if the text is not such a list.
+std::optional<SincParts> parse_sinc_parts(std::string_view list);
+
+/// STMC's parts as SINC's. The legs become both legs and the pelvis that carries them; spine and head become the torso.
+SincParts as_sinc_parts(const BodyParts& parts);
+
+/// The parts of a list. For another text, those of the table, or without a table a guess (guess_body_parts). "": all.
+/// Throws config_error 103 for a text that is not in the table.
+SincParts text_sinc_parts(const std::string& text, const BodyPartTable* table);
+
+/// "left arm, right arm"
+std::string list_sinc_parts(const SincParts& parts);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_IPP  // <motionlang/compose/text_sinc_parts.ipp>
+#define MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_IPP
+// Bodies of text_sinc_parts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::optional<SincParts> parse_sinc_parts(std::string_view list) {
+  SincParts parts;
+  while (!list.empty()) {
+    const std::size_t comma = std::min(list.find(','), list.size());
+    const auto part = parse_sinc_part(detail::trim(list.substr(0, comma)));
+    if (!part) return std::nullopt;
+    parts.set(static_cast<std::size_t>(*part));
+    list.remove_prefix(std::min(comma + 1, list.size()));
+  }
+  return parts;
+}
+
+MOTIONLANG_BODY SincParts as_sinc_parts(const BodyParts& parts) {
+  using enum SincPart;
+  SincParts out;
+  if (parts.has(BodyPart::left_arm)) out |= sinc_parts(left_arm);
+  if (parts.has(BodyPart::right_arm)) out |= sinc_parts(right_arm);
+  if (parts.has(BodyPart::legs)) out |= sinc_parts(global, left_leg, right_leg);
+  if (parts.has(BodyPart::spine) || parts.has(BodyPart::head)) out |= sinc_parts(torso);
+  return out;
+}
+
+MOTIONLANG_BODY SincParts text_sinc_parts(const std::string& text, const BodyPartTable* table) {
+  if (text.empty()) return ~SincParts{};
+  if (const auto listed = parse_sinc_parts(text)) return *listed;
+  return table != nullptr ? table->parts(text) : as_sinc_parts(guess_body_parts(text));
+}
+
+MOTIONLANG_BODY std::string list_sinc_parts(const SincParts& parts) {
+  std::vector<std::string_view> names;
+  for (std::size_t p = 0; p < sinc_part_count; ++p) {
+    if (parts[p]) names.push_back(sinc_part_names[p]);
+  }
+  return join_text(names);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_METRICS_ACCURACY_HPP  // <motionlang/metrics/accuracy.hpp>
 #define MOTIONLANG_HAS_METRICS_ACCURACY_HPP
-/// How often a classifier names the action of a motion, as ACTOR reports it, and a labeller its body parts, as SINC
-/// does.
+/// The accuracy of a classifier of actions, as in ACTOR, and of a labeller of body parts, as in SINC.
 ///
 /// Source  thesis 3.3.1; ACTOR src/evaluate/action2motion/accuracy.py; SINC: thesis B.2.1, table B.1
 
 #ifndef MOTIONLANG_HAS_METRICS_ROWS_HPP  // <motionlang/metrics/rows.hpp>
 #define MOTIONLANG_HAS_METRICS_ROWS_HPP
-/// Vectors of one width, row after row: the latents, embeddings and activations that metrics compare. And how far apart
-/// two of them are, in double whatever the numbers are.
+/// Vectors of one width in rows: the latents, embeddings and activations that metrics compare. Also their distances,
+/// computed in double for any scalar.
 ///
 ///     const Rows texts(text_latents.span(), 256), motions(motion_latents.span(), 256);
 ///     const std::vector<double> similarity = cosine_similarities(texts, motions);      // (texts, motions)
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A view of (rows, width) numbers.
+/// A view of (rows, width) values.
 template <Scalar S>
 class Rows {
  public:
@@ -28851,7 +29470,7 @@ class Rows {
   Index width_;
 };
 
-/// Rows at the given positions, in this order. Throws shape_error 203 for one that is not there.
+/// Rows at the given positions, in this order. Throws shape_error 203 for a position that does not exist.
 template <Scalar S>
 std::vector<S> rows_at(const Rows<S>& rows, std::span<const Index> positions) {
   std::vector<S> out;
@@ -28871,7 +29490,7 @@ void require_same_width(const char* function, const Rows<S>& x, const Rows<T>& y
   if (x.width() != y.width())
     raise<shape_error>(204, function, ": rows of ", x.width(), " numbers against rows of ", y.width());
 }
-/// Throws shape_error 204 unless there are as many.
+/// Throws shape_error 204 unless both counts are equal.
 inline void require_same_count(const char* function, Index x, Index y) {
   if (x != y) raise<shape_error>(204, function, ": ", x, " against ", y);
 }
@@ -28882,7 +29501,7 @@ void require_square(const char* function, const Rows<S>& table) {
     raise<shape_error>(205, function, ": a table of ", table.size(), " rows and ", table.width(), " columns");
 }
 
-/// Sums run from the first number to the last, so that equal rows give equal results bit by bit.
+/// Sums run from the first value to the last, so equal rows give equal results bit by bit.
 template <Scalar S, Scalar T>
 double dot_product(std::span<const S> x, std::span<const T> y) {
   double sum = 0;
@@ -28898,7 +29517,7 @@ double euclidean_distance(std::span<const S> x, std::span<const T> y) {
   }
   return std::sqrt(sum);
 }
-/// Calls on_product(i, j, x_i . y_j) for all pairs. The sums are those of `dot_product`, sixteen of them side by side.
+/// Calls on_product(i, j, x_i . y_j) for all pairs. The sums are those of `dot_product`, sixteen side by side.
 template <Scalar S, Scalar T, class F>
 void each_dot_product(const Rows<S>& x, const Rows<T>& y, F on_product) {
   constexpr Index block = 16;
@@ -28933,8 +29552,8 @@ std::vector<double> lengths_of_rows(const Rows<S>& rows, double least) {
 
 }  // namespace detail
 
-/// |x_i - y_j|, (x, y). The evaluator of Guo et al. expands the square, which loses digits where rows are close.
-/// Throws shape_error 204.
+/// |x_i - y_j|, (x, y). The evaluator of Guo et al. expands the square, which loses digits for close rows. Throws
+/// shape_error 204.
 template <Scalar S, Scalar T>
 std::vector<double> distances(const Rows<S>& x, const Rows<T>& y) {
   detail::require_same_width("distances", x, y);
@@ -28977,7 +29596,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Counts (classes, classes): rows are labels, columns predictions, the largest logit (of equals the first).
+/// Counts (classes, classes). Rows are labels, columns are predictions: the largest logit, the first among equals.
 /// logits  (samples, classes)
 /// Throws  shape_error 204, 203 for a label that is not a class
 template <Scalar S>
@@ -28995,8 +29614,8 @@ std::vector<Index> confusion_matrix(const Rows<S>& logits, std::span<const Index
   return out;
 }
 
-/// Share of the samples on the diagonal, 0 to 1. Throws shape_error 205 unless it is a square, numeric_error 302 of no
-/// samples.
+/// Share of the samples on the diagonal, 0 to 1. Throws shape_error 205 unless it is a square, and numeric_error 302
+/// without samples.
 inline double accuracy(std::span<const Index> confusion) {
   const auto classes = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(confusion.size()))));
   if (classes * classes != std::ssize(confusion))
@@ -29010,11 +29629,11 @@ inline double accuracy(std::span<const Index> confusion) {
   return static_cast<double>(right) / static_cast<double>(all);
 }
 
-/// For labels with several yes-or-no answers (body parts of actions): for each answer the share of the items that
-/// have it right, 0 to 1. SINC's figure is the mean of them.
+/// For labels with several yes-or-no answers (body parts of actions): for each answer, the share of the items that have
+/// it right, 0 to 1. SINC's figure is their mean.
 /// predicted  (items, answers), 0 or 1
-/// wanted     (items, answers), 0, 1, or 0.5 where either is right, which does not count
-/// Throws     shape_error 204; numeric_error 302 if an answer does not count in any item, or for another number
+/// wanted     (items, answers): 0, 1, or 0.5 if both are right, which does not count
+/// Throws     shape_error 204; numeric_error 302 if an answer does not count in any item, or for another value
 template <Scalar S, Scalar T>
 std::vector<double> answer_accuracies(const Rows<S>& predicted, const Rows<T>& wanted) {
   detail::require_same_width("answer_accuracies", predicted, wanted);
@@ -29040,15 +29659,15 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_APE_AVE_HPP  // <motionlang/metrics/ape_ave.hpp>
 #define MOTIONLANG_HAS_METRICS_APE_AVE_HPP
-/// Average position error and average variance error of generated motions against recorded ones, and the jump where two
-/// actions meet.
+/// Average position error and average variance error of generated motions against recorded ones, and the jump between
+/// two actions.
 ///
 ///     ApeAveMetric<double> metric(temos_rifke(), 0.001);                      // joints in mm, errors in m
 ///     for (const auto& [generated, recorded] : pairs) metric.add(generated, recorded);  // joints, (frames, J) each
 ///     const ApeAve errors = metric.result();                             // errors.ape.root, errors.ave.mean_joints()
 ///
-/// Both motions are brought to the start: root at the origin, heading 0, on the floor. With x = root (3 coordinates),
-/// trajectory (2), each joint seen from the body ("local", "pose") and each joint in the world:
+/// Both motions are moved to the start: root at the origin, heading 0, on the floor. x is the root (3 coordinates), the
+/// trajectory (2), each joint seen from the body ("local", "pose") or each joint in the world:
 ///     APE_x = sum_clips sum_t |x_t - x*_t| / sum_clips L
 ///     AVE_x = mean_clips |v - v*|,   v = sum_t (x_t - mean x)^2 / (L - 1) of each coordinate
 /// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 4.1 and appendix C: APE is TEMOS eq. 4, AVE is
@@ -29056,25 +29675,24 @@ MOTIONLANG_NAMESPACE_END
 ///         temos/model/metrics/compute*.py, TEACH teach/model/metrics/compute.py and compute_td.py, SINC
 ///         sinc/model/metrics/compute_sinc.py
 /// Units   those of the joints times `unit`; AVE in their square
-/// Differs from the paper: APE is an average over frames of the whole set, not over clips; the variance has no square
-///         root. As published, the body's heading is that of knees and elbows in TEMOS and TEACH (temos_rifke) and is
-///         swapped in SINC (sinc_rifke), and the floor is that of the whole clip, which is cut to the common length
-///         after
+/// Differs from the paper: APE is an average over the frames of the whole set, not over clips, and the variance has no
+/// square root. As published, the body's heading is that of knees and elbows in TEMOS and TEACH (temos_rifke), and is
+/// swapped in SINC (sinc_rifke). The floor is that of the whole clip, which is cut to the common length afterwards
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A motion brought to the start. Frames one after the other.
+/// A motion moved to the start. Frames follow each other.
 template <Scalar S>
 struct CanonicalMotion {
   std::vector<Vec3<S>> joints;               // (frames, J)
-  std::vector<Vec3<S>> local;                // (frames, J - 1): joints 1 ... seen from the body, heights as they are
+  std::vector<Vec3<S>> local;                // (frames, J - 1): joints 1 ... seen from the body, heights unchanged
   std::vector<Vec3<S>> root;                 // (frames)
   std::vector<std::array<S, 2>> trajectory;  // (frames): the root over the ground
 
   Index frames() const { return std::ssize(root); }
 };
 
-/// joints  (frames, J), as the variant has them
+/// joints  (frames, J) of the variant
 /// unit    all results are multiplied by it: 0.001 for millimetres
 /// Throws  shape_error 205, 203
 template <Scalar S>
@@ -29124,7 +29742,7 @@ inline std::array<double, 3> coordinates(const auto& p) {
   }
 }
 
-/// Point j of every frame out of `per_frame`: the sum of distances over time, and the distance of the variances.
+/// Point j of every frame of `per_frame` points: the sum of distances over time, and the distance of the variances.
 struct PointErrors {
   double distance = 0, variance = 0;
 };
@@ -29148,13 +29766,13 @@ PointErrors point_errors(const std::vector<Point>& a, const std::vector<Point>& 
       difference[i] += (x[i] - mean_a[i]) * (x[i] - mean_a[i]) - (y[i] - mean_b[i]) * (y[i] - mean_b[i]);
     }
   }
-  // TEMOS eq. 5: the length of the difference of two variances, each TEMOS eq. 6
+  // TEMOS eq. 5: the length of the difference of two variances, each by TEMOS eq. 6.
   for (const double d : difference) out.variance += d * d;
   out.variance = std::sqrt(out.variance) / static_cast<double>(frames - 1);
   return out;
 }
 
-/// The errors of one pair: sums over time, and variances. Cut to `frames`.
+/// The errors of one pair: sums over time, and variances, of the first `frames` frames.
 template <Scalar S>
 ApeAve clip_errors(const CanonicalMotion<S>& a, const CanonicalMotion<S>& b, Index frames) {
   const auto n = static_cast<std::size_t>(frames);
@@ -29193,7 +29811,8 @@ inline PositionErrors divided(PositionErrors x, double by) {
 
 }  // namespace detail
 
-/// The mean of several results: "avg" of several samples, one result for each. Throws numeric_error 302 of none.
+/// The mean of several results, such as "avg" over samples with one result each. Throws numeric_error 302 without
+/// results.
 inline ApeAve mean_errors(std::span<const ApeAve> results) {
   if (results.empty()) raise<numeric_error>(302, "mean_errors: no results");
   ApeAve sums;
@@ -29210,19 +29829,19 @@ class ApeAveMetric {
 
   explicit ApeAveMetric(RifkeVariant variant, S unit = S(1)) : variant_(std::move(variant)), unit_(unit) {}
 
-  /// A pair of joints, (frames, J) each; compared as far as both go.
-  /// Throws shape_error 205, 203; numeric_error 302 unless two frames are compared
+  /// Adds a pair of joints, (frames, J) each, which are compared up to the shorter length. Throws shape_error 205, 203;
+  /// numeric_error 302 unless two frames are compared
   void add(Joints generated, Joints reference) { add(canonical(generated), canonical(reference)); }
-  /// The same of motions that were padded at the end: the padding takes part in the floor, as in TEMOS' validation.
-  /// Throws also shape_error 203 if there are fewer than `frames`.
+  /// The same for motions that were padded at the end. The padding counts for the floor, as in TEMOS' validation. Also
+  /// throws shape_error 203 if there are fewer than `frames`.
   void add_padded(Joints generated, Joints reference, Index frames) {
     const auto a = canonical(generated), b = canonical(reference);
     if (frames > std::min(a.frames(), b.frames()))
       raise<shape_error>(203, "ApeAveMetric: ", frames, " of ", a.frames(), " and ", b.frames(), " frames");
     collect(errors_of(a, b, frames), frames);
   }
-  /// The sample with the smallest (largest) sum of root errors. As published, all its sums are divided
-  /// by the frames of the first sample. Throws also numeric_error 302 of no samples.
+  /// Adds the sample with the smallest (largest) sum of root errors. As published, all its sums are divided by the
+  /// frames of the first sample. Also throws numeric_error 302 without samples.
   void add_best(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, false); }
   void add_worst(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, true); }
 
@@ -29274,7 +29893,7 @@ class ApeAveMetric {
   Index frames_ = 0, clips_ = 0;
 };
 
-/// The jump at a frame: the mean over joints of |X[frame] - X[frame - 1]|. TEACH takes the first frame of the second
+/// The jump at a frame: the mean over joints of |X[frame] - X[frame - 1]|. TEACH uses the first frame of the second
 /// action of pairs, generated without interpolation, and averages over pairs.
 /// joints  (frames, J)
 /// Throws  shape_error 205, 203 unless 1 <= frame < frames
@@ -29297,8 +29916,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_BERT_SCORE_HPP  // <motionlang/metrics/bert_score.hpp>
 #define MOTIONLANG_HAS_METRICS_BERT_SCORE_HPP
-/// BERTScore of descriptions from token embeddings. The language model stays outside: TM2T takes layer 17 of
-/// roberta-large, sentences stripped and with a leading blank.
+/// BERTScore of descriptions from token embeddings. The caller supplies the language model: TM2T uses layer 17 of
+/// roberta-large, on sentences that are stripped and get a leading blank.
 ///
 ///     BertWeights weights;
 ///     for (const auto& ids : ids_of_references) weights.add(ids);        // every reference of the test set
@@ -29307,15 +29926,15 @@ MOTIONLANG_NAMESPACE_END
 /// With unit embeddings x_i of the candidate and y_j of a reference and weights w of their tokens:
 ///     P = sum_i w_i max_j x_i . y_j / sum_i w_i,   R = sum_j w_j max_i x_i . y_j / sum_j w_j,   F = 2 P R / (P + R)
 ///     w = log((N + 1) / (c + 1)),   c = references with this token, of N
-///     of several references the largest P, R and F, each for itself; then (x - b) / (1 - b) with a baseline b
+///    With several references: the largest P, R and F, each on its own; then (x - b) / (1 - b) with a baseline b
 /// Source  Zhang et al., "BERTScore: evaluating text generation with BERT" (ICLR 2020), sections 3 and 4; the package
 ///         bert-score, bert_score/utils.py greedy_cos_idf
-/// The package counts pairs with padding as similarity 0, which shows only where all similarities of a token are
-/// negative: beside padding (BertPadding) their largest is 0.
+/// The package counts pairs with padding as similarity 0. This only matters if all similarities of a token are
+/// negative: with padding (BertPadding) the largest is then 0.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Weights of tokens. Those of every sentence, as its start and end, have 0.
+/// Weights of tokens. Tokens in every sentence, such as its start and end, have weight 0.
 class BertWeights {
  public:
   void add(std::span<const Index> reference) {
@@ -29340,7 +29959,7 @@ struct BertSentence {
   Rows<S> embeddings;
 };
 
-/// Tokens that the sentences of a batch are padded to; 0: none is.
+/// The number of tokens to which the sentences of a batch are padded; 0: no padding.
 struct BertPadding {
   Index candidate = 0, reference = 0;
 };
@@ -29351,9 +29970,9 @@ struct BertScore {
 /// roberta-large, layer 17, English.
 inline constexpr BertScore tm2t_bert_baseline{0.83150584, 0.8314941, 0.83122575};
 
-/// Against one reference, without baseline. All are 0 if a sentence has nothing but its start and end, two tokens; a
-/// side whose tokens have no weight is 0.
-/// Throws shape_error 204 unless every token has its row and all rows the same width
+/// The score against one reference, without a baseline. All values are 0 if a sentence has only its start and end, two
+/// tokens. A side whose tokens have no weight is 0. Throws shape_error 204 unless every token has its row and all rows
+/// have the same width
 template <Scalar S>
 BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& reference, const BertWeights& weights,
                      const BertPadding& padding = {}) {
@@ -29382,7 +30001,7 @@ BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& re
   return out;
 }
 
-/// The score for several references. Throws shape_error 204, numeric_error 302 of none
+/// The score for several references. Throws shape_error 204, and numeric_error 302 without references
 template <Scalar S>
 BertScore bert_score(const BertSentence<S>& candidate, std::span<const BertSentence<S>> references,
                      const BertWeights& weights, const BertScore& baseline = {}, const BertPadding& padding = {}) {
@@ -29408,9 +30027,9 @@ MOTIONLANG_NAMESPACE_END
 ///     const std::vector<CaptionPair> all{{"a man walk forward", three_references({"a man walk", "someone walk"})}};
 ///     use(bleu(corpus_counts(all))[3], rouge_l(all), cider(all));               // published tables: times 100
 ///
-/// A candidate is the words of the model, joined by blanks; references are the lemmas of the annotation, three for each
-/// motion. Nothing is lower-cased and no punctuation is taken away.
-/// Source  nlg-eval (pycocoevalcap), as TM2T (Guo et al., ECCV 2022, section 4.2 and appendix B) calls it
+/// A candidate is the words of the model, joined by blanks. References are the lemmas of the annotation, three for each
+/// motion. Nothing is lower-cased, and punctuation stays.
+/// Source  nlg-eval (pycocoevalcap), as called by TM2T (Guo et al., ECCV 2022, section 4.2 and appendix B)
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -29421,13 +30040,14 @@ struct CaptionPair {
 
 /// The words before the tags, joined by blanks.
 std::string lemmas(std::span<const TaggedWord> words);
-/// The first three; of two, the first again; of one, three times. Throws numeric_error 302 of none.
+/// The first three. Of two, the first is repeated; one is taken three times. Throws numeric_error 302 without
+/// references.
 std::vector<std::string> three_references(std::vector<std::string> references);
 
 // ---- BLEU
 // -------------------------------------------------------------------------------------------------------------
 
-/// The counts of BLEU; the counts of several sentences add up. Entry k - 1 is of runs of k words.
+/// The counts of BLEU. The counts of several sentences can be added. Entry k - 1 counts runs of k words.
 struct BleuCounts {
   std::array<Index, 4> correct{}, guess{};
   Index length = 0, reference_length = 0;
@@ -29437,7 +30057,7 @@ struct BleuCounts {
 
 ///     correct_k = sum_g min(count of g in the candidate, largest count of g in a reference),   g: runs of k words
 ///     guess_k   = max(0, length - k + 1)
-/// The reference length is the one closest to the candidate's; of two as close, the shorter.
+/// The reference length is the one closest to the candidate's; of two equally close ones, the shorter.
 /// Source  Papineni et al., "BLEU: a method for automatic evaluation of machine translation" (ACL 2002)
 /// Throws  numeric_error 302 without a reference
 BleuCounts bleu_counts(const CaptionPair& pair);
@@ -29454,8 +30074,8 @@ std::array<double, 4> bleu(const BleuCounts& counts);
 /// With l = the longest common subsequence of the candidate c and a reference r:
 ///     P = max_r l / |c|,   R = max_r l / |r|,   score = (1 + beta^2) P R / (R + beta^2 P); 0 if P or R is
 /// Source  Lin, "ROUGE: a package for automatic evaluation of summaries" (2004)
-/// Differs from the paper: P and R may come from different references, and words are what stands between single blanks:
-///         two blanks in a row have an empty word between them, as published. Throws numeric_error 302
+/// Differs from the paper: P and R may come from different references. As published, words are separated by single
+/// blanks, so two blanks in a row have an empty word between them. Throws numeric_error 302
 double rouge_l(const CaptionPair& pair, double beta = 1.2);
 /// The mean over a corpus. Throws numeric_error 302.
 double rouge_l(std::span<const CaptionPair> pairs, double beta = 1.2);
@@ -29463,13 +30083,13 @@ double rouge_l(std::span<const CaptionPair> pairs, double beta = 1.2);
 // ---- CIDEr
 // ------------------------------------------------------------------------------------------------------------
 
-/// The score of each sentence. The references of all motions say which words are common.
+/// The score of each sentence. The references of all motions determine which words are common.
 ///     v_n[g] = count of g * (log N - log max(1, df(g))),   df(g) = motions with g in a reference, N = motions
 ///     s_n    = sum_g min(c[g], r[g]) r[g] / (|c_n| |r_n|) * exp(-(b_c - b_r)^2 / (2 sigma^2)),   b = number of bigrams
 ///     score  = 10 mean_n mean_r s_n
 /// Source  Vedantam et al., "CIDEr: consensus-based image description evaluation" (CVPR 2015): the form of section 5.3,
 ///         CIDEr-D, with clipped counts and a penalty for other lengths
-/// Differs from the paper: the lengths are those in bigrams, as published. Of a single motion all scores are 0.
+/// Differs from the paper: the lengths are those in bigrams, as published. For a single motion all scores are 0.
 /// Throws  numeric_error 302
 std::vector<double> cider_of_each(std::span<const CaptionPair> pairs, double sigma = 6);
 /// The mean over a corpus. Throws numeric_error 302.
@@ -29522,7 +30142,7 @@ inline std::vector<std::string> blank_pieces(std::string_view text) {
 
 using NGrams = std::map<std::string, Index>;
 
-/// How often each run of n words is there.
+/// The number of times that each run of n words occurs.
 inline NGrams n_grams(std::span<const std::string> words, std::size_t n) {
   NGrams out;
   for (std::size_t first = 0; first + n <= words.size(); ++first) {
@@ -29599,7 +30219,7 @@ MOTIONLANG_BODY double rouge_l(const CaptionPair& pair, double beta) {
   double precision = 0, recall = 0;
   for (const std::string& reference : pair.references) {
     const auto other = detail::blank_pieces(detail::trim(reference));
-    std::vector<Index> longest(other.size() + 1, 0);  // with the candidate up to this word
+    std::vector<Index> longest(other.size() + 1, 0);  // for the candidate up to this word
     for (const std::string& word : words) {
       Index diagonal = 0;
       for (std::size_t j = 0; j < other.size(); ++j) {
@@ -29700,8 +30320,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_DIVERSITY_HPP  // <motionlang/metrics/diversity.hpp>
 #define MOTIONLANG_HAS_METRICS_DIVERSITY_HPP
-/// How much generated motions differ from each other: diversity (all of them) and multimodality (those of one action or
-/// text).
+/// The differences among generated motions: diversity (all motions) and multimodality (those of one action or text).
 ///
 ///     NumpyRandom rng(seed);
 ///     const double actor_diversity = mean_pair_distance(features, random_pairs(features.size(), 200, rng));
@@ -29709,7 +30328,8 @@ MOTIONLANG_NAMESPACE_END
 ///     const double guo_diversity = mean_pair_distance(embeddings, disjoint_draws(embeddings.size(), 300, rng));
 ///     const double guo_modes = multimodality(embeddings, 30, disjoint_draws(30, 10, rng));
 ///
-/// Each is the mean of |x_a - x_b| over pairs, in the unit of the features; the systems differ in how they draw them.
+/// Each is the mean of |x_a - x_b| over pairs, in the unit of the features. The systems differ in how they choose
+/// pairs.
 /// Source  Guo et al., "Action2Motion" (ACM MM 2020) and CVPR 2022; thesis 3.3.1; TM2T (ECCV 2022), appendix C;
 ///         references: ACTOR src/evaluate/action2motion/diversity.py, text-to-motion utils/metrics.py
 
@@ -29720,20 +30340,21 @@ struct IndexPairs {
   std::vector<Index> first, second;
 };
 
-/// ACTOR's diversity: `count` pairs out of n, both uniform and possibly equal; all first ones are drawn before the
-/// second. Throws config_error 101 if there is nothing to draw from.
+/// ACTOR's diversity: `count` pairs out of n. Both are uniform and may be equal. All first members are drawn before the
+/// second ones. Throws config_error 101 if there is nothing to draw from.
 IndexPairs random_pairs(Index n, Index count, NumpyRandom& rng);
 
-/// Guo's: twice `count` different ones of n; the two draws may meet. Throws config_error 101 unless count < n.
+/// Guo's diversity: two draws of `count` different ones out of n; the draws may overlap. Throws config_error 101 unless
+/// count < n.
 IndexPairs disjoint_draws(Index n, Index count, NumpyRandom& rng);
 
-/// ACTOR's multimodality: `quota` pairs of each class. A first one is drawn from all and left if its class has its
-/// pairs; then second ones until the class is the same, which may be the first one itself.
-/// Throws config_error 101, shape_error 203 for a label that is not a class; numeric_error 302 if a class is absent,
-/// for which the published loop would not end
+/// ACTOR's multimodality: `quota` pairs of each class. A first member is drawn from all samples, and skipped if its
+/// class has enough pairs. Second members are drawn until the class is the same; this may be the first one itself.
+/// Throws config_error 101, shape_error 203 for a label that is not a class, and numeric_error 302 if a class is
+/// absent, for which the published loop would not end
 IndexPairs pairs_within_classes(std::span<const Index> labels, Index classes, Index quota, NumpyRandom& rng);
 
-/// Mean of |x_first - x_second|. Throws shape_error 204, 203; numeric_error 302 of no pairs
+/// Mean of |x_first - x_second|. Throws shape_error 204, 203; numeric_error 302 without pairs
 template <Scalar S>
 double mean_pair_distance(const Rows<S>& rows, const IndexPairs& pairs) {
   detail::require_same_count("mean_pair_distance: pairs", std::ssize(pairs.first), std::ssize(pairs.second));
@@ -29745,9 +30366,9 @@ double mean_pair_distance(const Rows<S>& rows, const IndexPairs& pairs) {
   return sum / static_cast<double>(pairs.first.size());
 }
 
-/// Guo's multimodality: the mean over texts, of which each has `repeats` rows, with the same pairs for every text.
+/// Guo's multimodality: the mean over texts, each with `repeats` rows, with the same pairs for every text.
 /// rows    (texts repeats, d)
-/// Throws  shape_error 204, 203, 205 unless all texts have their rows; numeric_error 302 of none
+/// Throws  shape_error 204, 203, 205 unless all texts have their rows; numeric_error 302 without texts
 template <Scalar S>
 double multimodality(const Rows<S>& rows, Index repeats, const IndexPairs& pairs) {
   if (repeats < 1 || rows.size() % repeats != 0)
@@ -29814,7 +30435,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_FRECHET_HPP  // <motionlang/metrics/frechet.hpp>
 #define MOTIONLANG_HAS_METRICS_FRECHET_HPP
-/// Fréchet distance of two sets of vectors, each taken for a normal distribution: the FID of ACTOR, Guo et al. and
+/// Fréchet distance of two sets of vectors, each modelled as a normal distribution: the FID of ACTOR, Guo et al. and
 /// STMC.
 ///
 ///     FID = |m1 - m2|^2 + tr C1 + tr C2 - 2 tr (C1 C2)^(1/2)
@@ -29823,9 +30444,9 @@ MOTIONLANG_NAMESPACE_END
 ///         ACTOR src/evaluate/action2motion/fid.py, text-to-motion utils/metrics.py, STMC mtt/metrics.py;
 ///         thesis 3.3.1 and 6.3.2; TM2T (ECCV 2022), appendix C
 /// Units   none: that of the features, squared
-/// Differs from the code: it takes a general matrix square root, whose imaginary part it drops, and adds 1e-6 to the
-///         diagonals if that fails. The symmetric form needs no such repair, also with fewer samples than features;
-///         both agree to about 1e-6 (1e-3 in STMC, whose reference has rank 59 of 256)
+/// Differs from the code, which takes a general matrix square root, drops its imaginary part, and adds 1e-6 to the
+/// diagonals if that fails. The symmetric form needs no such repair, even with fewer samples than features. Both agree
+/// to about 1e-6 (1e-3 in STMC, whose reference has rank 59 of 256)
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -29835,7 +30456,7 @@ struct GaussianStatistics {
   Index width() const { return std::ssize(mean); }
 };
 
-/// Throws numeric_error 302 of fewer than two rows.
+/// Throws numeric_error 302 for fewer than two rows.
 template <Scalar S>
 GaussianStatistics gaussian_statistics(const Rows<S>& rows) {
   if (rows.size() < 2) raise<numeric_error>(302, "gaussian_statistics: a covariance of ", rows.size(), " rows");
@@ -29859,7 +30480,7 @@ GaussianStatistics gaussian_statistics(const Rows<S>& rows) {
   return out;
 }
 
-/// Rows divided by their length, as STMC's FID+ has them; a row of zeros stays.
+/// Rows divided by their length, for STMC's FID+. A row of zeros stays.
 template <Scalar S>
 std::vector<double> unit_rows(const Rows<S>& rows) {
   const auto lengths = detail::lengths_of_rows(rows, 1e-12);
@@ -29886,7 +30507,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_DETAIL_SYMMETRIC_HPP  // <motionlang/metrics/detail/symmetric.hpp>
 #define MOTIONLANG_HAS_METRICS_DETAIL_SYMMETRIC_HPP
-/// Two decompositions of symmetric matrices, row by row in double: what the Fréchet distance needs and no more.
+/// Two decompositions of symmetric matrices, row by row in double, for the Fréchet distance.
 ///
 /// Source  Golub and Van Loan, "Matrix Computations", 4.2.8 (Cholesky with pivots), 8.3.1 (tridiagonal form), 8.3.3
 ///         (implicit QL steps, with Wilkinson's shift)
@@ -29899,7 +30520,7 @@ namespace detail {
 /// out.
 std::vector<double> semidefinite_factor(std::vector<double> a, std::size_t n);
 
-/// Eigenvalues of a symmetric matrix (n, n) in no order. Throws numeric_error 301 if a value is not finite.
+/// Eigenvalues of a symmetric matrix (n, n) in any order. Throws numeric_error 301 if a value is not finite.
 std::vector<double> symmetric_eigenvalues(const std::vector<double>& a, std::size_t n);
 
 }  // namespace detail
@@ -29937,7 +30558,7 @@ MOTIONLANG_BODY std::vector<double> semidefinite_factor(std::vector<double> a, s
   return factor;
 }
 
-/// A tridiagonal matrix with the eigenvalues of A: its diagonal, and what stands beside it.
+/// A tridiagonal matrix with the eigenvalues of A: its diagonal and the secondary diagonal.
 struct Tridiagonal {
   std::vector<double> diagonal, beside;
 };
@@ -29982,7 +30603,7 @@ MOTIONLANG_BODY std::vector<double> symmetric_eigenvalues(const std::vector<doub
   double size = 0;
   for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::abs(d[i]) + std::abs(e[i]));
   for (std::size_t first = 0; first < n;) {
-    std::size_t last = first;  // of the block that does not fall apart
+    std::size_t last = first;  // of the block that does not split
     while (last + 1 < n && std::abs(e[last]) > eps * (std::abs(d[last]) + std::abs(d[last + 1])) + eps * eps * size)
       ++last;
     if (last == first) {
@@ -30063,20 +30684,19 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_GRU_CLASSIFIER_HPP  // <motionlang/metrics/gru_classifier.hpp>
 #define MOTIONLANG_HAS_METRICS_GRU_CLASSIFIER_HPP
-/// Action2Motion's classifier of joint positions: a recurrent network. Its accuracy and its features judge generated
+/// Action2Motion's classifier of joint positions, a recurrent network. Its accuracy and its features judge generated
 /// motions.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The output of a classifier of motions for each sequence: values for statistics of motions, and a score for each
-/// class.
+/// The output of a classifier for each sequence: features for statistics of motions, and a score for each class.
 template <Backend B>
 struct Recognition {
   Tensor<B, 2> features, logits;
 };
 
 struct GruClassifierConfig {
-  Index input_size = 72;  // three numbers of 24 joints; 54 for NTU-13
+  Index input_size = 72;  // three values of 24 joints; 54 for NTU-13
   Index hidden_size = 128;
   Index num_layers = 2;
   Index num_classes = 12;
@@ -30105,8 +30725,8 @@ struct GruClassifier {
         linear2(feature_count, c.num_classes, rng) {}
 
   /// x: frames of joint positions, joint by joint. The official code draws h0 (layers, sequences, hidden) from N(0, 1)
-  /// at every call, in use too; here the caller draws it (`initial_state`), and without one the network starts from
-  /// zeros.
+  /// at every call, also after training. Here the caller supplies it (`initial_state`). Without it the network starts
+  /// from zeros.
   Recognition<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
     const auto h = last_row(recurrent(x, h0));
     const auto features = linear1(h, Activation::tanh);
@@ -30122,8 +30742,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_GUO_EVALUATOR_HPP  // <motionlang/metrics/guo_evaluator.hpp>
 #define MOTIONLANG_HAS_METRICS_GUO_EVALUATOR_HPP
-/// The networks of Guo et al. that judge generated motions: a text and a motion that belong together lie close to each
-/// other.
+/// The networks of Guo et al. that judge generated motions. They put a text and its motion close to each other.
 ///
 ///     const auto text = evaluator.embed_texts(words.encode<B>(texts).tokens);       // text/glove.hpp
 ///     const auto motion = evaluator.embed_motions(normalized);                      // (motions, 512), in their order
@@ -30131,12 +30750,12 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), section 5.2;
 ///         text-to-motion networks/modules.py, networks/evaluator_wrapper.py; TM2T (ECCV 2022), appendix C
-/// Differs from the wrapper in that rows keep the order of the caller; the wrapper's come out longest motion first.
+/// Differs from the wrapper: rows keep the order of the caller, while the wrapper returns the longest motion first.
 
 #ifndef MOTIONLANG_HAS_METRICS_GUO_MOVEMENT_HPP  // <motionlang/metrics/guo_movement.hpp>
 #define MOTIONLANG_HAS_METRICS_GUO_MOVEMENT_HPP
-/// Four frames become one movement: the convolutions before Guo's motion encoder, and the autoencoder in which they are
-/// trained.
+/// The convolutions before Guo's motion encoder, which turn four frames into one movement, and the autoencoder that
+/// trains them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -30171,7 +30790,7 @@ struct MovementEncoder {
     main.conv(hidden, latent, 4, halving, rng).dropout(dropout).leaky_relu();
   }
 
-  /// Normalised features without contacts.
+  /// The input is normalised features without contacts.
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
     const ModuleScope scope(*this);
     return out_net(main(x, context));
@@ -30200,7 +30819,7 @@ struct MovementDecoder {
   }
 };
 
-/// Both, under the names of their checkpoint.
+/// Both, with the names of their checkpoint.
 template <Backend B>
 struct MovementAutoencoder {
   MovementEncoder<B> movement_enc;
@@ -30211,7 +30830,7 @@ struct MovementAutoencoder {
     return motionlang::fields("movement_enc", &M::movement_enc, "movement_dec", &M::movement_dec);
   }
   MovementAutoencoder() = default;
-  /// features: with the contacts, which are written but not read.
+  /// features: including the contacts, which are written but not read.
   MovementAutoencoder(Index features, Index hidden, Index latent, Rng auto& rng, double dropout = 0.2)
       : movement_enc(features - 4, hidden, latent, rng, dropout), movement_dec(latent, hidden, features, rng) {}
 
@@ -30264,7 +30883,7 @@ struct CoEmbedding {
   }
 };
 
-/// Rows of word vectors with parts of speech behind them, as `GloVe::encode` makes them.
+/// Rows of word vectors followed by parts of speech, as `GloVe::encode` makes them.
 template <Backend B>
 struct GuoTextEncoder {
   Linear<B> pos_emb;
@@ -30340,9 +30959,10 @@ struct GuoEvaluator {
   Tensor<B, 2> embed_texts(const Sequences<B>& words) const { return text_encoder(words); }
   Tensor<B, 2> embed_motions(const Sequences<B>& motions) const { return motion_encoder(movements(motions)); }
 
-  /// Normalised features to floor(frames / 4) movements each. As published every motion is filled up with zeros before
-  /// the convolutions, which look behind its end: to 196 frames, but two behind the last movement make all the
-  /// difference. No gradient reaches the convolutions: they are trained beforehand. Throws shape_error 203, 204, 205.
+  /// Converts normalised features to floor(frames / 4) movements each. As published, every motion is padded with zeros
+  /// before the convolutions, which read beyond its end. The padding is to 196 frames, but only the two after the last
+  /// movement matter. No gradient reaches the convolutions, because they are trained beforehand. Throws shape_error
+  /// 203, 204, 205.
   Sequences<B> movements(const Sequences<B>& motions, Index longest = 196) const {
     const Index width = motions.width() - 4;
     std::vector<Index> lengths;
@@ -30366,12 +30986,12 @@ MOTIONLANG_NAMESPACE_END
 ///     for (const Finding& f : found.findings) std::puts(f.text.c_str());
 ///     Motion better = mended(motion, found.cure);
 ///
-/// A wrong scale, up axis or frame rate is corrected before the checks that follow it, so that each finding has one
-/// cause. All limits are in SI units and named in InspectionLimits.
+/// A wrong scale, up axis or frame rate is corrected before later checks, so that each finding has one cause. All
+/// limits are in SI units and named in InspectionLimits.
 ///
-/// A usual but wrong frame rate shows only where physics leaves no choice: in jumps and runs, in which the body falls
-/// with 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is not a
-/// finding: a person may walk as slowly.
+/// A common but wrong frame rate shows only where physics allows no other choice: in jumps and runs, in which the body
+/// falls with 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is not a
+/// finding, because a person may walk slowly.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -30415,18 +31035,18 @@ inline const FaultInfo& info(Fault fault) { return fault_info[static_cast<std::s
 struct Finding {
   Fault fault;
   std::string text;   // with figures and units
-  double moment = 0;  // seconds into the clip, of what happens at a time
+  double moment = 0;  // seconds into the clip, for findings at one time
 };
 
-/// The steps of `mended`, in this order. Frames count in the clip that was inspected.
+/// The steps of `mended`, in this order. Frames are those of the inspected clip.
 struct Cure {
-  std::vector<Index> spikes;               // frames that are replaced by the middle of their neighbours
-  Index lead_in = 0;                       // frames that are cut off at the start
+  std::vector<Index> spikes;               // frames to replace by the middle of their neighbours
+  Index lead_in = 0;                       // frames to cut off at the start
   Quaternion<double> upright{1, 0, 0, 0};  // turns the up axis of the clip to +Y
   double scale = 1;
-  double root = 1;  // by which the root's positions are to be multiplied, besides
+  double root = 1;  // additional factor for the root's positions
   double lift = 0;  // metres, after scaling
-  double fps = 0;   // the true frame rate; 0: as it is
+  double fps = 0;   // the true frame rate; 0: unchanged
 };
 
 struct Inspection {
@@ -30439,36 +31059,36 @@ struct Inspection {
 };
 
 struct InspectionLimits {
-  double shortest = 1.0, tallest = 2.3;  // m: a person
-  double doll = 0.3, giant = 5;          // m: between these a figure may be drawn so, unless it has a person's legs,
+  double shortest = 1.0, tallest = 2.3;        // m: a person
+  double doll = 0.3, giant = 5;                // m: a figure between these is accepted unless it has a person's legs
   double least_legs = 0.45, most_legs = 0.72;  // of the height up to the head; recordings have 0.55 to 0.67
-  double upright = 0.8;     // mean direction of trunk and legs along another axis than +Y; 1: exactly
-  double standing = 0.3;    // m that feet may be off 0 along an axis that is taken for the true one
-  double swapped = 0.4;     // mean cosine between the right that names tell and the left that toes and knees tell
-  double wrong_rate = 1.6;  // the stated rate over the one at which bodies fall as they do, or the other way round
-  double least_rise = 0.015, least_flight = 0.06;  // m that the centre of mass rises, in a step and in a jump
-  double parabola = 0.04;                          // of that rise: how far off a parabola in the mean
-  double off_floor = 0.08;                         // m that the lower foot is above where it stands, in a flight
-  double spike = 0.08;                             // m that a joint is off the middle of its neighbours in time
+  double upright = 0.8;     // mean direction of trunk and legs along an axis other than +Y; 1: exactly
+  double standing = 0.3;    // m: distance of the feet from 0 along an axis that is taken for the true one
+  double swapped = 0.4;     // mean cosine between the right by names and the left by toes and knees
+  double wrong_rate = 1.6;  // the stated rate over the rate at which bodies fall correctly, or the inverse
+  double least_rise = 0.015, least_flight = 0.06;  // m: rise of the centre of mass, in a step and in a jump
+  double parabola = 0.04;                          // of that rise: mean distance from a parabola
+  double off_floor = 0.08;                         // m: height of the lower foot above its standing height, in a flight
+  double spike = 0.08;                             // m: distance of a joint from the middle of its neighbours in time
   double jump = 0.15;                              // m between two frames, and
   double jump_speed = 8;                           // m/s: a fast punch or kick
   double jump_seconds = 0.1;                       // a jump may be spread over this many
-  double isolated = 5;    // spikes and jumps: this many times what the joint does in the frames around
-  double violent = 1000;  // m/s2 that no joint takes in any surroundings; recordings have up to 700
+  double isolated = 5;    // spikes and jumps: this many times the movement of the joint in the frames around
+  double violent = 1000;  // m/s2 that no joint reaches; recordings have up to 700
   double slide = 0.2;     // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
-  double low = 0.03;      // m above where a foot joint is when it stands: still on the floor
-  // Part of the length of the legs that the pelvis is above a foot that carries it: not for those who swim or crawl.
+  double low = 0.03;      // m above the standing height of a foot joint: still on the floor
+  // Height of the pelvis above the foot that carries it, as a share of the leg length: less for swimming or crawling.
   double carried = 0.4;
-  double on_the_spot = 0.5;           // m across which the root moves in a clip in place
-  double below = 0.08, above = 0.10;  // m that feet may be below or above y = 0
+  double on_the_spot = 0.5;           // m: range of the root in a clip in place
+  double below = 0.08, above = 0.10;  // m: depth or height of feet below or above y = 0
 };
 
-/// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate,
-/// spikes and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a wrong frame rate,
-/// shape_error 205 if the arrays do not fit.
+/// All findings of a clip. If no table of skeleton_tables.hpp fits, only values, frame rate, spikes and jumps are
+/// checked. Throws config_error 106 for a malformed skeleton, 101 for a wrong frame rate, and shape_error 205 if the
+/// arrays do not fit.
 Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits = {});
 
-/// The clip with what the cure says. Throws shape_error 203 if it names frames that the clip does not have.
+/// Applies the cure to the clip. Throws shape_error 203 if it names frames that the clip does not have.
 Motion mended(const Motion& motion, const Cure& cure);
 
 MOTIONLANG_NAMESPACE_END
@@ -30481,7 +31101,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Units of files by the factor from what was read to metres.
+/// Units of files by the factor from the values in the file to metres.
 struct UnitFactor {
   double factor;
   std::string_view unit;
@@ -30500,15 +31120,15 @@ inline constexpr std::array<UnitFactor, 10> unit_factors{{
     {1000, "metres where millimetres were expected"},
 }};
 
-/// Units of a root by those of its bones, over metres: centimetres, millimetres, inches, feet and so on.
+/// Units of a root relative to those of its bones: centimetres, millimetres, inches, feet and so on.
 inline constexpr std::array<double, 16> root_factors{100,    0.01,       1000,        0.001,      10,    0.1,
                                                      2.54,   1 / 2.54,   25.4,        1 / 25.4,   30.48, 1 / 30.48,
                                                      0.0254, 1 / 0.0254, 2.54 / 0.45, 0.45 / 2.54};
 
 inline double hundredths(double x) { return std::round(x * 100) / 100; }
 
-/// The second derivative of the parabola through values at whole steps, by least squares, and how far they are off it,
-/// as the root of the mean square. At least three.
+/// A parabola through values at whole steps, by least squares: its second derivative, and the root mean square of its
+/// errors. At least three values.
 struct ParabolaFit {
   double bend, off;
 };
@@ -30531,7 +31151,7 @@ inline ParabolaFit fit_parabola(std::span<const double> values) {
   return {2 * c2, std::sqrt(off)};
 }
 
-/// One clip under inspection: its joints in the world, corrected as far as causes are known.
+/// One clip under inspection: its joints in the world, corrected for the causes found so far.
 class MotionInspector {
  public:
   MotionInspector(const Motion& motion, const InspectionLimits& limits) : motion_(motion), limits_(limits) {}
@@ -30572,7 +31192,7 @@ class MotionInspector {
     out_.findings.push_back({fault, concat_text(text...), seconds(frame)});
   }
 
-  /// False if nothing else can be said.
+  /// False if no further check is possible.
   bool check_values() {
     for (Index f = 0; f < frames(); ++f) {
       const Vec& r = motion_.root_at(f);
@@ -30601,7 +31221,7 @@ class MotionInspector {
     if (!usual_rate(motion_.fps)) add(Fault::frame_rate, 0, hundredths(motion_.fps), " frames per second");
   }
 
-  /// The ends of feet without toe joints, which BVH files have as End Site, stand in for them behind the joints.
+  /// The ends of feet without toe joints, which BVH files have as End Site, are added after the joints as toes.
   void place_joints() {
     const auto& ends = motion_.skeleton.ends;
     auto end = [&](int joint) { return ends.empty() ? Vec{} : ends[static_cast<std::size_t>(joint)]; };
@@ -30634,8 +31254,7 @@ class MotionInspector {
   double leg_length() const {
     return 0.5 * (chain(body_->ankle.left, body_->hip.left) + chain(body_->ankle.right, body_->hip.right));
   }
-  /// A person is about 1.2 times as tall as the bones from an ankle to the hip and from the pelvis to the head are
-  /// long.
+  /// A person is about 1.2 times as tall as the bones from an ankle to the hip and from the pelvis to the head.
   void check_scale() {
     const double legs = leg_length();
     const double height = 1.2 * (legs + chain(body_->head, body_->pelvis));
@@ -30662,8 +31281,8 @@ class MotionInspector {
     for (Vec& p : positions_) p = best.factor * p;
   }
 
-  /// Trunk and legs point up in most clips. Of those that lie, swim or crawl all the time, the feet would not be on the
-  /// floor along the other axis, and their rest pose stands.
+  /// Trunk and legs point up in most clips. The check also respects clips in which a person lies, swims or crawls all
+  /// the time: their feet would not be on the floor along the other axis, and their rest pose stands.
   void check_up_axis() {
     const auto seen = std::span<const Vec>(positions_).subspan(static_cast<std::size_t>(first_ * columns_));
     const auto stands = find_up_axis({seen, columns_, *body_, standing_direction(motion_.skeleton, *body_)},
@@ -30675,9 +31294,9 @@ class MotionInspector {
     for (Vec& p : positions_) p = rotate(out_.cure.upright, p);
   }
 
-  /// The bones are a person's by now. A root in another unit holds the feet far off the floor, and they slide; by the
-  /// right factor they come to the floor and stand there. Both must be so: feet that are far off may hang, and those
-  /// that slide tread on the spot.
+  /// The bones now have the size of a person. A root in another unit holds the feet far off the floor, and they slide;
+  /// with the right factor they come to the floor and stand there. Both must be true, because feet far off the floor
+  /// may hang, and feet that slide may tread on the spot.
   void check_root_unit() {
     constexpr std::size_t fewest = 2;  // contacts
     const double off = sole_height({0, 1, 0});
@@ -30702,8 +31321,8 @@ class MotionInspector {
     }
   }
 
-  /// Left is where up x forward points. Toes point forward while a foot stands flat, and knees bend forward; both,
-  /// where there is anything to see of them, must speak against the names.
+  /// Left is in the direction of up x forward. Toes point forward while a foot stands flat, and knees bend forward.
+  /// Both, as far as they are visible, must contradict the names.
   void check_sides() {
     struct Witness {
       double legs = 0, arms = 0, weight = 0;
@@ -30762,8 +31381,8 @@ class MotionInspector {
     std::vector<double> all;
   };
   Arcs arcs() {
-    constexpr std::size_t fewest = 6;  // frames: any few lie on a parabola
-    // Bends are seen over this many frames, against noise.
+    constexpr std::size_t fewest = 6;  // frames, because any few lie on a parabola
+    // The length of the intervals over which bends are measured, against noise.
     const auto lag = 1 + static_cast<std::size_t>(std::min(motion_.fps / 60, static_cast<double>(frames())));
     std::vector<double> y;
     for (Index f = first_; f < frames(); ++f) y.push_back(mass_height(f));
@@ -30784,8 +31403,9 @@ class MotionInspector {
     }
     return out;
   }
-  /// True if both feet leave the floor and come back to it, with hands above the knees: nothing else carries the body.
-  /// `feet` is the height of the lower one above where it stands, from frame `start` after the lead-in on.
+  /// True if both feet leave the floor and return to it, with hands above the knees, so that nothing else carries the
+  /// body.
+  /// `feet` is the height of the lower foot above its standing height, from frame `start` after the lead-in on.
   bool is_flight(std::size_t start, std::span<const double> feet) {
     for (std::size_t i = 0; i < feet.size(); ++i) {
       const Index f = first_ + static_cast<Index>(start + i);
@@ -30798,11 +31418,11 @@ class MotionInspector {
     return ends < 2 * limits_.off_floor && lowest > std::max(limits_.off_floor, ends + limits_.low);
   }
 
-  /// How fast a body seems to fall goes with the square of the frame rate.
+  /// The apparent acceleration of a fall is proportional to the square of the frame rate.
   void check_falls() {
     constexpr double gravity = 9.81;
     constexpr std::size_t fewest = 3;                            // steps
-    if (out_.has(Fault::scale) && out_.cure.scale == 1) return;  // of a doll nobody knows how it falls
+    if (out_.has(Fault::scale) && out_.cure.scale == 1) return;  // a doll may fall in any way
     const Arcs seen = arcs();
     const bool flies = !seen.flights.empty();
     if (!flies && seen.all.size() < fewest) return;
@@ -30864,7 +31484,7 @@ class MotionInspector {
   double off_middle(Index f, Index j) {  // of its neighbours in time
     return f <= first_ || f + 1 >= frames() ? 0 : norm(at(f, j) - 0.5 * (at(f - 1, j) + at(f + 1, j)));
   }
-  /// How far a joint is off the middle of its neighbours in time, where that is a spike; else 0.
+  /// The distance of a joint from the middle of its neighbours in time, if that is a spike; else 0.
   double spike_size(Index f, Index j) {
     if (f <= first_ || f + 1 >= frames()) return 0;
     const double off = off_middle(f, j);
@@ -30873,8 +31493,9 @@ class MotionInspector {
         std::max({norm(at(f + 1, j) - at(f - 1, j)), step(f - 1, j), step(f - 2, j), step(f + 2, j), step(f + 3, j)});
     return off > limits_.isolated * around ? off : 0;
   }
-  /// How far a joint goes from the frame before, if that is part of a jump: of one to a few frames in a row that stand
-  /// out from those around, or of a flicker, in which a known body's joint gets faster or slower as none can.
+  /// The distance of a joint from the frame before, if that is part of a jump; else 0. A jump is one to a few frames in
+  /// a row that stand out from the others. It may also be a flicker, in which a known body's joint is impossibly fast
+  /// or slow.
   double jump_size(Index f, Index j) {
     const double s = step(f, j);
     if (s * fps_ < limits_.jump_speed) return 0;
@@ -30907,7 +31528,7 @@ class MotionInspector {
     }
     return lowest;
   }
-  /// Where the soles stand along a direction: 5 % of the frames have a foot lower than this.
+  /// The height of the soles along a direction: 5 % of the frames have a foot lower than this.
   double sole_height(const Vec& up) {
     constexpr double toe_height = 0.02, ankle_height = 0.08;  // m above the sole
     return quantile(lowest_feet(up), 0.05) - (body_->toe.known() ? toe_height : ankle_height);
@@ -30915,11 +31536,12 @@ class MotionInspector {
 
   bool on_floor(double sole) const { return sole >= -limits_.below && sole <= limits_.above; }
 
-  /// How fast a leg's foot moves over the floor while it is on it, m/s: of every contact the speed that a quarter of it
-  /// stays below, so that treading on and rolling off do not count.
+  /// The speed of a leg's foot over the floor during contact, m/s. It is the lower quartile of each contact, so that
+  /// treading on and rolling off do not count.
   void add_contacts(std::span<const int> feet, std::span<const double> stands, std::vector<double>& speeds) {
     const double carried = limits_.carried * leg_length() * out_.cure.scale;
-    // In steps of about 1/25 s, in which noise of the recording is small against the way of a foot that slides.
+    // In steps of about 1/25 s, so that the noise of the recording is small compared with the distance that a foot
+    // slides.
     const Index stride = std::max<Index>(1, std::lround(std::min(fps_ / 25, static_cast<double>(frames()))));
     std::vector<double> contact;
     for (Index f = first_; f < frames(); f += stride) {
@@ -30957,7 +31579,7 @@ class MotionInspector {
   std::vector<double> contact_speeds() {
     std::vector<BodyJoints::Pair> joints{body_->ankle};
     if (body_->toe.known()) joints.push_back(body_->toe);
-    std::vector<double> stands;  // at which height the lower of a pair stands: a foot that stays higher hangs
+    std::vector<double> stands;  // the height of each standing pair's lower foot: a foot that stays higher hangs
     for (const BodyJoints::Pair& p : joints) {
       std::vector<double> heights;
       for (Index f = first_; f < frames(); ++f) heights.push_back(std::min(at(f, p.left).y, at(f, p.right).y));
@@ -30972,8 +31594,8 @@ class MotionInspector {
     }
     return speeds;
   }
-  /// Feet far off y = 0 swim, climb or hang, and carry nothing; in place, where a swimmer treads water, those that are
-  /// off at all.
+  /// Feet far off y = 0 swim, climb or hang, and carry nothing. In place, where a swimmer treads water, this is true
+  /// for feet that are off y = 0 at all.
   void check_contacts(bool in_place) {
     if (const double speed = quantile(contact_speeds(), 0.5); speed > limits_.slide) {
       add(Fault::sliding_feet, first_, "standing feet slide at ", hundredths(speed), " m/s",
@@ -31031,24 +31653,24 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_MATCHING_HPP  // <motionlang/metrics/matching.hpp>
 #define MOTIONLANG_HAS_METRICS_MATCHING_HPP
-/// How well motions fit their texts in the space of a matching network: R-precision and matching score ("multimodal
+/// The match of motions and texts in the space of a matching network: R-precision and matching score ("multimodal
 /// distance", MM-Dist) of Guo et al.
 ///
 ///     MatchingMetric metric;
 ///     for (const auto& [texts, motions] : batches) metric.add(texts, motions);  // rows of one batch of 32, paired
 ///     use(metric.r_precision(3), metric.matching_score());
 ///
-/// For each query of a batch, all answers of the batch are put in order of distance; the right one is a hit at k if it
-/// is among the first k. Hits and distances of the right ones are summed over batches and divided by all queries.
+/// For each query, the answers of the batch are sorted by distance. The right one is a hit at k if it is among the
+/// first k. Hits and distances of the right ones are summed over batches and divided by the number of queries.
 /// Source  Guo et al. (CVPR 2022), section 5.2; references: text-to-motion final_evaluations.py, TM2T
 ///         final_evaluations_m2t.py, utils/metrics.py; TM2T (ECCV 2022), appendix C
 /// Differs from the paper: the 31 distractors are the rest of a shuffled batch, and may have the same caption. In
-///         motion-to-text TM2T's code ranks texts for each motion, its paper motions for each text: what is queried is
-///         the first argument
+/// motion-to-text, TM2T's code ranks texts for each motion, while its paper ranks motions for each text. Here the first
+/// argument has the queries
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// For each row of a table the columns in ascending order; equals keep theirs. Throws nothing.
+/// For each row of a table the columns in ascending order; equal ones keep their order. Throws nothing.
 inline std::vector<Index> nearest_first(const Rows<double>& table) {
   std::vector<Index> out;
   for (Index i = 0; i < table.size(); ++i) {
@@ -31067,8 +31689,8 @@ class MatchingMetric {
  public:
   static constexpr int depths = 3;
 
-  /// A batch; row i of both belongs together. Throws shape_error 204, numeric_error 301 for a NaN, which no answer
-  /// would be nearer than.
+  /// Adds a batch; row i of both belongs together. Throws shape_error 204, and numeric_error 301 for NaN, because no
+  /// distance is smaller than NaN.
   template <Scalar S, Scalar T>
   void add(const Rows<S>& queries, const Rows<T>& answers) {
     detail::require_same_count("MatchingMetric: queries against answers", queries.size(), answers.size());
@@ -31080,7 +31702,7 @@ class MatchingMetric {
     for (Index i = 0; i < n; ++i) {
       const auto row = std::span(table).subspan(static_cast<std::size_t>(i * n), static_cast<std::size_t>(n));
       const double own = row[static_cast<std::size_t>(i)];
-      Index rank = 0;  // of equals the first comes first
+      Index rank = 0;  // of equal ones the first comes first
       for (Index j = 0; j < n; ++j) {
         const double d = row[static_cast<std::size_t>(j)];
         rank += d < own || (d == own && j < i) ? 1 : 0;
@@ -31092,14 +31714,14 @@ class MatchingMetric {
   }
 
   Index queries() const { return queries_; }
-  /// Queries whose right answer is among the first k. Throws config_error 101 unless 1 <= k <= 3.
+  /// The number of queries whose right answer is among the first k. Throws config_error 101 unless 1 <= k <= 3.
   Index hits(int k) const {
     if (k < 1 || k > depths) raise<config_error>(101, "MatchingMetric: precision at ", k);
     return hits_[static_cast<std::size_t>(k - 1)];
   }
-  /// Share of those, 0 to 1. Throws config_error 101, numeric_error 302 of no queries
+  /// The share of those, 0 to 1. Throws config_error 101, and numeric_error 302 without queries
   double r_precision(int k) const { return static_cast<double>(hits(k)) / count(); }
-  /// Mean distance of the right ones. Throws numeric_error 302 of no queries
+  /// Mean distance of the right answers. Throws numeric_error 302 without queries
   double matching_score() const { return distance_ / count(); }
 
  private:
@@ -31118,13 +31740,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_MOTION_QUALITY_HPP  // <motionlang/metrics/motion_quality.hpp>
 #define MOTIONLANG_HAS_METRICS_MOTION_QUALITY_HPP
-/// How physical a clip looks, without a reference: foot skating, acceleration, jitter, penetration of the floor,
-/// constancy of bones. Published figures use many definitions; the ones used here are written down with each function.
-/// Y up, metres.
+/// The physical plausibility of a clip, without a reference: foot skating, acceleration, jitter, penetration of the
+/// floor, constancy of bones. Published figures use many definitions; each function states its own. Y up, metres.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Joint positions of a clip, (frames, joints), and how fast they follow each other.
+/// Joint positions of a clip, (frames, joints), and its frame rate.
 struct JointTracks {
   std::span<const Vec3<double>> positions;
   Index joints = 0;
@@ -31144,14 +31765,14 @@ struct FootSkate {
   double contact = 0;  // share of frames x joints in contact
 };
 
-/// Sliding feet. A joint is in contact between frames f and f + 1 if it is below its height in both; its speed there is
-/// the horizontal distance between the two times fps. `limit` (m/s) counts a contact as skating: 0.5 m/s are the 2.5 cm
-/// per frame at 20 fps of GMD (Karunratanakul et al., ICCV 2023).
-/// Without contacts everything is 0. Throws as JointTracks::validate, shape_error 203 for a joint out of range.
+/// Sliding feet. A joint is in contact between frames f and f + 1 if it is below its height in both. Its speed there is
+/// its horizontal displacement times fps. A contact faster than `limit` (m/s) is skating: 0.5 m/s are the 2.5 cm per
+/// frame at 20 fps of GMD (Karunratanakul et al., ICCV 2023). Without contacts everything is 0. Throws as
+/// JointTracks::validate, and shape_error 203 for a joint out of range.
 FootSkate foot_skate(const JointTracks& tracks, std::span<const ContactJoint> feet = smpl_contact_joints,
                      double floor = 0, double limit = 0.5);
 
-/// Mean size of the second derivative of joint positions, m/s^2. ACTOR prints it per frame: fps = 1.
+/// Mean size of the second derivative of joint positions, m/s^2. ACTOR prints it per frame: use fps = 1.
 ///     |p_{f+2} - 2 p_{f+1} + p_f| fps^2,   averaged over frames and joints; 0 for fewer than three frames
 double mean_acceleration(const JointTracks& tracks);
 
@@ -31160,18 +31781,17 @@ double mean_acceleration(const JointTracks& tracks);
 double jitter(const JointTracks& tracks);
 
 struct Penetration {
-  double mean = 0;     // depth of the lowest joint, averaged over all frames (0 where nothing is below), metres
+  double mean = 0;     // depth of the lowest joint, averaged over all frames (0 if nothing is below), metres
   double deepest = 0;  // metres
-  double ratio = 0;    // share of frames in which something is below
+  double ratio = 0;    // share of frames with a joint below
 };
 
-/// How far joints are below the floor.
+/// The depth of joints below the floor.
 Penetration penetration(const JointTracks& tracks, double floor = 0);
 
-/// How much the lengths of bones change: the largest |length - mean| / mean over frames and bones. 0 for a motion that
-/// was made by rotations; generated joint positions are not so good. A bone of mean length 0 does not count.
-/// Throws as JointTracks::validate, shape_error 204 if there is not one parent for each joint, 203 for a parent out of
-/// range.
+/// The change of the lengths of bones: the largest |length - mean| / mean over frames and bones. It is 0 for a motion
+/// made by rotations, and larger for generated joint positions. A bone of mean length 0 does not count. Throws as
+/// JointTracks::validate, shape_error 204 if there is not one parent for each joint, and 203 for a parent out of range.
 double bone_length_deviation(const JointTracks& tracks, std::span<const int> parents);
 
 struct MotionQuality {
@@ -31179,7 +31799,7 @@ struct MotionQuality {
   double jitter = 0;
   Penetration below_floor;
 };
-/// All of it for a clip on SMPL's joints (or on others, with their feet) that stands on y = `floor`.
+/// All measures of a clip on SMPL's joints (or on others, with their feet) whose floor is y = `floor`.
 MotionQuality motion_quality(const Motion& motion, std::span<const ContactJoint> feet = smpl_contact_joints,
                              double floor = 0);
 
@@ -31295,8 +31915,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_MOTION_TRACE_HPP  // <motionlang/metrics/motion_trace.hpp>
 #define MOTIONLANG_HAS_METRICS_MOTION_TRACE_HPP
-/// A motion as an eye follows it: curves over time of what the body does, and what looks wrong whatever it does. SMPL's
-/// joints, Y up, metres, seconds, degrees. The floor is y = 0.
+/// A motion as an eye sees it: curves over time of the body's movement, and faults of any movement. SMPL's joints, Y
+/// up, metres, seconds, degrees. The floor is y = 0.
 ///
 ///     const MotionTrace t = trace_motion(motion);
 ///     const double degrees = t.turned(), seconds = longest_hover(t);
@@ -31305,7 +31925,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A number as a text with two digits behind the point.
+/// A number as text with two decimals.
 inline std::string two_digits(double x) {
   char text[40];
   std::snprintf(text, sizeof text, "%.2f", x);
@@ -31316,7 +31936,7 @@ inline std::string two_digits(double x) {
 
 /// An arm or a leg at each frame.
 struct ArmTrace {
-  std::vector<double> raised;       // wrist above its shoulder, in the world or along a bent trunk
+  std::vector<double> raised;       // height of the wrist above its shoulder, in the world or along a bent trunk
   std::vector<double> elbow;        // 180: straight
   std::vector<double> to_mouth;     // distance of the wrist from the head joint
   std::vector<Vec3<double>> hand;   // wrist seen from the chest: x left, y up, z forward
@@ -31324,11 +31944,11 @@ struct ArmTrace {
   std::vector<double> above_floor;  // wrist
 };
 struct LegTrace {
-  std::vector<double> height;  // of the foot above where it stands
+  std::vector<double> height;  // of the foot above its standing height
   std::vector<double> knee;    // height of the knee
-  std::vector<double> yaw;     // where the foot points, continuous
+  std::vector<double> yaw;     // heading of the foot, continuous
   std::vector<double> speed;   // of the ankle, seen from the pelvis
-  std::vector<double> ahead;   // ankle before the pelvis, along the heading
+  std::vector<double> ahead;   // distance of the ankle in front of the pelvis, along the heading
 };
 
 struct MotionTrace {
@@ -31336,12 +31956,12 @@ struct MotionTrace {
   std::vector<double> over_floor;          // of the whole body (kinematics/floor_fix.hpp)
   std::vector<double> pelvis, head;        // heights
   std::vector<double> heading;             // continuous, left is positive; 0 in the first frame
-  std::vector<double> forward, left;       // way of the root, seen from the first heading
+  std::vector<double> forward, left;       // displacement of the root, relative to the first heading
   std::vector<double> lean;                // of the trunk from upright, in any direction
-  std::vector<double> twist;               // of the chest against the pelvis, left is positive
-  std::vector<double> look_left, look_up;  // of the head against the chest
+  std::vector<double> twist;               // of the chest relative to the pelvis, left is positive
+  std::vector<double> look_left, look_up;  // of the head relative to the chest
   std::vector<double> upside_down;         // height of the pelvis above the head
-  std::vector<double> step;                // way of the root over the floor to the next frame
+  std::vector<double> step;                // displacement of the root over the floor to the next frame
   std::vector<double> joint_speed;         // of the fastest joint, to the next frame
   std::vector<double> hands_apart;         // distance of the wrists
   std::array<ArmTrace, 2> arms{};          // left, right
@@ -31356,36 +31976,37 @@ struct MotionTrace {
 
 /// Throws config_error 103 for a skeleton without SMPL's joints.
 MotionTrace trace_motion(const Motion& motion);
-/// Frames [first, last) of it. The way and the heading still count from the first frame of the whole.
+/// Frames [first, last) of it. Displacement and heading still count from the first frame of the whole.
 MotionTrace part_of(const MotionTrace& trace, std::size_t first, std::size_t last);
 
-/// A stretch of time in which nothing touches the floor.
+/// A time in which nothing touches the floor.
 struct Flight {
   std::size_t first = 0, last = 0;  // frames [first, last)
-  double seconds = 0, peak = 0;     // how long, how high above the floor
+  double seconds = 0, peak = 0;     // duration, height above the floor
   double off_arc = 0;               // root mean square distance of the pelvis from a thrown body, metres
   bool lands = false;               // before the end
 };
-/// Those at least 5 cm above the floor. `lowest`: this peak or more.
+/// Flights at least 5 cm above the floor. `lowest`: only those with this peak or more.
 std::vector<Flight> flights(const MotionTrace& trace, double lowest = 0.05);
 
 double longest_hover(const MotionTrace& trace);         // seconds, above 5 cm
 double sunken_seconds(const MotionTrace& trace);        // deeper than 4 cm
 double still_share(const MotionTrace& trace);           // of frames in which no joint is faster than 15 cm/s
-double turned_on_flat_soles(const MotionTrace& trace);  // degrees, of both feet at once
+double turned_on_flat_soles(const MotionTrace& trace);  // degrees, by both feet at the same time
 
-/// Limits of what counts as wrong. They are what 796 recorded segments on the floor do (`motionlang judge --clips`):
-/// 98 % hover less, none sinks in so long, and 94 % stand still less. 99 % turn less on two feet, and 91 % of flights
-/// are nearer to their arc.
+/// Limits beyond which something looks wrong. They come from 796 recorded segments on the floor (`motionlang judge
+/// --clips`): 98 % hover less, none sinks in for so long, and 94 % stand still less. 99 % turn less on two feet, and 91
+/// % of flights are nearer to their arc.
 struct EyeLimits {
   double hover = 0.75, sunken = 0.25, still = 0.7, flat_turn = 55, off_arc = 0.15;
 };
-/// The first of it: "hovers 1.20 s", "sinks in", ...; "" if nothing looks wrong. Standing still is not looked at.
+/// The first fault: "hovers 1.20 s", "sinks in", ...; "" if nothing looks wrong. Standing still is not checked.
 std::string look_wrong(const MotionTrace& trace, const EyeLimits& limits = {});
 
-/// How often a curve rises from below `low` to above `high`. A curve that begins above counts once it has been low.
+/// The number of times that a curve rises from below `low` to above `high`. A curve that begins above counts after it
+/// has been low.
 std::size_t rises(const std::vector<double>& curve, double low, double high);
-/// How often it turns back after a way of at least `way`.
+/// The number of times that it turns back after a change of at least `way`.
 std::size_t reversals(const std::vector<double>& curve, double way);
 
 MOTIONLANG_NAMESPACE_END
@@ -31411,7 +32032,7 @@ inline double angle_at(const Vec3<double>& a, const Vec3<double>& b, const Vec3<
 inline double off_arc(std::span<const double> y, double fps) {
   const auto n = static_cast<double>(y.size());
   if (y.size() < 4) return 0;
-  std::vector<double> rest;  // with gravity taken away: a straight line is left
+  std::vector<double> rest;  // without gravity: a straight line is left
   double mean = 0, slope = 0, spread = 0;
   for (std::size_t i = 0; i < y.size(); ++i) {
     const double t = static_cast<double>(i) / fps;
@@ -31609,7 +32230,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_MTT_HPP  // <motionlang/metrics/mtt.hpp>
 #define MOTIONLANG_HAS_METRICS_MTT_HPP
-/// Motions made from timelines against their texts: the metrics of STMC on MTT.
+/// The metrics of STMC on MTT: motions made from timelines, compared with their texts.
 ///
 ///     const auto features = mtt_features(humanml3d_chains(), joints, 24);          // of each motion, Z up, 20 fps
 ///     const MttScores s = mtt_scores(motions, reference, encode);                  // encode: TMR's motion encoder
@@ -31617,22 +32238,22 @@ MOTIONLANG_NAMESPACE_END
 /// R@1, R@3     share of the intervals whose text is the first (among the first three) of all texts, 0 to 1
 /// M2T, M2M     mean of (cos + 1) / 2 of an interval's latent with that of its text, of its recorded motion
 /// FID          of unit latents of five crops of each motion against those of the recorded motions (FID+)
-/// transition   mean way of the joints between two frames where a text begins or ends [m]; printed in cm
-/// Two flavours: `as_coded` gives the published tables, `as_written` what the thesis describes. They do not compare.
+/// transition   mean displacement of the joints between two frames where a text begins or ends [m]; printed in cm
+/// Two variants: `as_coded` gives the published tables, `as_written` follows the thesis. Their values cannot be
+/// compared.
 /// Source  thesis 6.3.2; STMC (Petrovich et al., CVPR workshops 2024) mtt/stmc_metrics.py, mtt/metrics.py,
 ///         mtt/motion_representation_local.py
 /// Differs as coded from the thesis: the crops for FID begin at five fixed frames (47, 117, 67, 103, 9), because the
-/// number
-///         of features is taken for the length, and are shorter where the motion ends; the reference are whole clips;
-///         transitions subtract the x coordinate of each joint in place of the root, and leave the last one out
+/// number of features is taken for the length. They are shorter if the motion ends. The reference is whole clips.
+/// Transitions subtract the x coordinate of each joint instead of the root, and leave the last one out
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 enum class MttFlavour { as_coded, as_written };
 
-/// HumanML3D's numbers of joint positions, of which the first 22 count.
+/// HumanML3D's values of joint positions, of which the first 22 count.
 /// joints     (frames, per_frame)
-/// z_up       as MDM-SMPL has them; false: Y up, as MDM and MotionDiffuse
+/// z_up       as in MDM-SMPL; false: Y up, as in MDM and MotionDiffuse
 /// result     (frames - 1, 263), not normalised
 /// Throws     shape_error 205 and what guoh3d_features throws
 template <Scalar S>
@@ -31653,8 +32274,7 @@ std::vector<S> mtt_features(const ChainSkeleton& skeleton, std::span<const Vec3<
   return guoh3d_features(skeleton, std::span<const Vec3<S>>(y_up), std::span<const S>(lengths), options);
 }
 
-/// Joints with the turns left out, so that every pose is seen in its own heading and the root goes by its own
-/// velocities.
+/// Joints without the turns, so that every pose is seen in its own heading and the root moves by its own velocities.
 /// features  (frames, 12 J - 1), not normalised
 /// result    (frames, J), Z up
 /// Throws    shape_error 205
@@ -31668,8 +32288,8 @@ std::vector<Vec3<S>> mtt_local_joints(std::span<const S> features, Index joints 
   return out;
 }
 
-/// Frames at which a text begins or ends, in order; the beginning and the end of the whole are left out. As coded,
-/// frames that the features do not have go first, which costs the last real one.
+/// Frames at which a text begins or ends, in order, without the beginning and the end of the whole. As coded, frames
+/// beyond the features are removed first, which drops the last real one.
 std::vector<Index> transition_points(const Timeline& timeline, Index feature_frames, MttFlavour flavour);
 /// Points of a motion without intervals: recorded clips, and motions of one text.
 inline std::array<Index, 3> quarter_points(Index feature_frames) {
@@ -31678,14 +32298,15 @@ inline std::array<Index, 3> quarter_points(Index feature_frames) {
 
 /// The offset that is subtracted from a joint before it is compared with the frame before.
 enum class MttOrigin {
-  root,   // the root, as written and of recorded motions
-  own_x,  // its own x, from all of its coordinates: as coded of generated motions
+  root,   // the root, as written and for recorded motions
+  own_x,  // its own x, from all of its coordinates: as coded for generated motions
 };
 inline MttOrigin mtt_origin(MttFlavour flavour) {
   return flavour == MttFlavour::as_coded ? MttOrigin::own_x : MttOrigin::root;
 }
 
-/// The mean over joints of |Q[p] - Q[p - 1]| at each point; points that have no frame, or none before, are left out.
+/// The mean over joints of |Q[p] - Q[p - 1]| at each point. Points without a frame, or without one before, are left
+/// out.
 /// joints  (frames, per_frame), see mtt_local_joints
 /// Throws  shape_error 205
 template <Scalar S>
@@ -31712,25 +32333,25 @@ std::vector<double> mtt_transitions(std::span<const Vec3<S>> joints, std::span<c
 struct RealismCrops {
   Index frames = 100, samples = 5;
   std::uint32_t seed = 0;
-  Index features = 263;  // as coded, starts are drawn below this number less the frames, the same for every motion
+  Index features = 263;  // as coded, starts are below this number minus the frames, the same for every motion
 };
-/// As coded: NumPy's generator, seeded anew for each motion. Throws config_error 101.
+/// As coded: NumPy's generator, with a new seed for each motion. Throws config_error 101.
 std::vector<Index> fixed_crop_starts(const RealismCrops& crops = {});
-/// As written: anywhere in the motion; one that is shorter is taken whole. Throws config_error 101.
+/// As written: anywhere in the motion. A shorter motion is taken whole. Throws config_error 101.
 std::vector<Index> random_crop_starts(Index feature_frames, NumpyRandom& rng, const RealismCrops& crops = {});
-/// Frames of a crop from `start` on, fewer at the end of the motion.
+/// Frames of a crop that begins at `start`, fewer at the end of the motion.
 inline Index crop_frames(Index start, Index feature_frames, const RealismCrops& crops = {}) {
   return std::clamp<Index>(feature_frames - start, 0, crops.frames);
 }
 
-/// Shares and similarities of latents with known texts.
+/// Retrieval shares and similarities of latents for known texts.
 struct MttSemantics {
   double r1 = 0, r3 = 0, m2t = 0, m2m = 0;
 };
 /// latents                  (n, d), of intervals
 /// labels                   (n), the right text of each
 /// text_latents, motion_latents  (texts, d)
-/// Throws                   shape_error 204, 203; numeric_error 302 of none, 301 for a NaN
+/// Throws                   shape_error 204, 203; numeric_error 302 without latents, 301 for a NaN
 template <Scalar S, Scalar T>
 MttSemantics mtt_semantics(const Rows<S>& latents, std::span<const Index> labels, const Rows<T>& text_latents,
                            const Rows<T>& motion_latents) {
@@ -31760,43 +32381,65 @@ MttSemantics mtt_semantics(const Rows<S>& latents, std::span<const Index> labels
   return out;
 }
 
-/// A motion with the intervals that it was made from, and the number of the text of each.
+/// A motion with the intervals of its timeline, and the number of each interval's text.
 template <Scalar S>
 struct MttMotion {
   Timeline timeline;          // frames at 20 fps
   std::vector<Index> labels;  // (intervals)
   std::vector<S> features;    // (frames - 1, 263), see mtt_features
 };
-/// One recorded motion for each text. Latents (texts, latent).
+/// One recorded motion for each text, or none at all. Latents (texts, latent).
 template <Scalar S>
 struct MttReference {
-  std::vector<double> text_latents, motion_latents;
+  std::vector<double> text_latents, motion_latents;  // the latter empty without recorded motions
   std::vector<std::vector<S>> features;  // (frames - 1, 263) of each; for the transitions of the ground truth
   Index latent = 256;
 };
 
 struct MttEvaluation {
   MttFlavour flavour = MttFlavour::as_coded;
-  bool one_text = false;  // the motions were made from one sentence each: the whole is compared with each of its texts
+  bool one_text = false;  // each motion comes from one sentence: compare the whole with each of its texts
   RealismCrops crops{};
   std::uint32_t seed = 0;  // of the crops as written
   Index joints = 22;
 };
 
+/// M2M and FID need recorded motions, and the transition a point that is measured: without them they are NaN. As coded,
+/// few motions may have no such point.
 struct MttScores {
   double r1 = 0, r3 = 0, m2t = 0, m2m = 0, fid = 0, transition = 0;
 };
 
 namespace detail {
 
-inline double mean_of(const char* what, const std::vector<double>& values) {
-  if (values.empty()) raise<numeric_error>(302, "mtt_scores: no ", what);
+/// NaN of none.
+inline double mean_of(const std::vector<double>& values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// The similarities with texts alone where there are no recorded motions.
+template <Scalar S>
+MttSemantics semantics_of(const Rows<double>& latents, std::span<const Index> labels,
+                          const MttReference<S>& reference) {
+  const Rows texts(reference.text_latents, reference.latent);
+  const bool recorded = !reference.motion_latents.empty();
+  auto out = mtt_semantics(latents, labels, texts, recorded ? Rows(reference.motion_latents, reference.latent) : texts);
+  if (!recorded) out.m2m = std::numeric_limits<double>::quiet_NaN();
+  return out;
+}
+
+/// FID of unit latents; NaN where there are no recorded motions.
+template <Scalar S>
+double realism_of(const Rows<double>& crops, const MttReference<S>& reference) {
+  if (reference.motion_latents.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto made = unit_rows(crops), recorded = unit_rows(Rows(reference.motion_latents, reference.latent));
+  return frechet_distance(Rows(made, reference.latent), Rows(recorded, reference.latent));
 }
 
 }  // namespace detail
 
-/// encode(rows) -> latent numbers of a crop, rows: Rows<S> of (frames, 263) that are not normalised
+/// encode(rows) -> latent values of a crop; rows: Rows<S> of (frames, 263), not normalised
 /// As coded, motions of one text are cut after 263 frames.
 /// Throws  shape_error 203 (an interval outside of its motion), 204, 205; numeric_error 302
 template <Scalar S, class Encode>
@@ -31834,21 +32477,18 @@ MttScores mtt_scores(std::span<const MttMotion<S>> motions, const MttReference<S
       transitions.push_back(d);
     }
   }
-  const Rows text_latents(reference.text_latents, reference.latent),
-      motion_latents(reference.motion_latents, reference.latent);
-  const auto s = mtt_semantics(Rows(intervals, reference.latent), labels, text_latents, motion_latents);
-  const auto crop_rows = unit_rows(Rows(crops, reference.latent)), reference_rows = unit_rows(motion_latents);
+  const auto s = detail::semantics_of(Rows(intervals, reference.latent), labels, reference);
   return {.r1 = s.r1,
           .r3 = s.r3,
           .m2t = s.m2t,
           .m2m = s.m2m,
-          .fid = frechet_distance(Rows(crop_rows, reference.latent), Rows(reference_rows, reference.latent)),
-          .transition = detail::mean_of("transitions", transitions)};
+          .fid = detail::realism_of(Rows(crops, reference.latent), reference),
+          .transition = detail::mean_of(transitions)};
 }
 
 namespace detail {
 
-/// Latents of which each belongs to the text of its own number.
+/// Latents that each belong to the text of the same number.
 template <Scalar S>
 MttSemantics own_semantics(const Rows<S>& motion_latents, const Rows<S>& text_latents) {
   std::vector<Index> labels(static_cast<std::size_t>(motion_latents.size()));
@@ -31871,12 +32511,7 @@ MttScores mtt_ground_truth(const MttReference<S>& reference, Index joints = 22) 
     for (const double d : mtt_transitions(std::span<const Vec3<S>>(local), points, MttOrigin::root, joints))
       transitions.push_back(d);
   }
-  return {.r1 = s.r1,
-          .r3 = s.r3,
-          .m2t = s.m2t,
-          .m2m = s.m2m,
-          .fid = 0,
-          .transition = detail::mean_of("transitions", transitions)};
+  return {.r1 = s.r1, .r3 = s.r3, .m2t = s.m2t, .m2m = s.m2m, .fid = 0, .transition = detail::mean_of(transitions)};
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -31929,21 +32564,21 @@ MOTIONLANG_NAMESPACE_END
 ///     for (const auto& [name, value] : named(m)) std::printf("%s %.2f\n", name.c_str(), value);   // t2m/R01 ...
 ///
 /// The rank of a query is the number of answers that are closer than the right one. Answers at exactly the same
-/// distance share their places: each has the mean of them.
+/// distance share their ranks: each gets the mean.
 ///     R@k  = 100 |{i : r_i < k}| / n   [percent],      MedR = median(r) + 1
 /// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.1; thesis 5.3.1; reference: Mathux/TMR
 ///         src/model/metrics.py and retrieval.py
-/// Differs from the paper: it does not say that ties share their places, which matters where captions are repeated: two
-///         equal best answers have rank 1/2 each and both count for R@1
+/// Differs from the paper, which does not say that ties share their ranks. This matters if captions are repeated: two
+/// equal best answers have rank 1/2 each, and both count for R@1
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The direction of a search. Tables have texts as rows and motions as columns.
 enum class RetrievalDirection { text_to_motion, motion_to_text };
 
-/// Which pairs of texts mean the same, (n, n), 1 = yes:  i = j, or e_i . e_j > 2 threshold - 1.
+/// Pairs of texts with the same meaning, (n, n), 1 = yes:  i = j, or e_i . e_j > 2 threshold - 1.
 /// sentences  (n, d) unit rows
-/// threshold  from 0 to 1, as scores are; TMR takes 0.95
+/// threshold  from 0 to 1, like scores; TMR uses 0.95
 template <Scalar S>
 std::vector<std::uint8_t> texts_alike(const Rows<S>& sentences, double threshold) {
   const Index n = sentences.size();
@@ -31954,10 +32589,10 @@ std::vector<std::uint8_t> texts_alike(const Rows<S>& sentences, double threshold
   return out;
 }
 
-/// Ranks from 0 on of every query.
+/// The rank of every query, from 0 on.
 /// similarities  (n, n), texts by motions; pair i belongs together
-/// alike         of `texts_alike`: the closest of the answers with such a text counts as the right one. Empty: only the
-///               own
+/// alike         from `texts_alike`: the closest of the answers with such a text counts as the right one. Empty: only
+///               the own one
 /// Throws        shape_error 205, 204; numeric_error 301 for a NaN
 template <Scalar S>
 std::vector<double> retrieval_ranks(const Rows<S>& similarities, RetrievalDirection direction,
@@ -31978,7 +32613,7 @@ std::vector<double> retrieval_ranks(const Rows<S>& similarities, RetrievalDirect
     }
   }
   std::vector<Index> closer(right.size(), 0), equal(right.size(), 0), farther(right.size(), 0);
-  for (Index row = 0; row < n; ++row) {  // as the table lies, in both directions
+  for (Index row = 0; row < n; ++row) {  // in the order of the table, for both directions
     for (Index column = 0; column < n; ++column) {
       const auto query = static_cast<std::size_t>(by_text ? row : column);
       const S s = similarities[row][static_cast<std::size_t>(column)];
@@ -32002,7 +32637,7 @@ struct RetrievalMetrics {
   double median_rank = 0;          // the best is 1
   double queries = 0;
 };
-/// The metrics of all queries. Throws numeric_error 302 if there is none.
+/// The metrics of all queries. Throws numeric_error 302 without queries.
 RetrievalMetrics retrieval_metrics(std::vector<double> ranks);
 
 /// Both directions.
@@ -32016,7 +32651,7 @@ RetrievalTable retrieval_table(const Rows<S>& similarities, std::span<const std:
           retrieval_metrics(retrieval_ranks(similarities, motion_to_text, alike))};
 }
 
-/// "t2m/R01", "t2m/R02", "t2m/R03", "t2m/R05", "t2m/R10", "t2m/MedR", "t2m/len", then the same of "m2t": the keys of
+/// "t2m/R01", "t2m/R02", "t2m/R03", "t2m/R05", "t2m/R10", "t2m/MedR", "t2m/len", then the same for "m2t": the keys of
 /// TMR's files.
 std::vector<std::pair<std::string, double>> named(const RetrievalTable& table);
 
@@ -32030,14 +32665,14 @@ RetrievalTable mean_table(std::span<const RetrievalTable> tables);
 /// As TMR prints them: two decimal places.
 RetrievalTable rounded(const RetrievalTable& table, int places = 2);
 
-/// The batches of protocol `guo`: positions 0 ... n-1 of the sorted ids, shuffled by NumPy with seed 0, in groups; the
+/// The batches of protocol `guo`: positions 0 ... n-1 of the sorted ids, shuffled by NumPy with seed 0, in groups. The
 /// last incomplete group is dropped. Throws config_error 101 for a batch below 1.
 std::vector<std::vector<Index>> guo_batches(Index n, Index batch = 32);
 
 /// normal     all pairs
-/// threshold  all pairs; answers whose text means the same are right, too
+/// threshold  all pairs; answers whose text has the same meaning are right, too
 /// nsim       the pairs of a list of ids, chosen to be dissimilar
-/// guo        batches of 32, the mean over them: the protocol of Guo et al. (CVPR 2022)
+/// guo        the mean over batches of 32: the protocol of Guo et al. (CVPR 2022)
 enum class RetrievalProtocol { normal, threshold, nsim, guo };
 
 struct RetrievalOptions {
@@ -32048,7 +32683,7 @@ struct RetrievalOptions {
 };
 
 /// texts, motions  (n, latent); pair i belongs together
-/// sentences       (n, d) unit rows, for `threshold`: what decides which texts mean the same
+/// sentences       (n, d) unit rows, for `threshold`: their similarity decides which texts have the same meaning
 /// Throws          shape_error 204 if counts differ, numeric_error 302 if nothing is left, config_error 101, 103 (a
 ///                 duplicate id)
 template <Scalar S, Scalar E>
@@ -32097,17 +32732,16 @@ RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const 
   if (tables.empty()) raise<numeric_error>(302, "retrieve: ", n, " pairs make no batch of ", options.batch);
   return detail::mean_table(tables);
 }
-/// The same where the sentences are not asked for.
+/// The same for protocols that do not need sentences.
 template <Scalar S>
 RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const Rows<S>& motions,
                         const RetrievalOptions& options = {}) {
   return retrieve(protocol, texts, motions, Rows<S>(std::span<const S>{}, 1), options);
 }
 
-/// A choice of texts that are far from each other, for protocol `nsim`. Begins with the least similar pair and adds the
-/// text whose similarities to the chosen ones have the smallest sum; of equals, the one with the first id.
-/// The program that chose TMR's lists is not published: the paper says that it approximates a quadratic knapsack
-/// problem.
+/// Chooses texts that are far from each other, for protocol `nsim`. It begins with the least similar pair. Then it adds
+/// the text with the smallest sum of similarities to the chosen ones; among equals, the one with the first id. The
+/// program that chose TMR's lists is not published. The paper says that it approximates a quadratic knapsack problem.
 /// sentences  (n, d) unit rows
 /// result     positions in the order in which they were chosen
 /// Throws     shape_error 204; config_error 101 unless 2 <= count <= n
@@ -32148,25 +32782,23 @@ std::vector<Index> dissimilar_subset(const Rows<E>& sentences, std::span<const s
   return out;
 }
 
-// ---- moments: where in a long motion a text happens
-// -------------------------------------------------------------------
-//
-// Source  Petrovich's thesis (2024), section 5.3.6. There is no published code: that windows are cut
-//         off at the ends of the motion and follow each other by `stride` frames is a choice made here.
+// ---- moments: the place of a text in a long motion
+// Source  Petrovich's thesis (2024), section 5.3.6. There is no published code. So it is a choice made here that
+//         windows are cut at the ends of the motion and follow each other by `stride` frames.
 
-/// Windows of `width` frames, the k-th with its middle at frame k * stride, cut off at the ends of the motion.
-/// Throws config_error 101 unless width and stride are positive.
+/// Windows of `width` frames. The k-th has its middle at frame k * stride, and is cut at the ends of the motion. Throws
+/// config_error 101 unless width and stride are positive.
 std::vector<FrameSlice> moment_windows(Index frames, Index width, Index stride = 1);
 
-/// The window with the largest similarity; of equals the first. Windows of several widths may stand in one list.
-/// Throws shape_error 204, numeric_error 302 if there is none.
+/// The window with the largest similarity, the first among equals. A list may contain windows of several widths. Throws
+/// shape_error 204, and numeric_error 302 without windows.
 FrameSlice best_moment(std::span<const FrameSlice> windows, std::span<const double> similarities);
 
-/// |a intersected with b| / |a united with b| in frames; 0 of two empty ones.
+/// a intersected with b| / |a united with b| in frames; 0 if both are empty.
 double temporal_iou(const FrameSlice& a, const FrameSlice& b);
 
-/// Share of the queries, 0 to 1, that are found with at least this intersection over union; the thesis takes 0.4.
-/// Throws shape_error 204, numeric_error 302 if there is none.
+/// The share of queries, 0 to 1, that are found with at least this intersection over union; the thesis uses 0.4. Throws
+/// shape_error 204, and numeric_error 302 without queries.
 double localisation_accuracy(std::span<const FrameSlice> found, std::span<const FrameSlice> wanted,
                              double least_iou = 0.4);
 
@@ -32283,8 +32915,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_SAMPLED_ERRORS_HPP  // <motionlang/metrics/sampled_errors.hpp>
 #define MOTIONLANG_HAS_METRICS_SAMPLED_ERRORS_HPP
-/// Errors of the positions of joints (metrics/ape_ave.hpp) over several motions for each text, and of motions that know
-/// no text: what TEMOS, SINC and TEACH are measured by.
+/// Errors of joint positions (metrics/ape_ave.hpp) over several motions for each text, and of motions that ignore the
+/// text. These are the measurements of TEMOS, SINC and TEACH.
 ///
 ///     SampledErrors sampled(JointErrors(variant, 1.0), 10);
 ///     for (const auto& [ten_motions_of_a_text, recorded] : items) sampled.add(ten_motions_of_a_text, recorded);
@@ -32320,17 +32952,17 @@ class SampledErrors {
   JointErrors best_, worst_;
 };
 
-/// Errors of motions that know no text: the mean of all poses, seen from the body, standing still, and another, random
-/// motion.
+/// Errors of motions that ignore the text. One is the mean of all poses, seen from the body, standing still. The other
+/// is another, random motion.
 class BlindErrors {
  public:
   using Motions = std::function<JointFrames(Index)>;
 
-  /// joints_of(i): those of motion i of this many to train on
+  /// joints_of(i): the joints of training motion i, of this many
   BlindErrors(const RifkeVariant& variant, const JointErrors& none, Index motions, Motions joints_of,
               std::uint64_t seed);
 
-  /// own: the number of the motion itself, if it is among those to train on; it is not drawn where there are others.
+  /// own: the number of the motion itself, if it is a training motion; it is not chosen if there are others.
   void add(const JointFrames& truth, Index own = -1);
 
   ApeAve mean_pose() const { return pose_.result(); }
@@ -32349,8 +32981,8 @@ struct NamedErrors {
   std::string name;
   ApeAve errors;
 };
-/// "one sample", the first motion of each text; of several also "mean of 10 samples", "best of 10 samples" and "worst
-/// of 10 samples".
+/// "one sample", the first motion of each text. If there are several, also "mean of 10 samples", "best of 10 samples"
+/// and "worst of 10 samples".
 std::vector<NamedErrors> named_errors(const SampledErrors& errors);
 /// "mean pose" and "random clip".
 std::vector<NamedErrors> named_errors(const BlindErrors& errors);
@@ -32365,7 +32997,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The mean of the poses of all motions, as a body that faces ahead is seen.
+/// The mean of the poses of all motions, seen from a body that faces ahead.
 inline JointFrames mean_pose(const RifkeVariant& variant, Index motions, const BlindErrors::Motions& joints_of) {
   const auto n = static_cast<std::size_t>(variant.joints);
   JointFrames sum(n);
@@ -32412,7 +33044,7 @@ MOTIONLANG_BODY void BlindErrors::add(const JointFrames& truth, Index own) {
   JointFrames standing;
   while (standing.size() < truth.size()) standing.insert(standing.end(), mean_.begin(), mean_.end());
   pose_.add(standing, truth);
-  JointFrames other;  // that is long enough, if one of a hundred is
+  JointFrames other;  // one that is long enough, if there is one among a hundred
   for (int tries = 0; tries < 100 && other.size() < truth.size(); ++tries) {
     const Index any = draws_.below(static_cast<std::uint32_t>(motions_));
     if (any != own || motions_ == 1) other = joints_of_(any);
@@ -32440,17 +33072,17 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_STGCN_HPP  // <motionlang/metrics/stgcn.hpp>
 #define MOTIONLANG_HAS_METRICS_STGCN_HPP
-/// ST-GCN: a classifier of motions by convolutions over a skeleton's graph and over time. Judges ACTOR's motions on
-/// UESTC, and shows what generated motions are worth as training data.
+/// ST-GCN: a classifier of motions by convolutions over a skeleton's graph and over time. It judges ACTOR's motions on
+/// UESTC, and measures the value of generated motions as training data.
 ///
 /// Source  Yan, Xiong, Lin: "Spatial temporal graph convolutional networks for skeleton-based action recognition" (AAAI
 ///         2018); ACTOR, src/recognition/models/stgcn.py, whose keys are the field names
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The tree with loops, every column divided by its degree, in three parts: 0 the loops, 2 the edges (row, column) that
-/// lead away from the centre, 1 the others. (3, joints, joints), row by row.
-/// Differs  from the paper: distances from the centre beyond 1 count as infinite and so as equal; such edges are in
+/// The tree with loops, every column divided by its degree, in three parts: 0 the loops, 2 the edges (row, column) away
+/// from the centre, 1 the others. (3, joints, joints), row by row.
+/// Differs  from the paper: distances from the centre beyond 1 count as infinite, and so as equal; such edges are in
 ///          part 1
 /// Throws   config_error 101 if the centre is not a joint
 std::vector<double> stgcn_adjacency(std::span<const int> parents, Index centre);
@@ -32482,7 +33114,7 @@ struct TemporalConv {
   }
 };
 
-/// One layer: a convolution over the graph, one over time, and a way past both.
+/// One layer: a convolution over the graph, one over time, and a residual connection.
 ///     y_w = sum_k sum_v (W_k x_v) (A_k M_k)_vw,   out = relu(residual(x) + BN(conv(relu(BN(y)))))
 /// Rows are ordered by joint, then sequence, then frame: every joint of every motion is a sequence of its own.
 template <Backend B>
@@ -32507,8 +33139,8 @@ struct StGcnBlock {
     shortcut_norm.emplace(out);
   }
 
-  /// edges (3, joints, joints): A M. `Self` is constant in use and not in training, where norms take the batch's
-  /// statistics.
+  /// edges (3, joints, joints): A M. `Self` is constant after training; in training norms use the statistics of
+  /// the batch.
   template <class Self>
   static Sequences<B> run(Self& self, const Sequences<B>& x, const Tensor<B, 3>& edges) {
     const ModuleScope scope(self);
@@ -32528,7 +33160,7 @@ struct StGcnBlock {
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 3>& edges) const { return run(*this, x, edges); }
 };
 
-/// The graph that a model was made for: saved and loaded, not trained.
+/// The graph of a model. It is saved and loaded, but not trained.
 template <Backend B>
 struct SkeletonGraph {
   static constexpr bool trainable = false;
@@ -32552,7 +33184,7 @@ struct StGcnConfig {
 template <Backend B>
 struct StGcn {
   SkeletonGraph<B> graph;
-  BatchNorm<B> data_bn;  // of every number of a frame
+  BatchNorm<B> data_bn;  // of every value of a frame
   std::vector<StGcnBlock<B>> st_gcn_networks;
   std::vector<Tensor<B, 3>> edge_importance;  // M of each block, (3, joints, joints)
   TemporalConv<B> fcn;                        // (classes, channels, 1, 1)
@@ -32582,7 +33214,7 @@ struct StGcn {
 
   /// x: frames, joint by joint. Features (sequences, width of the last block), logits (sequences, classes).
   Recognition<B> operator()(const Sequences<B>& x) const { return run(*this, x); }
-  /// The same with the statistics of the batch, which the norms remember.
+  /// The same with the statistics of the batch, which the norms store.
   Recognition<B> train(const Sequences<B>& x) { return run(*this, x); }
 
   /// The input of the first block: normalised, with every joint as a sequence of its own.
@@ -32648,7 +33280,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_SUMMARY_HPP  // <motionlang/metrics/summary.hpp>
 #define MOTIONLANG_HAS_METRICS_SUMMARY_HPP
-/// One figure with its spread out of repeated evaluations, as the tables of ACTOR and of Guo et al. print them.
+/// One figure and its spread from repeated evaluations, as printed in the tables of ACTOR and of Guo et al.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -32661,10 +33293,10 @@ struct MeanInterval {
 /// Source  text-to-motion final_evaluations.py get_metric_statistics. Throws numeric_error 302.
 MeanInterval replication_interval(std::span<const double> values);
 
-/// mean +- 1.96 variance, rounded: to 2 places, the mean of an accuracy, in percent, to 1. The name tells which:
-/// whether it contains "accuracy", as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
+/// mean +- 1.96 variance, rounded to 2 places. The mean of an accuracy, in percent, is rounded to 1 place. A metric is
+/// an accuracy if its name contains "accuracy", as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
 /// Source  thesis 3.3.1; ACTOR src/evaluate/tables/easy_table.py format_values. Throws numeric_error 302.
-/// Differs from the paper: it speaks of a 95 % confidence interval, which would need std / sqrt(n) in place of the
+/// Differs from the paper, which speaks of a 95 % confidence interval; that would need std / sqrt(n) instead of the
 /// variance
 MeanInterval actor_summary(std::string_view metric, std::span<const double> values);
 
@@ -32710,7 +33342,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_TEMOS_SCORE_HPP  // <motionlang/metrics/temos_score.hpp>
 #define MOTIONLANG_HAS_METRICS_TEMOS_SCORE_HPP
-/// How alike two motions are to a motion encoder: SINC's TEMOS score.
+/// The similarity of two motions to a motion encoder: SINC's TEMOS score.
 ///
 /// Source  thesis B.3.1; SINC (Athanasiou et al., ICCV 2023) sample_eval_latent.py
 
@@ -32730,7 +33362,7 @@ std::vector<double> temos_distances(const Rows<S>& generated, const Rows<T>& ref
   return out;
 }
 
-/// 1 - mean d / 4, the mean of (1 + cos) / 2: from 0 to 1. Throws shape_error 204, numeric_error 302 of no items.
+/// 1 - mean d / 4, the mean of (1 + cos) / 2: from 0 to 1. Throws shape_error 204, and numeric_error 302 without items.
 template <Scalar S, Scalar T>
 double temos_score(const Rows<S>& generated, const Rows<T>& reference) {
   const auto distances = temos_distances(generated, reference);
@@ -32745,7 +33377,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_ACTOR_HPP  // <motionlang/systems/actor.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_ACTOR_HPP
-/// ACTOR: motions of any duration for an action. Assembly; the parts are in vae/, nn/sequence_vae.hpp and
+/// ACTOR: motions of any duration for an action. This header assembles it from vae/, nn/sequence_vae.hpp and
 /// features/actor_points.hpp.
 ///
 ///     const std::vector<Index> actions{3, 7}, durations{60, 90};
@@ -32758,14 +33390,14 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The rows of thesis table 3.4, which mix.
+/// The rows of thesis table 3.4, which can be combined.
 enum class ActorEncoderKind { tokens, average, gru, fully_connected };
 enum class ActorDecoderKind { transformer, gru, fully_connected, autoregressive };
 
 /// Published sizes; 13 classes for NTU-13, 40 for UESTC.
 struct ActorConfig {
   static constexpr bool is_option = true;  // holds no tensors
-  Index njoints = 25, nfeats = 6;          // rows of a frame, and numbers of each: a translation is a row
+  Index njoints = 25, nfeats = 6;          // rows of a frame, and values of each: a translation is a row
   Index num_classes = 12;
   Index latent_dim = 256, ff_size = 1024, num_layers = 8, num_heads = 4;
   double dropout = 0.1;
@@ -32773,13 +33405,13 @@ struct ActorConfig {
   ActorEncoderKind encoder = ActorEncoderKind::tokens;
   ActorDecoderKind decoder = ActorDecoderKind::transformer;
   ActorConditioning conditioning = ActorConditioning::action_bias;  // of the transformer decoder
-  bool concatenate_time = true;                                     // gru and autoregressive: frames know the time
+  bool concatenate_time = true;                                     // gru and autoregressive: frames include their time
   Index num_frames = 60;                                            // of fully connected networks
   Index max_len = 5000;
   bool operator==(const ActorConfig&) const = default;
 };
 
-/// The names are those of the published checkpoints, which hold tables of positions besides.
+/// The names are those of the published checkpoints, which also contain tables of positions.
 template <Backend B>
 struct Actor {
   std::optional<ActorEncoder<B>> encoder;
@@ -32840,7 +33472,7 @@ struct Actor {
     if (autoregressive_decoder) return (*autoregressive_decoder)(z, actions, lengths);
     return (*decoder)(z, actions, lengths, context);
   }
-  /// decode for a training step, where an autoregressive decoder reads the true frames before each frame.
+  /// decode for a training step: an autoregressive decoder reads the true frames before each frame.
   Sequences<B> teach(const Tensor<B, 2>& z, std::span<const Index> actions, const Sequences<B>& x,
                      const Context& context = {}) const {
     return autoregressive_decoder ? autoregressive_decoder->teach(z, actions, x, context)
@@ -32850,7 +33482,7 @@ struct Actor {
 
 namespace detail {
 
-/// Rows of noise for generate, drawn at once.
+/// Rows of noise for generate, in a single draw.
 template <Backend B, class G>
 Tensor<B, 2> actor_noise(const Actor<B>& actor, Index rows, G& rng) {
   const Shape shape{rows, actor.config.latent_dim};
@@ -32862,7 +33494,7 @@ Tensor<B, 2> actor_noise(const Actor<B>& actor, Index rows, G& rng) {
 }  // namespace detail
 
 /// Motions in the order sample, action. durations: frames for each action, or for each motion.
-/// rng     its normal numbers are drawn once; with TorchRandom they are those of the published program
+/// rng     its normal values are taken in one draw; with TorchRandom they are those of the published program
 /// Throws  shape_error 203 for an action that is not a class, 204 for another number of durations, config_error 101
 template <Backend B, class G>
 Sequences<B> generate(const Actor<B>& actor, std::span<const Index> actions, std::span<const Index> durations, G& rng,
@@ -32879,7 +33511,7 @@ Sequences<B> generate(const Actor<B>& actor, std::span<const Index> actions, std
   return actor.decode(z, labels, Offsets(lengths));
 }
 
-/// Motions as the model understands them, without their noise: encoded and decoded. Source  thesis 3.3.4
+/// Encodes and decodes motions, which removes their noise. Source  thesis 3.3.4
 template <Backend B>
 Sequences<B> denoise(const Actor<B>& actor, const Sequences<B>& motions, std::span<const Index> actions) {
   return actor.decode(actor.encode(motions, actions).mu, actions, motions.offsets);
@@ -32895,15 +33527,15 @@ Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_
   return actor.decode(line, PoolVector<Index>(static_cast<std::size_t>(steps), action), Offsets::equal(steps, length));
 }
 
-/// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the
-/// other. All have `length` frames; the first and the last are those of generate.
-/// Throws  config_error 102 for a decoder that is not a transformer: its frames read the number of the action. What
-///         generate and interpolate_rows throw
+/// Motions between two actions, from one latent. Its memory in the decoder changes in `steps` steps from one action to
+/// the other. All have `length` frames. The first and the last are those of generate.
+/// Throws  config_error 102 for a decoder that is not a transformer, because its frames read the number of the action.
+///         What generate and interpolate_rows throw
 template <Backend B, class G>
 Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, Index steps, Index length, G& rng) {
   if (!actor.decoder)
     raise<config_error>(102, "interpolate_actions: actions ", from, " and ", to,
-                        ": nothing is between them for a decoder that is not a transformer");
+                        ": only a transformer decoder interpolates between actions");
   const Index width = actor.config.latent_dim, both[] = {from, to};
   const auto z = broadcast_to<2>(detail::actor_noise(actor, 1, rng), {2, width});
   const auto ends = actor.decoder->memory(z, both).rows;
@@ -32919,7 +33551,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_SINC_HPP  // <motionlang/systems/sinc.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_SINC_HPP
-/// SINC: several actions at the same time. Assembly; the parts are in vae/, nn/sequence_vae.hpp and
+/// SINC: several actions at the same time. This header assembles it from vae/, nn/sequence_vae.hpp and
 /// compose/sinc_composition.hpp.
 ///
 ///     const std::string text = join_labels(labels, Conjunction::same_time);            // text/joined_labels.hpp
@@ -32932,7 +33564,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
+/// Published sizes. (The published configuration has six heads under a name that is never read; there are four.)
 struct SincConfig {
   static constexpr bool is_option = true;  // holds no tensors
   Index nfeats = 135, text_dim = 768;
@@ -32949,8 +33581,8 @@ struct SincConfig {
 /// eps of SINC's Normalizer, both ways. (TEACH: 1e-12.)
 inline constexpr double sinc_eps = 1e-5;
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*), and in
-/// old ones eval_model.* and metrics.*.
+/// The names are those of the published checkpoints, which also contain DistilBERT (textencoder.text_model.*) and, in
+/// old ones, eval_model.* and metrics.*.
 template <Backend B>
 struct Sinc {
   SincTextEncoder<B> textencoder;
@@ -32971,7 +33603,7 @@ struct Sinc {
     if (c.motion_encoder) motionencoder.emplace(c.nfeats, true, transformer_of(c), c.max_len, rng);
   }
 
-  /// A distribution for each motion; for each text in mode separate_latents.
+  /// A distribution for each motion, or for each text in mode separate_latents.
   LatentGaussian<B> encode_text(const SincTexts<B>& texts, const Context& context = {}) const {
     return textencoder(texts, config.mode, config.legacy_ste_mask, context);
   }
@@ -32992,7 +33624,7 @@ struct Sinc {
   Sequences<B> decode(const Sequences<B>& z, const Offsets& lengths, const Context& context = {}) const {
     return motiondecoder(z, lengths, context);
   }
-  /// How many latents the texts of each motion become.
+  /// The number of latents for the texts of each motion.
   Offsets latents(const SincTexts<B>& texts) const {
     const Offsets of_motion = texts.per_motion();
     return config.mode == SincMode::separate_latents ? of_motion : Offsets::equal(of_motion.count(), 1);
@@ -33047,13 +33679,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_HPP  // <motionlang/systems/sinc_baseline.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_HPP
-/// The baseline that STMC is compared with: every text of a timeline is sampled alone, on its own noise, and the
-/// motions are stitched once at the end, body part by body part, with hard cuts.
+/// The baseline of STMC: every text of a timeline is sampled alone, from its own noise. The motions are stitched once
+/// at the end, body part by body part, with hard cuts.
 ///
 ///     const auto motions = sinc_baseline(stmc, std::span(&timeline, 1), Philox{.seed = 7});
 ///     const auto soft = sinc_baseline(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, SincCuts::interpolated);
 ///
-/// Source  SINC (Athanasiou et al. 2023) on a timeline, as STMC (Petrovich et al. 2024) has it in section 4.2
+/// Source  SINC (Athanasiou et al. 2023) on a timeline, as in section 4.2 of STMC (Petrovich et al. 2024)
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_IPP  // <motionlang/systems/stmc.ipp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_IPP
@@ -33067,7 +33699,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The texts of a plan, each once; "" is the first one.
+/// The different texts of a plan; "" is the first one.
 struct DifferentTexts {
   std::vector<std::string> texts{""};
   std::vector<Index> which;  // of every interval
@@ -33113,13 +33745,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_HPP  // <motionlang/systems/stmc.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_HPP
-/// STMC: spatio-temporal motion collage. A timeline of texts on several tracks in, one motion out.
+/// STMC: spatio-temporal motion collage. It turns a timeline of texts on several tracks into one motion.
 ///
 /// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human
-///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training
-/// Bodies  motionlang::instantiated has those of Stmc<EigenBackend<float>>. A unit that is compiled with
-///         MOTIONLANG_INSTANTIATED and uses another Stmc also includes <motionlang/systems/stmc.ipp>; the compiler says
-///         so
+///         motion generation" (2024). It works at test time with any denoiser of explicit poses, without training
+/// Bodies  motionlang::instantiated has those of Stmc<EigenBackend<float>>. If a unit is compiled with
+///         MOTIONLANG_INSTANTIATED and uses another Stmc, it must also include <motionlang/systems/stmc.ipp>; otherwise
+///         the compiler asks for it
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -33127,13 +33759,13 @@ struct BatchPlan;
 
 namespace detail {
 
-/// Complete where the bodies of Stmc are.
+/// This type is complete where the bodies of Stmc are.
 template <class T>
 struct StmcBodies;
 /// True if motionlang::instantiated has the bodies.
 template <class T>
 inline constexpr bool is_compiled_stmc = false;
-/// Says what a unit without the bodies lacks for a function that no library can have compiled. Argument: of it.
+/// Names the missing header for a function that no library can have compiled. Argument: of that function.
 template <class T, class Argument>
 struct HasStmcBodies {
   static constexpr bool value = true;
@@ -33151,14 +33783,14 @@ struct StmcOptions {
   std::optional<SamplingOptions> sampling{};  // the model's own unless given
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
-  Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
+  Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Affects only the memory
   Progress progress{};                      // called after every step; may cancel
 };
 
-/// Clean motions, normalised, one below the other.
+/// Clean motions, normalised, in consecutive rows.
 template <Backend B>
 struct CleanMotions {
-  Tensor<B, 2> rows{};  // (motions * stride, features); those behind the end of a motion mean nothing
+  Tensor<B, 2> rows{};  // (motions * stride, features); rows behind the end of a motion mean nothing
   Index stride = 0;     // rows of every motion
 };
 
@@ -33178,12 +33810,12 @@ struct Stmc {
   Normalizer<B> motion_normalizer, text_normalizer;
   GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
   FeatureLayout layout = smplrifke_layout();
-  double guidance = 2.5;       // what the model should be sampled with, where the caller does not say
+  double guidance = 2.5;       // for sampling, if the caller does not set it
   SamplingOptions sampling{};  // the same
   Index steps = 0;             // the same; 0: all of the process
   double fps = 20;             // of its motions
 
-  /// A text encoder without fields has its weights in files of its own.
+  /// The weights of a text encoder without fields are in files of its own.
   static constexpr auto fields() {
     if constexpr (Module<E>)
       return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
@@ -33193,47 +33825,47 @@ struct Stmc {
                                 "text_normalizer", &Stmc::text_normalizer);
   }
 
-  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends
+  /// One motion per timeline, (frames, features), not normalised. All are sampled together. The noise of each depends
   /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
   std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
                                      const StmcOptions& options = {}) const;
   Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
 
   /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
-  /// (sequences, frames, features) as `shape` says.
+  /// (sequences, frames, features) of the given shape.
   template <class Noise, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
-  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
-  /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes.
+  /// The same with clean estimates from a function: estimate(collage, whole, x, t) -> x0, all of shape (rows of the
+  /// collage, features). whole(collage, x, t) is the estimate of a plain run.
   template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options, Estimate&& estimate) const;
-  /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
+  /// The same from a plan made with `plan_options`, for example with other rules for texts that claim the same part.
   template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                           Estimate&& estimate) const;
 
-  /// The same motions as they are sampled: still normalised.
+  /// The same motions before denormalisation.
   template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   CleanMotions<B> sample(BatchPlan plan, Noise&& noise, const StmcOptions& options, Estimate&& estimate) const;
-  /// Each of them by itself, not normalised: (frames of its timeline in the plan, features).
+  /// Separates them, not normalised: (frames of its timeline in the plan, features) each.
   std::vector<Tensor<B, 2>> separate(const CleanMotions<B>& clean, const BatchPlan& plan) const;
 
-  /// How timelines are planned for this model.
+  /// The options for planning timelines for this model.
   PlanOptions plan_options(const StmcOptions& options) const;
 
-  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same
-  /// noise.
+  /// Standard normal values of every sequence from its own stream, so a timeline has the same noise alone and in a
+  /// batch.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with this many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
+  /// The process with this many evenly chosen steps, all if 0; the model's own number unless given. Throws config_error
   /// 105.
   GaussianDiffusion process(std::optional<Index> wanted) const;
 
  private:
-  /// Features of the text of every interval, and of "". Each text goes through the encoder once.
+  /// Features of the text of every interval, and of "". Each text is encoded once.
   struct PlanTexts {
     TextFeatures<B> text, null;
   };
@@ -33241,7 +33873,7 @@ struct Stmc {
 };
 
 /// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the
-/// skeleton's: the rotations are used, not the predicted positions. Published generation starts facing pi.
+/// skeleton's, because the rotations are used and not the predicted positions. Published generation starts facing pi.
 template <Backend B>
 Motion stmc_motion(const Tensor<B, 2>& features, double fps = 20);
 
@@ -33348,7 +33980,6 @@ GaussianDiffusion Stmc<B, D, E>::process(std::optional<Index> wanted) const {
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
   const detail::DifferentTexts different(plan);
-  const detail::RowsTogether beside_any_others(detail::RowsTogether::few);
   auto features = text_encoder.template encode<B>(std::span<const std::string>(different.texts));
   features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
   if (denoiser.traits().empty_text_is_null) {
@@ -33392,7 +34023,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The transition where one text hands a body part over to another: nothing, or an interpolation around the cut.
+/// The transition at which a body part changes from one text to another: none, or an interpolation around the cut.
 enum class SincCuts { hard, interpolated };
 
 namespace detail {
@@ -33402,7 +34033,7 @@ std::vector<Index> crop_lengths(const BatchPlan& plan);
 
 }  // namespace detail
 
-/// How timelines are planned for the baseline: intervals do not reach into each other.
+/// The options for planning timelines for the baseline: intervals do not reach into each other.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 PlanOptions sinc_plan_options(const Stmc<B, D, E>& stmc, const StmcOptions& options) {
   PlanOptions out = stmc.plan_options(options);
@@ -33410,8 +34041,8 @@ PlanOptions sinc_plan_options(const Stmc<B, D, E>& stmc, const StmcOptions& opti
   return out;
 }
 
-/// From a plan made with `sinc_plan_options`, the caller's noise and clean estimates, as Stmc::generate_from takes
-/// them: every text is a sequence, and the collage is that of the texts alone. One motion for each timeline, (frames,
+/// Takes a plan made with `sinc_plan_options`, and the caller's noise and clean estimates like Stmc::generate_from.
+/// Every text is a sequence, and the collage is that of the texts alone. Returns one motion for each timeline, (frames,
 /// features), not normalised.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E, class Noise, class Estimate>
 std::vector<Tensor<B, 2>> sinc_baseline_from(const Stmc<B, D, E>& stmc, const BatchPlan& plan, Noise&& noise,
@@ -33471,37 +34102,37 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_EDIT_HPP  // <motionlang/systems/stmc_edit.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_EDIT_HPP
-/// STMC after an edit of its timelines: what the edit cannot have changed is taken from the run before.
+/// STMC after an edit of its timelines: everything that the edit cannot change is reused from the run before.
 ///
 ///     StmcRecord<B> record;
 ///     auto motion = generate_recorded(stmc, timelines, Philox{.seed = 7}, {.steps = 10}, record);
 ///     timelines[0].intervals[2].text = "run";
 ///     StmcReuse reuse;
-///     // The bits of generate(timelines, ...); then another motion than that, but only near the edit.
+/// The bits of generate(timelines, ...). The second call makes another motion, which differs only near the edit.
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);
 ///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
 ///
-/// The limit of reuse (compose/edits.hpp): an edit spreads by one crop with every step. Texts that follow
-/// each other with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit
-/// nothing is reused any more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it.
-/// Free are timelines of the batch that were not edited, and with overlap 0 all texts behind a cut that nothing spans.
-/// For the rest there is an approximation, named `within`: frames further than that from the edit keep their clean
-/// estimates of every step, as if painted over, and the frames between are made to fit to them.
-/// Memory   a record has (steps, frames, 205) numbers: 20 MB for 12 s and 100 steps, 2 MB with 10
+/// The limit of reuse (compose/edits.hpp): an edit spreads by one crop with every step. Overlapping neighbours form a
+/// chain of crops, so nothing is reused after as many steps as the chain has crops beside the edit. With 100 steps, a
+/// few per cent of the work can be reused; with 10 steps and a long timeline much of it. Timelines of the batch that
+/// were not edited cost nothing, and with overlap 0 neither do texts behind a cut that nothing spans. The option
+/// `within` approximates: frames further than that from the edit keep their clean estimates of every step, as in
+/// inpainting. The frames between are fitted to them.
+/// Memory   a record has (steps, frames, 205) values: 20 MB for 12 s and 100 steps, 2 MB with 10
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP  // <motionlang/systems/stmc_reuse.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP
-/// How much a run of STMC reused of the run before (systems/stmc_edit.hpp).
+/// The report on how much a run of STMC reused of the run before (systems/stmc_edit.hpp).
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How much a run reused.
+/// The amount that a run reused.
 struct StmcReuse {
-  Index frames = 0, kept = 0;      // of the result; those that have the numbers of before
-  Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run that takes nothing over
+  Index frames = 0, kept = 0;      // of the result; those with unchanged values
+  Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run without reuse
   Index steps = 0;                 // of the run
-  Index everywhere = 0;  // the step (from 1) after which no frame of an edited timeline is that of before; 0: none is
-  bool exact = true;     // the result is that of a run that takes nothing over, bit for bit
+  Index everywhere = 0;  // the step (from 1) after which no frame of an edited timeline is unchanged; 0: there is none
+  bool exact = true;     // the result equals that of a run without reuse, bit for bit
 };
 
 MOTIONLANG_NAMESPACE_END
@@ -33509,7 +34140,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A run as it is needed after an edit.
+/// The record of a run for use after an edit.
 template <Backend B>
 struct StmcRecord {
   std::vector<Timeline> timelines{};
@@ -33517,17 +34148,17 @@ struct StmcRecord {
   StmcOptions options{};           // without progress
   Index rows = 0;                  // of every timeline
   std::vector<Tensor<B, 2>> x0{};  // after each step: clean estimate (timelines * rows, features), normalised
-  bool exact = true;               // false: not what a run without a record gives, because of `within`
+  bool exact = true;               // false: not the result of a run without a record, because of `within`
 };
 
 struct RegenerateOptions {
-  std::optional<Index> within{};  // frames; approximation: what is further from the edit stays as it was
+  std::optional<Index> within{};  // frames; approximation: frames further from the edit do not change
   Progress progress{};
 };
 
 namespace detail {
 
-/// The clean estimates of a run: those that can differ from the recorded ones are calculated, the others taken.
+/// The clean estimates of a run. Those that can differ from the recorded ones are computed, the others copied.
 template <Backend B, class D>
 class Regeneration {
  public:
@@ -33563,7 +34194,7 @@ class Regeneration {
   }
 
  private:
-  /// For every row of x0 where it is: among the recorded ones, or behind them among those just made.
+  /// For every row of x0 its place: among the recorded ones, or after them among the new ones.
   void find_rows(const Collage<B, D>& collage) {
     const Index recorded = before_.x0.front().size(0);
     rows_.clear();
@@ -33585,13 +34216,13 @@ template <Backend B, Denoiser<B> D>
 void require_own_results(const Collage<B, D>& collage) {
   if (!collage.can_divide())
     raise<config_error>(102,
-                        "edits: what this denoiser makes of a crop depends on the other crops, nothing can be kept");
+                        "edits: this denoiser's result for a crop depends on the other crops, so nothing can be kept");
 }
 
 }  // namespace detail
 
-/// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102
-/// where crops depend on each other (BatchMates).
+/// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, and config_error
+/// 102 if crops depend on each other (BatchMates).
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                             const Philox& rng, const StmcOptions& options, StmcRecord<B>& record) {
@@ -33609,8 +34240,8 @@ std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span
   return motions;
 }
 
-/// The motions of other timelines with seed and options of the record, made from the record as far as possible; the
-/// record then is that of this run. Throws as generate does, config_error 102 if the record has another number of
+/// The motions of other timelines with seed and options of the record, computed from the record as far as possible. The
+/// record is then that of this run. Throws as generate does, and config_error 102 if the record has another number of
 /// steps.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& record,
@@ -33650,24 +34281,24 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_HPP  // <motionlang/systems/stmc_keep.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_HPP
-/// STMC around a motion that is there already: frames or body parts of it are kept, texts make the rest.
+/// STMC around an existing motion: frames or body parts of it are kept, and texts make the rest.
 ///
 ///     KeptMotion<B> clip{features};                            // (frames, 205), not normalised
-///     // Its first and last second: what is between is made. Or its way and steps: texts move the rest.
+/// Its first and last second; the model makes the frames between. Or its path and steps; texts move the rest.
 ///     clip.parts = {{{0, 20}}, {{100, 120}}};
 ///     clip.parts = {{{0, 120}, BodyParts{}.with(BodyPart::legs)}};
 ///     const std::span<const KeptMotion<B>> kept(&clip, 1);     // one for each timeline
 ///     auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, kept);
 ///
-/// Rule    after every step the clean estimate is overwritten where something is kept; x_t stays as it is
+/// Rule    after every step the clean estimate is overwritten where a part is kept; x_t is not changed
 /// Source  MDM (Tevet et al. 2023), section 3 "Editing", MDM sample/edit.py
-/// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did,
-///         from wherever the frames before them have led. Models that do not look at what is kept jump where it begins
-///         and ends: `without_jump` (kinematics/blend.hpp), as in the program
+/// Note    Features describe the path over the floor by its velocity. So kept frames at the end move as before, but
+///         start where the frames before them end. Models that ignore the kept part jump where it begins and ends: use
+///         `without_jump` (kinematics/blend.hpp), as the program does
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames and body parts that are kept. The way over the ground belongs to the part with the path: the legs of a human.
+/// Kept frames and body parts. The path over the floor belongs to the part with the path: the legs of a human.
 struct KeptPart {
   IndexRange frames;
   BodyParts parts = BodyParts::every();
@@ -33685,7 +34316,7 @@ namespace detail {
 /// Positions of all these parts in a feature vector.
 std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts);
 
-/// Normalised features where they are kept, over whatever is elsewhere.
+/// Kept normalised features, which replace those of the model.
 template <Backend B>
 class KeptRows {
  public:
@@ -33736,14 +34367,14 @@ class KeptRows {
     }
   }
 
-  Tensor<B, 2> open_, values_;  // 1 where nothing is kept, and 0 there
+  Tensor<B, 2> open_, values_;  // 1 where nothing is kept, else 0
 };
 
 }  // namespace detail
 
-/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, except for the
-/// rounding of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline
-/// does not have, 102 for another number of motions, shape_error 205 for other features, numeric_error 301.
+/// As stmc.generate, with one motion to keep for each timeline. Kept values come back unchanged, up to the rounding of
+/// the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline lacks, 102 for
+/// another number of motions, shape_error 205 for other features, numeric_error 301.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                           const Philox& rng, const StmcOptions& options,
@@ -33785,7 +34416,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_TEACH_HPP  // <motionlang/systems/teach.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_TEACH_HPP
-/// TEACH: a sequence of actions, each generated with the end of the one before it. Assembly; the parts are in vae/,
+/// TEACH: a sequence of actions, each generated from the end of the one before it. This header assembles it from vae/,
 /// nn/sequence_vae.hpp and compose/teach_join.hpp.
 ///
 ///     const std::vector<std::string> actions{"walk", "turn left", "sit"};
@@ -33800,31 +34431,31 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
+/// Published sizes. (The published configuration has six heads under a name that is never read; there are four.)
 struct TeachConfig {
   static constexpr bool is_option = true;  // holds no tensors
   Index nfeats = 135, text_dim = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
   Activation activation = Activation::gelu;
-  Index hist_frames = 5;        // of the past that a text is encoded with
-  bool z_prev_text = false;     // the latent of the past, too
+  Index hist_frames = 5;        // of the past, with which a text is encoded
+  bool z_prev_text = false;     // also the latent of the past
   bool motion_encoder = true;   // for training
-  bool unused_encoder = false;  // textencoder.motionTransEncoder, which published checkpoints have
-  bool mask_padding = false;    // true: as the paper; published code lets frames of padding be attended to in training
+  bool unused_encoder = false;  // textencoder.motionTransEncoder of published checkpoints
+  bool mask_padding = false;    // true: as in the paper; in training, published code attends to frames of padding
   Index max_len = 5000;
   bool operator==(const TeachConfig&) const = default;
 };
 
-/// The frames of the gap that published evaluations fill between two actions.
+/// The number of frames that published evaluations interpolate between two actions.
 inline constexpr Index teach_window = 8;
 
 namespace detail {
 
-/// The frames that are generated of each part: all but those of the gap before it. Throws config_error 101 where that
-/// leaves fewer than two, and for a negative gap.
+/// The generated frames of each part: all except the gap before it. Throws config_error 101 if fewer than two remain,
+/// and for a negative gap.
 Offsets generated_frames(const Offsets& lengths, Index gap);
-/// Parts, generated frames one behind the other, with rows of 0 in the gaps.
+/// Parts, whose generated frames follow each other, with rows of 0 in the gaps.
 template <Backend B>
 Sequences<B> with_gaps(const Tensor<B, 2>& frames, const Offsets& lengths, Index gap) {
   PoolVector<Index> pick;
@@ -33837,7 +34468,7 @@ Sequences<B> with_gaps(const Tensor<B, 2>& frames, const Offsets& lengths, Index
 
 }  // namespace detail
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*) and
+/// The names are those of the published checkpoints, which also contain DistilBERT (textencoder.text_model.*) and
 /// tables of positions.
 template <Backend B>
 struct Teach {
@@ -33881,8 +34512,8 @@ struct Teach {
     return out;
   }
 
-  /// Both actions of a training step, for teach_losses. The second text sees the end of the first motion as it was
-  /// decoded from the first text, and gradients pass through it; `teacher_forcing`: as it is in the data.
+  /// Both actions of a training step, for teach_losses. The second text sees the end of the first motion as decoded
+  /// from the first text, and gradients flow through it. With `teacher_forcing` it sees that of the data.
   /// Source  thesis A.2.3; TEACH teach/model/teach.py allsplit_step
   TeachBranches<B> branches(const TeachPairs<B>& pairs, const TeachNoise<B>& noise, const Context& context = {},
                             bool teacher_forcing = false) const {
@@ -33909,7 +34540,7 @@ struct Teach {
   /// The parts of one motion in normalised features, one for each text, in their order.
   /// lengths  frames of the parts, each with the gap of `window` frames before it; the gaps are rows of 0
   /// eps      (texts, latent), standard normal
-  /// Throws   shape_error 204, 207; config_error 101 for a part of fewer than two frames behind its gap
+  /// Throws   shape_error 204, 207; config_error 101 for a part of fewer than two frames after its gap
   /// Source   thesis A.2.3, A.3.4; TEACH teach/model/teach.py forward_seq
   Sequences<B> generate(const Sequences<B>& texts, const Offsets& lengths, const Tensor<B, 2>& eps,
                         Index window = 0) const {
@@ -33928,8 +34559,8 @@ struct Teach {
   }
 };
 
-/// The baseline "independent": parts that know nothing of each other, of a model for single actions (Temos with 135
-/// features). The baseline "joint" is text_to_motion of all labels joined by commas. Arguments as of Teach::generate.
+/// The baseline "independent": independent parts from a model of single actions (Temos with 135 features). The baseline
+/// "joint" is text_to_motion of all labels joined by commas. Arguments as in Teach::generate.
 template <Backend B, class Model>
 Sequences<B> independent_actions(const Model& model, const Sequences<B>& texts, const Offsets& lengths,
                                  const Tensor<B, 2>& eps, Index window = 0) {
@@ -33937,7 +34568,7 @@ Sequences<B> independent_actions(const Model& model, const Sequences<B>& texts, 
   return detail::with_gaps(parts.rows, lengths, window);
 }
 
-/// The parts of one motion, with noise that depends on seed and place only.
+/// The parts of one motion, with noise that depends only on seed and place.
 template <Backend B>
 Sequences<B> actions_to_motion(const Teach<B>& model, const Sequences<B>& texts, const Offsets& lengths,
                                const Philox& rng, Index window = teach_window, const LatentSampling& sampling = {}) {
@@ -33975,8 +34606,8 @@ MOTIONLANG_BODY Offsets generated_frames(const Offsets& lengths, Index gap) {
   for (Index i = 0; i < lengths.count(); ++i) {
     out.push_back(lengths.length(i) - (i == 0 ? 0 : gap));
     if (i > 0 && gap > 0 && out[static_cast<std::size_t>(i)] < 2)
-      raise<config_error>(101, "TEACH: action ", i, " of ", lengths.length(i), " frames with a gap of ", gap,
-                          " has to have two or more behind it");
+      raise<config_error>(101, "TEACH: action ", i, " has ", counted(lengths.length(i), "frame"),
+                          "; two or more must follow the gap of ", gap);
   }
   return Offsets(std::span<const Index>(out));
 }
@@ -33989,7 +34620,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_TEMOS_HPP  // <motionlang/systems/temos.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_TEMOS_HPP
-/// TEMOS: diverse motions from a text. Assembly; the parts are in vae/ and nn/sequence_vae.hpp.
+/// TEMOS: diverse motions from a text. This header assembles it from vae/ and nn/sequence_vae.hpp.
 ///
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, texts)).tokens;              // text/bert.hpp
 ///     const auto motions = text_to_motion(temos, states, Offsets{60}, Philox{.seed = 7}, 10);  // ten for each text
@@ -34016,8 +34647,8 @@ struct TemosConfig {
   bool operator==(const TemosConfig&) const = default;
 };
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*, frozen,
-/// and read on its own), tables of positions and sums of losses.
+/// The names are those of the published checkpoints, which also contain DistilBERT (textencoder.text_model.*, frozen,
+/// read separately), tables of positions and sums of losses.
 template <Backend B>
 struct Temos {
   TemosTextEncoder<B> textencoder;
@@ -34082,7 +34713,7 @@ std::vector<Vec3<typename B::scalar>> temos_joints(const Normalizer<B>& normaliz
   const auto rows = normalizer.denormalize(features);
   return rifke_joints(temos_rifke(), rows.span());
 }
-/// The same of an SMPL model, (frames, 135): rotations of 22 joints and translation, metres, Z up.
+/// The same for an SMPL model, (frames, 135): rotations of 22 joints and translation, metres, Z up.
 template <Backend B>
 SmplVelpMotion<typename B::scalar> temos_smpl(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
   const auto rows = normalizer.denormalize(features);
@@ -34094,7 +34725,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_TM2T_HPP  // <motionlang/systems/tm2t.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_TM2T_HPP
-/// TM2T: motions to texts and texts to motions, both by way of motion tokens. Assembly; the parts are in
+/// TM2T: motions to texts and texts to motions, both through motion tokens. This header assembles it from
 /// vae/motion_tokenizer.hpp, nn/seq2seq_transformer.hpp, nn/seq2seq_gru.hpp and nn/decoding.hpp.
 ///
 ///     for (const auto& text : tm2t.describe(features, glove)) use(text);             // "a person walk forward"
@@ -34105,18 +34736,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_TM2T_DATA_HPP  // <motionlang/datasets/tm2t_data.hpp>
 #define MOTIONLANG_HAS_DATASETS_TM2T_DATA_HPP
-/// The training data of TM2T's tokenizer: its statistics, the windows of the clips, the frames that become tokens. And
-/// how often its decoder is shown the truth.
+/// The training data of TM2T's tokenizer: its statistics, the windows of the clips, and the frames that become tokens.
+/// Also the schedule of teacher forcing.
 ///
 /// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py MotionDataset, networks/trainers.py schedule_tf; appendix B
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The deviations by which features are divided: those of turn, velocity and height of the root and of the contacts are
-/// made smaller, so that these count more.
-/// bias   of the paper: 5
-/// times  as published the division is done twice, by the training and by the validation set, on the same numbers
-/// Throws shape_error 205 unless there are 12 J - 1 numbers, config_error 101 for a bias that is not positive
+/// The deviations by which features are divided. Those of the root's turn, velocity and height, and of the contacts,
+/// are reduced, so that these count more.
+/// bias   5 in the paper
+/// times  as published, the training set and the validation set each divide the same numbers once
+/// Throws shape_error 205 unless there are 12 J - 1 values, config_error 101 for a bias that is not positive
 template <Scalar S>
 std::vector<S> tm2t_deviation(std::vector<S> std, Index joints = 22, double bias = 5, int times = 2) {
   const Guoh3dSlots slots{joints};
@@ -34134,21 +34765,21 @@ std::vector<S> tm2t_deviation(std::vector<S> std, Index joints = 22, double bias
 /// Frames of the longest motion that becomes tokens for training.
 inline constexpr Index tm2t_longest = 196;
 
-/// Windows of the tokenizer's training, as many as sum (length - window) over the clips that are longer than it.
+/// The windows for training the tokenizer: sum (length - window) over the clips that are longer than a window.
 struct ClipWindow {
   Index clip = 0, start = 0;
   bool operator==(const ClipWindow&) const = default;
 };
-/// As published item 0 is the beginning of the first clip that is as long as a window, and item i > 0 is start i - c -
-/// 1 of the clip with c < i <= c + n, where c counts the windows before it: the last start of each clip is missing.
-/// Throws config_error 101 for a window below 1.
+/// As published, item 0 is the beginning of the first clip that is at least as long as a window. Item i > 0 has the
+/// start i - c - 1 in the clip with c < i <= c + n, where c counts the windows before it. So the last start of each
+/// clip is missing. Throws config_error 101 for a window below 1.
 std::vector<ClipWindow> tm2t_windows(std::span<const Index> lengths, Index window = 64);
 
-/// The frames that become tokens: whole units, from a random start on. Throws config_error 101 if there is no unit.
+/// The frames that become tokens: whole units from a random start. Throws config_error 101 if there is no unit.
 FrameSlice tm2t_token_frames(Index frames, PythonRandom& random, Index unit = 4);
 
-/// Share of the batches in which the decoder of text-to-motion is fed with the true tokens: on a line from `first`, in
-/// epoch 0, to `last`, and then so.
+/// The share of batches in which the decoder of text-to-motion gets the true tokens. It changes linearly from `first`,
+/// in epoch 0, to `last`, and then stays.
 struct TeacherForcing {
   double first = 0.9, last = 0.1;
   Index epochs = 35;
@@ -34199,7 +34830,7 @@ struct Tm2tConfig {
   Seq2SeqGruConfig text_to_motion{};
 };
 
-/// How texts become motions, as published.
+/// The published way from texts to motions.
 struct Tm2tSampling {
   Index max_tokens = 49, top_k = 100;
 };
@@ -34210,7 +34841,7 @@ struct Description {
   double log_probability = 0;
 };
 
-/// The members of the published checkpoints, each of which has a file of its own.
+/// The members of the published checkpoints, each from a file of its own.
 template <Backend B>
 struct Tm2t {
   Normalizer<B> statistics;  // those of the tokenizer, see tm2t_deviation
@@ -34232,12 +34863,12 @@ struct Tm2t {
 
   MotionVocabulary vocabulary() const { return tokenizer.vocabulary(); }
 
-  /// Features to codes, without marks. Frames behind the last four are left out. Throws shape_error 205 for fewer than
-  /// four.
+  /// Features to codes, without marks. Frames after the last group of four are dropped. Throws shape_error 205 for
+  /// fewer than four.
   IdSequences tokens(const Sequences<B>& features) const {
     return tokenizer.tokens(features.with(statistics.normalize(features.rows)));
   }
-  /// Codes to features; a motion of no codes has no frames.
+  /// Codes to features. A motion without codes has no frames.
   Sequences<B> motions(const IdSequences& codes) const {
     std::vector<std::vector<Index>> lists;
     std::vector<Index> frames;
@@ -34261,15 +34892,15 @@ struct Tm2t {
     }
     return IdSequences::from(lists);
   }
-  /// A description of each motion, the best of some beams: lemmas with blanks between them.
-  /// Differs from the published program, which takes the last word off a description that has no end
+  /// A description of each motion, the best of several beams: lemmas with blanks between them.
+  /// Differs from the published program, which removes the last word of a description without an end
   std::vector<std::string> describe(const Sequences<B>& features, const GloVe& glove, BeamOptions options = {}) const {
     std::vector<std::string> out;
     for_each_search(features, glove, options,
                     [&](const BeamSearch& found, const Sequences<B>&) { out.push_back(sentence(found.ids, glove)); });
     return out;
   }
-  /// All beams, the best first, where they differ in words.
+  /// All beams with different words, the best first.
   std::vector<std::vector<Description>> descriptions(const Sequences<B>& features, const GloVe& glove,
                                                      BeamOptions options = {}) const {
     std::vector<std::vector<Description>> out;
@@ -34280,7 +34911,7 @@ struct Tm2t {
     });
     return out;
   }
-  /// Descriptions that are drawn word by word.
+  /// Descriptions sampled word by word.
   std::vector<std::string> describe_at_random(const Sequences<B>& features, const GloVe& glove, const Philox& rng,
                                               DecodingOptions options = {}) const {
     set_marks(options, glove);
@@ -34291,7 +34922,7 @@ struct Tm2t {
     for (Index i = 0; i < words.count(); ++i) out.push_back(sentence(words[i], glove));
     return out;
   }
-  /// `draws` of them for each motion, where they differ in words.
+  /// `draws` of them for each motion, without duplicates.
   std::vector<std::vector<Description>> descriptions_at_random(const Sequences<B>& features, const GloVe& glove,
                                                                const Philox& rng, Index draws,
                                                                DecodingOptions options = {}) const {
@@ -34312,7 +34943,7 @@ struct Tm2t {
     return out;
   }
 
-  /// The codes of a motion for each text. text: as GloVe::encode makes it; parts of speech are not read.
+  /// The codes of a motion for each text. text: from GloVe::encode; parts of speech are not read.
   IdSequences write_tokens(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
     auto state = t2m_model.start(word_vectors(text));
     return decode_batch(t2m_model.next(state), text.count(),
@@ -34324,7 +34955,7 @@ struct Tm2t {
                         uniform_of(rng))
         .written();
   }
-  /// Their features. A text that the model has nothing to say about gets no frames.
+  /// Their features. A text for which the model writes nothing gets no frames.
   Sequences<B> generate(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
     return motions(write_tokens(text, rng, options));
   }
@@ -34337,7 +34968,7 @@ struct Tm2t {
   static void set_marks(auto& options, const GloVe& glove) {
     options.begin = glove.id("sos"), options.end = glove.id("eos"), options.pad = glove.size();
   }
-  /// f(what the search for words of a motion has found, the motion as the transformer remembers it)
+  /// Calls f(the result of the search for a motion's words, the motion in the transformer's memory).
   template <class F>
   void for_each_search(const Sequences<B>& features, const GloVe& glove, BeamOptions options, F f) const {
     set_marks(options, glove);
@@ -34347,7 +34978,7 @@ struct Tm2t {
       f(beam_search(Seq2SeqWriter<B>(m2t_transformer, own), options), own);
     }
   }
-  /// Adds the description that symbols with their marks give of a memory's motion, unless it is there already.
+  /// Adds the description in these symbols of a memory's motion, unless it is a duplicate.
   void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory,
            const GloVe& glove) const {
     std::string text = sentence(ids, glove);
@@ -34367,14 +34998,14 @@ struct Tm2t {
   }
 };
 
-/// "Inverse alignment": what the recurrent model writes about a text has to be described by that text again. The loss
-/// of the description, whose gradient reaches the recurrent model by a Gumbel sample; the model from motion to text is
-/// not to be changed by it.
-///     text: word vectors; described: ids of the words with their marks
+/// "Inverse alignment": the motion that the recurrent model writes for a text must be described by that text again.
+/// Returns the loss of the description. Its gradient reaches the recurrent model through a Gumbel sample; the model
+/// from motion to text must not change.
+///    text: word vectors; described: ids of the words with their marks
 /// Source   TM2T, section 3.3: the second sum of TM2T eq. 7; TM2T networks/trainers.py Seq2SeqT2MJointTrainer
 ///          forward_cycle
-/// Differs  from TM2T eq. 7, which adds both sums: as published, this is a step of its own after that of the tokens
-///          (the first sum, `next_symbol_loss`), each with gradients clipped at norm 0.5
+/// Differs  from TM2T eq. 7, which adds both sums. As published, this is a separate step after that of the tokens (the
+///          first sum, `next_symbol_loss`). Each step clips its gradients at norm 0.5
 template <AutodiffBackend A>
 Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t,
                                     const Sequences<A>& text, const IdSequences& described,
@@ -34383,7 +35014,7 @@ Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTrans
   const auto sample =
       gumbel_sample(t2m, text, options, [&](Index) { return gumbel_noise<A>(text.count(), symbols, rng); });
   const auto memory = m2t.encode_shares(sample.rows(), context);
-  // the second sum of TM2T eq. 7
+  // The second sum of TM2T eq. 7.
   return next_symbol_loss(m2t.logits(described.without_ends(0, 1), memory, context), described);
 }
 
@@ -34392,7 +35023,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_TMR_HPP  // <motionlang/systems/tmr.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_TMR_HPP
-/// TMR: texts and motions in one space, to find one by the other. Assembly; the parts are in vae/ and
+/// TMR: texts and motions in one space, so that one finds the other. This header assembles it from vae/ and
 /// nn/sequence_vae.hpp.
 ///
 ///     const auto text = tmr.encode_text(states).mu, motion = tmr.encode_motion(features).mu;
@@ -34400,7 +35031,7 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto score = tmr_score(similarity);                       // in [0, 1], for people
 ///
 /// Source  Petrovich, Black, Varol: "TMR: Text-to-motion retrieval using contrastive 3D human motion synthesis" (ICCV
-///         2023); thesis, chapter 5. It holds TEMOS as well, in the form of TMR's repository: losses without
+///         2023); thesis, chapter 5. It also covers TEMOS in the form of TMR's repository: losses without the
 ///         contrastive term
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -34444,7 +35075,8 @@ struct Tmr {
   LatentGaussian<B> encode_motion(const Sequences<B>& motion, const Context& context = {}) const {
     return motion_encoder(motion, context);
   }
-  /// Either: the width says which. Throws config_error 101 if both modalities have it, shape_error 204 if none has.
+  /// Encodes either; the width decides which. Throws config_error 101 if both modalities have it, shape_error 204 if
+  /// none has.
   LatentGaussian<B> encode(const Sequences<B>& x, const Context& context = {}) const {
     const Index motion = config.motion_nfeats, text = config.text_nfeats;
     if (motion == text) raise<config_error>(101, "Tmr: motions and texts are both ", text, " wide: say which is meant");
@@ -34490,9 +35122,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SEARCH_MOTION_INDEX_HPP  // <motionlang/search/motion_index.hpp>
 #define MOTIONLANG_HAS_SEARCH_MOTION_INDEX_HPP
-/// A collection of clips as vectors of a model that knows texts and motions: what is searched. One vector for each
-/// clip, for each of its moments (windows over its frames) and for each of its captions. Reading and writing:
-/// search/motion_index_file.hpp; searching: motion_search.hpp.
+/// A searchable collection of clips, as vectors of a model that knows texts and motions. There is one vector for each
+/// clip, for each of its moments (windows over its frames) and for each of its captions. search/motion_index_file.hpp
+/// reads and writes it, and motion_search.hpp searches it.
 
 #ifndef MOTIONLANG_HAS_SEARCH_UNIT_ROWS_HPP  // <motionlang/search/unit_rows.hpp>
 #define MOTIONLANG_HAS_SEARCH_UNIT_ROWS_HPP
@@ -34500,8 +35132,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// <a, b> in double, rounded once. Products of floats are exact there, so what is left of rounding is the order of four
-/// sums: every compiler and every processor gives the same bits.
+/// <a, b> in double, rounded once. Products of floats are exact there, and four sums have a fixed order. So every
+/// compiler and every processor gives the same bits.
 inline float exact_cosine(const float* a, const float* b, Index width) {
   double s[4] = {};
   Index i = 0;
@@ -34523,7 +35155,7 @@ Index whole_rows(std::string_view function, std::size_t values, Index width);
 /// length 0.
 std::vector<float> unit_rows(std::span<const float> rows, Index width);
 
-/// Throws shape_error 205, numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not
+/// Throws shape_error 205, and numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not
 /// finite.
 void require_unit_rows(std::string_view where, std::span<const float> rows, Index width);
 
@@ -34592,13 +35224,13 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Where the vectors come from.
+/// The source of the vectors.
 struct IndexModel {
   std::string id;                // of the weights: vectors of different models cannot be compared
   std::string path;              // of the model, to find it again
-  std::string text_encoder{};    // that it needs beside it, "" if none
+  std::string text_encoder{};    // text encoder beside the model, "" if none
   Index width = 0;               // of a vector
-  double fps = 0;                // frames per second that the model sees
+  double fps = 0;                // frames per second of the model
   std::vector<Index> windows{};  // lengths of moments in such frames; none: only whole clips
   Index stride = 0;              // frames from one moment to the next
   bool operator==(const IndexModel&) const = default;
@@ -34607,10 +35239,10 @@ struct IndexModel {
 /// A clip: a file of motion, one of several motions in it, or a part of it.
 struct IndexedClip {
   std::string path;                      // of the file
-  std::string name{};                    // of the motion in the file, where there are several
+  std::string name{};                    // of the motion in the file, if there are several
   std::int64_t modified = 0, bytes = 0;  // of the file when it was read: nanoseconds, size
-  std::string content{};  // of the file then: a checksum, by which it is known under another name; "" in old indices
-  std::string lines{};    // of a table that say which parts of the file are clips: a checksum, "" if none did
+  std::string content{};      // checksum of the file then, which recognises it under another name; "" in old indices
+  std::string lines{};        // checksum of the table lines that cut the file into clips; "" if none did
   double start = 0, end = 0;  // seconds in the file
   double fps = 0;             // of the file
   Index frames = 0;           // from start to end, in the file
@@ -34619,7 +35251,7 @@ struct IndexedClip {
   bool operator==(const IndexedClip&) const = default;
 };
 
-/// A clip with its vectors, which may have any length but 0.
+/// A clip with its vectors, which may have any length except 0.
 struct EncodedClip {
   IndexedClip clip;
   std::vector<float> vector;             // (width)
@@ -34658,9 +35290,9 @@ class MotionIndex {
     bool operator==(const Moment&) const = default;
   };
 
-  /// Without clips. Throws config_error 101 for sizes and rates that are not positive.
+  /// An index without clips. Throws config_error 101 for sizes and rates that are not positive.
   explicit MotionIndex(IndexModel model);
-  /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error
+  /// From the tables of a file, with rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error
   /// 302.
   MotionIndex(std::string_view where, IndexModel model, std::vector<IndexedClip> clips, std::vector<Moment> moments,
               VectorTable clip_rows, VectorTable moment_rows, VectorTable caption_rows);
@@ -34677,15 +35309,15 @@ class MotionIndex {
   std::span<const float> moment_rows() const { return moment_rows_.rows(); }
   std::span<const float> caption_rows() const { return caption_rows_.rows(); }
 
-  /// Throws config_error 102 if vectors of that model would not be comparable.
+  /// Throws config_error 102 if vectors of that model cannot be compared with those of the index.
   void require_model(std::string_view id, std::string_view path) const;
-  /// Behind the others. Throws shape_error 205 if the vectors do not fit or a moment is none, numeric_error 301, 302
-  /// (unit_rows); then nothing has changed.
+  /// Adds a clip at the end. Throws shape_error 205 if the vectors do not fit or a moment is invalid, and numeric_error
+  /// 301, 302 (unit_rows); then nothing has changed.
   void add(EncodedClip c);
-  /// Takes the clips away for which f(clip) holds, with their moments and captions. Returns how many.
+  /// Removes the clips for which f(clip) is true, with their moments and captions. Returns their number.
   template <class F>
   Index remove_if(F f) {
-    std::vector<Index> number(clips_.size(), -1);  // of those that stay
+    std::vector<Index> number(clips_.size(), -1);  // of the remaining clips
     MotionIndex kept(model_);
     for (std::size_t i = 0; i < clips_.size(); ++i) {
       if (f(std::as_const(clips_[i]))) continue;
@@ -34709,11 +35341,11 @@ class MotionIndex {
     *this = std::move(kept);
     return removed;
   }
-  /// A file has another path now.
+  /// Changes the path of a file.
   void rename(const std::string& from, const std::string& to);
-  /// All clips of a file have this license.
+  /// Sets the licence of all clips of a file.
   void set_license(const std::string& path, const std::string& license);
-  /// The model is found elsewhere now.
+  /// Changes the place of the model.
   void move_model(std::string path, std::string text_encoder);
 
  private:
@@ -34829,7 +35461,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SEARCH_MOTION_SEARCH_HPP  // <motionlang/search/motion_search.hpp>
 #define MOTIONLANG_HAS_SEARCH_MOTION_SEARCH_HPP
-/// Clips, moments and captions of a MotionIndex that are nearest to a vector: of a text, of a motion.
+/// The clips, moments and captions of a MotionIndex that are nearest to a vector of a text or a motion.
 ///
 ///     const MotionSearch search(index);
 ///     for (const MotionHit& hit : search.moments(vector_of("a person waves"), 10)) use(hit);
@@ -34841,10 +35473,10 @@ MOTIONLANG_NAMESPACE_END
 ///     const VectorScan gallery(rows, 256);                  // rows of length 1, not copied
 ///     for (const Neighbour& n : gallery.search(query, 10)[0]) use(n);
 ///
-/// Many queries are a matrix product whose scores are looked at while they lie in a cache; few are read past the
-/// gallery once. These fast scores (float sums in the kernel's order, rows or both sides rounded to bfloat16) only say
-/// who cannot be among the k nearest: what lies within their error bound of the k-th is compared by exact_cosine. So an
-/// answer does not depend on the processor, on the number of threads, on the other queries, or on the storage.
+/// Many queries are a matrix product whose scores are used while they are in a cache. For few queries the gallery is
+/// read once. These fast scores (float sums in the kernel's order, rows or both sides rounded to bfloat16) only exclude
+/// vectors that cannot be among the k nearest. Vectors within the error bound of the k-th are compared by exact_cosine.
+/// So an answer does not depend on the processor, the number of threads, the other queries or the storage.
 ///
 ///     |fast - exact| <= (width + 2) 2^-24 |q| |x|  + |q| max_x |x - bfloat16(x)| + |x| max_q |q - bfloat16(q)|
 ///
@@ -34857,7 +35489,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SEARCH_NEAREST_HPP  // <motionlang/search/nearest.hpp>
 #define MOTIONLANG_HAS_SEARCH_NEAREST_HPP
-/// Nearest vectors: what a search answers, the order of its answers, and the one interface of exact and approximate
+/// Nearest vectors: the answer of a search, the order of answers, and the common interface of exact and approximate
 /// searches.
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -34868,12 +35500,12 @@ struct Neighbour {
   float score = 0;
   bool operator==(const Neighbour&) const = default;
 };
-/// True if a stands before b in an answer: the higher score, and of equal ones the lower index.
+/// True if a precedes b in an answer: the higher score, and of equal scores the lower index.
 inline bool is_nearer(const Neighbour& a, const Neighbour& b) {
   return a.score != b.score ? a.score > b.score : a.index < b.index;
 }
 
-/// The k nearest of those that were offered, in whatever order.
+/// The k nearest of all offered vectors, in any order.
 class NearestK {
  public:
   explicit NearestK(Index k) : k_(static_cast<std::size_t>(k)) {}
@@ -34889,10 +35521,10 @@ class NearestK {
     }
     std::push_heap(heap_.begin(), heap_.end(), is_nearer);
   }
-  /// Nobody below this score can still come in; -infinity while there are fewer than k.
+  /// No score below this can enter any more; -infinity while there are fewer than k.
   float least() const { return heap_.size() < k_ ? -std::numeric_limits<float>::infinity() : heap_.front().score; }
   std::span<const Neighbour> unordered() const { return heap_; }
-  /// Nearest first. Nothing is left behind.
+  /// Returns them, nearest first, and becomes empty.
   std::vector<Neighbour> take() {
     std::sort(heap_.begin(), heap_.end(), is_nearer);
     return std::move(heap_);
@@ -34904,17 +35536,18 @@ class NearestK {
 };
 
 /// A gallery of vectors of length 1 that finds the nearest ones to queries.
-/// Scores   are those of exact_cosine, whoever searches: equal vectors have equal scores
+/// Scores   are those of exact_cosine in every search: equal vectors have equal scores
 /// Order    is_nearer
 /// Models   VectorScan (all of the nearest), VectorGraph (most of them, sooner)
 class VectorSearch {
  public:
   virtual ~VectorSearch() = default;
-  /// Vectors, and numbers of each.
+  /// The number of vectors, and of values in each.
   virtual Index count() const = 0;
   virtual Index width() const = 0;
-  /// queries (n, width), of any length but 0 -> for each its min(k, count) nearest. Throws shape_error 205 unless they
-  /// are whole, config_error 101 for k < 0, numeric_error 301 for a query that is not finite, 302 for one of length 0.
+  /// queries (n, width), of any length except 0 -> for each its min(k, count) nearest. Throws shape_error 205 unless
+  /// they are whole, config_error 101 for k < 0, numeric_error 301 for a query that is not finite, and 302 for one of
+  /// length 0.
   virtual std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const = 0;
 
  protected:
@@ -34929,7 +35562,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// The scan itself. A template, so that motionlang::instantiated can compile it once.
+/// The scan itself. It is a template, so that motionlang::instantiated can compile it once.
 template <std::same_as<float> S>
 struct RowScan {
   std::span<const S> rows;                // (count, width)
@@ -34952,7 +35585,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SEARCH_DETAIL_ROW_SCAN_IPP  // <motionlang/search/detail/row_scan.ipp>
 #define MOTIONLANG_HAS_SEARCH_DETAIL_ROW_SCAN_IPP
-// Bodies of row_scan.hpp: the split of the work over threads, and who is compared exactly.
+// Bodies of row_scan.hpp: the split of the work over threads, and the choice of vectors to compare exactly.
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_IPP  // <motionlang/backend/kernel_ops.ipp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_IPP
@@ -34962,7 +35595,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP  // <motionlang/backend/detail/broadcast.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP
-/// How two operands of a broadcasting operation lie in memory, reduced to the cases that a vectorised loop can handle.
+/// The memory layout of two operands of a broadcasting operation, reduced to the cases that a vectorised loop can
+/// handle.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
@@ -34976,8 +35610,7 @@ struct BroadcastPattern {
   Operand a, b;
 };
 
-/// The pattern of a and b in the result shape s, or nothing if it takes more than one change between walked and
-/// repeated.
+/// The pattern of a and b in the result shape s. Nothing if walked and repeated axes alternate more than once.
 inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const Shape& b, const Shape& s) {
   BroadcastPattern p;
   int group = 0;  // 0: inner, 1: outer; from the last axis backwards
@@ -35004,33 +35637,33 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP  // <motionlang/backend/detail/kernels.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP
-/// The kernels behind the Eigen and xtensor backends: one text, compiled for several instruction sets, chosen at run
+/// The kernels behind the Eigen and xtensor backends: one source, compiled for several instruction sets, chosen at run
 /// time.
 ///
-/// The files *.inc are included once per instruction set, with the compiler told to generate code for it;
-/// `kernels<S>()` is the table of the best one that this processor has. A program built without any -march therefore
-/// runs as fast as one built for the machine. Other processors use the first table, in 16-byte vectors of the compiler
-/// (SSE2, NEON, ...). Nothing here knows about tensors or threads: pointers, sizes, and ranges of rows.
+/// The files *.inc are included once per instruction set, and the compiler generates code for that set. `kernels<S>()`
+/// is the table of the best set that this processor has. So a program that is built without -march runs as fast as one
+/// that is built for the machine. Other processors use the first table, in 16-byte vectors of the compiler (SSE2, NEON,
+/// ...). Kernels know pointers, sizes and ranges of rows, but no tensors or threads.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_GELU_TABLE_HPP  // <motionlang/backend/detail/gelu_table.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_GELU_TABLE_HPP
 /// The difference of relu(x) and gelu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
 ///
 /// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal
-/// distribution function). g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one
-/// instruction so take 14 instructions.
+/// distribution function). g is below 0.17 and vanishes above c = 5.5. This takes 14 instructions on processors that
+/// look up 32 values in one instruction.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// g(i / 4 + d) = sum over n of by_power[n][i] d^n for |d| <= 1/8. Wrong by 5e-8 at most, by 1e-7 of g for i = 0.
+/// g(i / 4 + d) = sum over n of by_power[n][i] d^n for |d| <= 1/8. The error is at most 5e-8, and 1e-7 of g for i = 0.
 struct GeluTable {
   static constexpr int cells = 32, degree = 4;
   static constexpr double width = 0.25;
   alignas(64) float by_power[degree + 1][cells];
 };
 
-/// Taylor's series in every cell, whose powers 5 and 6 are replaced by lower ones (Chebyshev's economisation).
+/// Taylor's series in every cell. Lower powers replace its powers 5 and 6 (Chebyshev's economisation).
 constexpr GeluTable make_gelu_table() {
   constexpr int terms = 16;
   GeluTable table{};
@@ -35043,8 +35676,8 @@ constexpr GeluTable make_gelu_table() {
       q[n] = -p[n - 1] / n;
       g[n] = c * q[n] + q[n - 1];
     }
-    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) =
-    // 0), T_5(u) / 16 for u^5.
+    // Subtracts polynomials that are small for |u| <= 1, u = d / (1/8): u^2 T_4(u) / 8 for u^6 (it keeps g(0) = 0), and
+    // T_5(u) / 16 for u^5.
     constexpr double square = GeluTable::width * GeluTable::width / 4;
     g[4] += g[6] * square, g[2] -= g[6] * square * square / 8;
     g[3] += g[5] * square * 20 / 16, g[1] -= g[5] * square * square * 5 / 16;
@@ -35068,7 +35701,7 @@ template <class S>
 struct Gemm {
   Index m = 0, n = 0, k = 0;
   const S* a = nullptr;
-  Index lda = 0;  // distance of rows of a (of its transpose, (k x m), when a_transposed)
+  Index lda = 0;  // distance between rows of a (of its transpose, (k x m), if a_transposed)
   bool a_transposed = false;
   const S* panels = nullptr;
   S* c = nullptr;
@@ -35077,10 +35710,10 @@ struct Gemm {
   const S* residual = nullptr;
   Index ldr = 0;
   Activation act = Activation::none;
-  const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
+  const std::byte* after = nullptr;  // read after this product: each panel prefetches its share of it
   Index after_bytes = 0;
 
-  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if
+  /// The place in `after` for a thread that has multiplied panels first, first + 1, ... of `count`; `otherwise` if
   /// there is no `after`.
   const std::byte* following(Index first, Index count, const void* otherwise) const {
     return after == nullptr ? static_cast<const std::byte*>(otherwise) : after + after_bytes / 64 * first / count * 64;
@@ -35133,7 +35766,7 @@ struct AdamwStep {
   S beta1{}, rest1{}, beta2{}, rest2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
 };
 
-/// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.
+/// y[i] = op(a[i], b[i]). A repeated operand has one value for all i.
 enum class BinaryOp { add, sub, mul, div, maximum };
 template <class S>
 struct Binary {
@@ -35144,7 +35777,8 @@ struct Binary {
   S* y = nullptr;  // may be a or b
 };
 
-/// Products with the same panels by tiles of bfloat16, three for every float (Precision::bf16x3, float_tiles.inc).
+/// Products with the same panels in tiles of bfloat16. Every float becomes three bfloat16 (Precision::bf16x3,
+/// float_tiles.inc).
 struct FloatTiles {
   Index tile_rows;
   Index (*gemm_rows)(Index k);
@@ -35159,7 +35793,7 @@ struct Kernels {
   const char* name;
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
-  Index (*gemm_scratch)(Index k);  // numbers
+  Index (*gemm_scratch)(Index k);  // values
   void (*pack_rows)(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels);
   bool (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
@@ -35175,7 +35809,7 @@ struct Kernels {
   void (*row_sums)(const S* x, Index n, Index first, Index last, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
 };
-/// The same of training: a table of its own, so that a program that does not train does not compile it.
+/// The same for training. It is a table of its own, so programs that do not train do not compile it.
 template <class S>
 struct GradientKernels {
   Index (*attention_scratch)(Index queries, Index keys, Index width);
@@ -35187,13 +35821,13 @@ struct GradientKernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
-/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels
-/// that are the same for all instruction sets, except numbers below 2^-126.
+/// Products of values that are rounded to bfloat16, with sums in float, and attention with such products. B is packed
+/// in panels that are the same for all instruction sets, except values below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
-  Index (*gemm_scratch)(Index k);  // numbers
+  Index (*gemm_scratch)(Index k);  // values
   void (*pack_rows)(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels);
   bool (*pack_transposed)(const float* b, Index k, Index n, Index stride, Index first, Index last,
                           std::uint16_t* panels);
@@ -35206,7 +35840,7 @@ struct Bf16Kernels {
   void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
                              float* scratch);
 };
-/// Columns of a panel, and its rows: k, filled up to whole tiles.
+/// The columns of a panel, and its rows: k, padded to whole tiles.
 inline constexpr Index bf16_columns = 32;
 constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }
 
@@ -35239,7 +35873,7 @@ MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
 
-// Without the optimiser the wider kernels would only take longer to compile.
+// Without the optimiser the wider kernels would only compile more slowly.
 #if defined(__x86_64__) && defined(__OPTIMIZE__)
 #define MOTIONLANG_WIDE_KERNELS
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
@@ -35272,10 +35906,10 @@ MOTIONLANG_TARGET_POP
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512 ",avx512bf16,amx-tile,amx-bf16")
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail::avx512 {
-// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would
-// need a large header, and their types differ between compilers.
+// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. They are in assembly, because the
+// intrinsics need a large header, and their types differ between compilers.
 
-/// Rounds in one instruction: numbers below 2^-126 to 0.
+/// Rounds in one instruction; values below 2^-126 become 0.
 class ConvertingTile {
  public:
   using Element = std::uint16_t;
@@ -35340,8 +35974,8 @@ MOTIONLANG_INLINE bool any_nan(const Vec<float>& x) {
   return any;
 }
 
-/// The three parts of floats in a panel of `k` rows, filled up to whole tiles: [k / 32][part][pair of k][column][2].
-/// The parts are cut off, not rounded: that takes a third of the time.
+/// The three parts of floats in a panel of `k` rows, padded to whole tiles: [k / 32][part][pair of k][column][2]. The
+/// parts are truncated, not rounded, which takes a third of the time.
 class PanelSplit {
  public:
   static constexpr Index parts = 3;
@@ -35384,18 +36018,18 @@ class PanelSplit {
   const std::byte* following_ = nullptr;
   Index k_ = 0, depth_ = 0, at_ = 0;
   std::uint16_t* begin_ = nullptr;
-  Vec<float> left_{};  // the sum of what the first two parts leave: NaN if a number is not finite
+  Vec<float> left_{};  // the rest after the first two parts: NaN if a value is not finite
 };
 
 /// AMX: registers of 16 rows of 64 bytes; one instruction multiplies 16 x 32 by 32 x 16. Intel since Sapphire Rapids.
 /// Registers 0 1 / 2 3 are the sums of 32 rows and 32 columns, 4 5 the rows of A, 6 7 the columns of B.
 ///
-/// These instructions are 16 times as fast as those in float, so that everything else counts. The sums begin with the
-/// bias (of bfloat16). A piece of a panel stays in the first-level cache while rows of A pass by it (tileloaddt1). What
-/// else is to be done with a tile is done beside the products of the next one, some rows with every step of k: the
-/// vector units are idle then.
+/// These instructions are 16 times as fast as those in float, so that all other work matters. The sums begin with the
+/// bias (of bfloat16). A piece of a panel stays in the first-level cache while rows of A pass by it (tileloaddt1). The
+/// other work for a tile is done during the products of the next one, some rows with every step of k, when the vector
+/// units are idle.
 ///
-/// Parts: of every number; more than one are those of floats (float_tiles.inc). The parts of 32 numbers lie together,
+/// parts: of every value. More than one are those of floats (float_tiles.inc). The parts of 32 values lie together,
 /// part after part.
 template <Index Parts>
 class AmxTile : public ConvertingTile {
@@ -35404,7 +36038,7 @@ class AmxTile : public ConvertingTile {
   static constexpr Index parts = Parts;
   static constexpr int rows = 32;
   static constexpr bool even = false;             // 32 rows cost as much as 17
-  static constexpr bool bias_first = parts == 1;  // else at last, as with multiply-adds
+  static constexpr bool bias_first = parts == 1;  // otherwise the bias is added last, as with multiply-adds
   static constexpr Index depth(Index k) { return bf16_depth(k); }
   static constexpr Index pieces(Index depth, Index tiles) { return tiles > 3 ? (depth + 511) / 512 : 1; }
 
@@ -35465,9 +36099,9 @@ class AmxTile : public ConvertingTile {
     }
     load_sums(bias, 0, lower);  // the same row, 16 times
   }
-  /// Part p of 32 rows (16 unless `lower`) of 32 numbers, into registers 4 and 5, and of 32 columns, into 6 and 7. What
-  /// does not stay in the first-level cache is loaded past it. Memory is read, which the compiler is not told: it knows
-  /// of those instructions that begin and store the sums.
+  /// Loads part p of 32 rows (16 unless `lower`) of 32 values into registers 4 and 5, and of 32 columns into 6 and 7.
+  /// Data that should not stay in the first-level cache bypass it. The compiler is not told that memory is read; it
+  /// knows it from the instructions that begin and store the sums.
   template <Index p, bool stays>
   MOTIONLANG_INLINE static void load_rows(const Element* upper, const Element* below, Index stride, bool lower) {
     if constexpr (stays) {
@@ -35495,7 +36129,7 @@ class AmxTile : public ConvertingTile {
     asm volatile("tdpbf16ps %tmm6, %tmm4, %tmm0\n\ttdpbf16ps %tmm7, %tmm4, %tmm1");
     if (lower) asm volatile("tdpbf16ps %tmm6, %tmm5, %tmm2\n\ttdpbf16ps %tmm7, %tmm5, %tmm3");
   }
-  /// 32 rows times 32 columns, 32 of k. Of parts the largest product comes last; the order saves loads.
+  /// 32 rows times 32 columns, 32 of k. With several parts the largest product comes last; the order saves loads.
   template <bool panel_stays>
   MOTIONLANG_INLINE static void add_products(const Element* upper, Index stride, const Element* below,
                                              const std::uint16_t* panel, bool lower) {
@@ -35546,7 +36180,7 @@ class AmxTile : public ConvertingTile {
     for (Index r = 0; r < n && (adds || !act); ++r) {
       constexpr Index l = lanes<float>;
       Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + l);
-      // Not by put_result, which may be given other rows than those of c.
+      // put_result is not used, because its rows may be other than those of c.
       if (w.e.accumulate)
         c0 += load_first(c + r * w.ldc, w.columns), c1 += load_first(c + r * w.ldc + l, w.columns - l);
       Epilogue<float> e = w.e.from_row(first + r);
@@ -35564,28 +36198,28 @@ class AmxTile : public ConvertingTile {
   TileProduct<Element> waiting_{
       .a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
   float* waiting_sums_ = nullptr;
-  Index put_ = 0;   // rows that are put already
+  Index put_ = 0;   // rows put so far
   Index turn_ = 0;  // which of two sums
 };
 using FloatTile = AmxTile<3>;
 //
 // Products of floats by AMX, which multiplies bfloat16 16 times as fast as other instructions multiply floats.
 //
-//   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two
-//            floats the six largest are added up, the others are at most 3 2^-24 of the whole together, a tenth of that
-//            mostly, and of either sign. The instruction adds up 32 products before it adds them to the sum, so that
-//            the error is about half of that of one multiply-add after the other.
-//   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are
-//            the rows of A.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the
-//            split panel.
+// Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two
+//          floats, only the six largest are added. The others are at most 3 2^-24 of the total together, mostly a tenth
+//          of that, and of either sign. The instruction adds 32 products before it adds them to the sum, so the error
+//          is about half of that of single multiply-adds.
+// Panels   those of gemm.inc. A panel is split into scratch during the products with the panel before it, and so are
+//          the rows of A.
+// Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB on processors with AMX) beside the
+//          split panel.
 //   Order    as in gemm.inc: depends on k alone.
-//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that
-//            overflows may be NaN. Rows of A and panels of B with a number that is not finite (or whose nearest
-//            bfloat16 is not: from 3.39e38 on) have no parts: they are multiplied by gemm.inc.
+// Limits   parts and their products below 2^-126 count as 0, so only products of more than 2^-108 are exact. A sum that
+//          overflows may be NaN. Rows of A and panels of B with a value that is not finite (or whose nearest bfloat16
+//          is not: from 3.39e38 on) have no parts. gemm.inc multiplies them.
 
-/// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN
-/// if there are no parts.
+/// 16 values, in parts: each is the bfloat16 nearest to the rest after the parts before it. Returns the last rest: 0,
+/// or NaN if there are no parts.
 MOTIONLANG_INLINE Vec<float> split_lanes(Vec<float> x, std::uint16_t* y) {
 #pragma GCC unroll 3
   for (Index p = 0; p < FloatTile::parts; ++p) {
@@ -35597,7 +36231,7 @@ MOTIONLANG_INLINE Vec<float> split_lanes(Vec<float> x, std::uint16_t* y) {
   }
   return x;
 }
-/// `count` rows of A, k numbers each, filled up to `depth`: [row][k / 32][part][k]. Whether all numbers have parts.
+/// `count` rows of A, k values each, filled up to `depth`: [row][k / 32][part][k]. True if all have parts.
 inline bool split_rows(const Rows<float>& a, Index count, Index k, Index depth, std::uint16_t* y, Index pitch) {
   constexpr Index l = lanes<float>;
   Vec<float> left{};
@@ -35641,7 +36275,7 @@ inline void multiply_odd_parts(const Gemm<float>& g, Index r0, Index r1, Index j
   }
 }
 
-/// How a product over k is split: blocks of k, and rows of A at a time.
+/// The split of a product over k: blocks of k, and rows of A at a time.
 struct FloatBlocks {
   Index all, count, depth, pitch, rows;  // depth: of a block at most; pitch: of rows in scratch
 
@@ -35661,7 +36295,7 @@ inline Index float_tile_scratch(Index k) {
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
 inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0, Index j1, float* scratch) {
-  bool sound = true;  // all numbers have parts
+  bool sound = true;  // all values have parts
   const FloatBlocks split(g.k);
   const Index panel_size = split.depth * FloatTile::parts * bf16_columns;
   auto* const panels = reinterpret_cast<std::uint16_t*>(scratch);  // two in turn
@@ -35726,7 +36360,7 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
   if (!sound) multiply_odd_parts(g, r0, r1, j0, j1, scratch);
 }
 
-/// The kernels of AVX-512 under the name of AMX, whose tiles (float_tiles) go with them.
+/// The kernels of AVX-512 under the name of AMX, because its tiles (float_tiles) belong to them.
 inline const Kernels<float>& amx_table() {
   static const Kernels<float> t = [] {
     Kernels<float> k = table<float>();
@@ -35767,7 +36401,7 @@ const Kernels<S>* kernels_for(Isa isa) {
   }
   return &portable::table<S>();
 }
-/// Those of training for the instruction set of `kernels`.
+/// The kernels for training of the instruction set of `kernels`.
 template <class S>
 const GradientKernels<S>& gradient_kernels_of(const Kernels<S>& kernels) {
 #if defined(MOTIONLANG_WIDE_KERNELS)
@@ -35778,7 +36412,7 @@ const GradientKernels<S>& gradient_kernels_of(const Kernels<S>& kernels) {
 #endif
   return portable::gradient_table<S>();
 }
-/// Tiles that belong to `kernels`, or nothing: all products are made of multiply-adds.
+/// The tiles that belong to `kernels`. Nothing if all products use multiply-adds.
 inline const FloatTiles* float_tiles_of(const Kernels<float>& kernels) {
 #if defined(MOTIONLANG_WIDE_KERNELS)
   if (kernels.isa == Isa::amx) return &avx512::float_tiles();
@@ -35787,8 +36421,8 @@ inline const FloatTiles* float_tiles_of(const Kernels<float>& kernels) {
 #endif
   return nullptr;
 }
-/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the
-/// speed of products in float); else float instructions.
+/// The same for products of bfloat16. AMX is best, then vdpbf16ps, then float instructions. On processors with AMX,
+/// vdpbf16ps runs at half the speed of products in float.
 inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
@@ -35833,11 +36467,10 @@ inline const Bf16Kernels*& current_bf16_kernels() {
   return chosen;
 }
 
-/// The kernels of precisions other than fp32. Only set_product_precision (backend/precision.hpp) and searches in
-/// bfloat16 name them: a program without either does not compile them.
+/// The kernels of precisions other than fp32. Only backend/precision.hpp and searches in bfloat16 compile them.
 inline std::atomic<const Bf16Kernels*& (*)()> bf16_products{nullptr};
 inline std::atomic<const FloatTiles* (*)(const Kernels<float>&)> tile_products{nullptr};
-/// Makes bf16_product_kernels() callable. Whoever packs panels in bfloat16 calls it before.
+/// Makes bf16_product_kernels() callable. Call it before packing panels in bfloat16.
 inline void use_bf16_products() { bf16_products.store(&current_bf16_kernels, std::memory_order_relaxed); }
 /// The kernels of products in bfloat16. Precondition: use_bf16_products() was called.
 inline const Bf16Kernels& bf16_product_kernels() { return *bf16_products.load(std::memory_order_relaxed)(); }
@@ -35860,7 +36493,7 @@ template <Scalar S>
 struct KernelOps {
   using kernel_tensor = Dense<S>;
 
-  // Operands come by value: memory that nobody else holds is reused for the result.
+  // Operands come by value: the result reuses memory that nobody else holds.
   static Dense<S> add(Dense<S> a, Dense<S> b);
   static Dense<S> sub(Dense<S> a, Dense<S> b);
   static Dense<S> mul(Dense<S> a, Dense<S> b);
@@ -35868,20 +36501,22 @@ struct KernelOps {
   static Dense<S> maximum(Dense<S> a, Dense<S> b);
   static Dense<S> sum(const Dense<S>& a, int axis);
 
-  /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
+  /// The number of rows inside a network that stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();
 
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed
-  /// form. For inference: the weight must not change afterwards. Returns whether all its numbers are finite: they are
-  /// read anyway.
-  static bool prepare(const Dense<S>& weight);
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps). `linear` and `conv1d` then use the packed
+  /// form, and the precision for which it was packed. For inference: the weight must not change afterwards. Returns
+  /// true if all its values are finite, which it checks while it reads them.
+  static bool prepare(const Dense<S>& weight, Precision precision = product_precision());
+  /// The precision of products with this weight.
+  static Precision precision_of(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
 
-  /// nn/conv1d.hpp, without dilation. The sequences of x lie in it by `before`, those of the result by `after`.
+  /// nn/conv1d.hpp, without dilation. `before` gives the sequences of x, `after` those of the result.
   static Dense<S> conv1d(const Dense<S>& x, const Offsets& before, const Offsets& after, const Dense<S>& weight,
                          const Dense<S>* bias, Index stride, Index padding, Activation act);
   static Dense<S> conv1d_weight_vjp(const Dense<S>& x, const Offsets& before, const Offsets& after, Index taps,
@@ -35913,7 +36548,7 @@ struct KernelOps {
   static Dense<S> self_attention_vjp(const Dense<S>& qkv, const Offsets& offsets, const AttentionOptions& options,
                                      const Dense<S>& dy);
 
-  /// Updates parameter and moments in place when nobody else holds them, else makes new ones.
+  /// Updates parameter and moments in place if nobody else holds them, else makes new ones.
   static void adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const Dense<S>& gradient, const AdamwUpdate& update);
 };
 
@@ -35925,8 +36560,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Memory that the kernels of a parallel region may scribble on, a piece for every thread. The caller takes it, so that
-/// a region that ran before takes nothing from the system, whichever threads do the work.
+/// Scratch memory for the kernels of a parallel region, a piece for every thread. The caller allocates it, so that a
+/// repeated region takes nothing from the system, for any choice of threads.
 template <class S>
 class Scratch {
  public:
@@ -35942,11 +36577,14 @@ class Scratch {
   BufferHandle memory_;
 };
 
-/// A matrix (k, n) in panels: of S for `kernels`, or of bfloat16.
+/// A matrix (k, n) in panels: of S for `kernels`, or of bfloat16. They know how products with them are made, so that
+/// nothing but the arguments of an operation decides its bits.
 template <class S>
 struct Panels {
   Index k = 0, n = 0;
-  const Kernels<S>* kernels = nullptr;  // none: bfloat16
+  Precision precision = Precision::fp32;
+  const Kernels<S>* kernels = nullptr;  // null: bfloat16
+  const FloatTiles* tiles = nullptr;    // null: multiply-adds
   BufferHandle memory;
 
   const S* data() const { return static_cast<const S*>(memory.data()); }
@@ -35959,8 +36597,8 @@ struct Panels {
   }
 };
 
-/// The panels of a weight that was prepared, and those of the weight that was prepared after it: probably multiplied
-/// with next. Of these only the place is known, for the cache: they may be gone.
+/// The panels of a prepared weight, and those of the weight prepared after it, which is probably multiplied next. For
+/// the latter only the address is known, for prefetching: they may have been freed.
 template <class S>
 struct PreparedPanels {
   PreparedPanels(Panels<S> p, Index t) : panels(std::move(p)), taps(t) {}
@@ -35973,27 +36611,39 @@ struct PreparedPanels {
 
 inline Index parts(Index count, Index size) { return (count + size - 1) / size; }
 
-/// Precision of products of S.
+/// Precision of products of S with what is not prepared.
 template <class S>
 Precision precision_of() {
   return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
 }
 
-/// Room for a matrix, packed.
+/// The rows that products with a weight are taken to have: more than any.
+inline constexpr Index any_rows = Index{1} << 20;
+/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less,
+/// splitting panels and rows takes as long as is saved. With a weight m is `any_rows`: a row of x has the same bits
+/// alone, in any batch, and on any number of threads.
+inline const FloatTiles* float_tiles(Precision precision, Index m, Index n, Index k) {
+  if (precision != Precision::bf16x3) return nullptr;
+  const bool pays = m >= 128 && n >= 128 && k >= 128 && m * n >= (k < 256 ? 131072 : 32768);
+  return pays ? tile_products.load(std::memory_order_relaxed)(kernels<float>()) : nullptr;
+}
+
+/// Room for a matrix, packed, that matrices of m rows are multiplied with.
 template <class S>
-Panels<S> panels_for(Index k, Index n, Precision precision) {
-  Panels<S> p{k, n, precision == Precision::bf16 ? nullptr : &kernels<S>(), {}};
+Panels<S> panels_for(Index k, Index n, Precision precision, Index m = any_rows) {
+  const bool bf16 = precision == Precision::bf16;
+  Panels<S> p{k, n, precision, bf16 ? nullptr : &kernels<S>(), float_tiles(precision, m, n, k), {}};
   p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
   return p;
 }
-/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a
-/// transposed B (stride_k is 1), becomes false if a number is not.
+/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a transposed B
+/// (stride_k is 1), becomes false if a value is not finite.
 template <class S>
 void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
   const Index k = p.k, n = p.n;
   const bool bf16 = p.kernels == nullptr;
-  // The rows that a task reads lie together: rows of B as stored (in pairs, for bfloat16), panels of a transposed B. A
-  // column is both, but only as transposed is it looked at.
+  // A task reads rows that lie together: rows of B as stored (in pairs, for bfloat16), or panels of a transposed B. A
+  // column is both, but is only checked for finite values as transposed.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
@@ -36026,17 +36676,12 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
 /// True if a product of m x k and k x n is split.
 inline bool worth_threads(Index m, Index n, Index k) { return m * n * k >= 100'000; }
 
-/// The kernels whose panels are wanted of weights; none: bfloat16.
-template <class S>
-const Kernels<S>* wanted_kernels() {
-  return precision_of<S>() == Precision::bf16 ? nullptr : &kernels<S>();
-}
-/// The prepared form of a weight, if it is the form that is wanted now.
+/// The prepared form of a weight, if these kernels can read it.
 template <class S>
 const PreparedPanels<S>* prepared_panels(const Dense<S>& weight, Index n, Index k, Index taps) {
   const auto* p = static_cast<const PreparedPanels<S>*>(weight.attached());
-  const bool fits = p != nullptr && p->panels.kernels == wanted_kernels<S>() && p->panels.n == n && p->panels.k == k &&
-                    p->taps == taps;
+  const bool fits = p != nullptr && p->panels.n == n && p->panels.k == k && p->taps == taps &&
+                    (p->panels.precision == Precision::bf16 || p->panels.kernels == &kernels<S>());
   return fits ? p : nullptr;
 }
 /// The weight (out, in, taps) of a convolution as the matrix (out, taps in) that windows of rows are multiplied with.
@@ -36046,45 +36691,34 @@ Dense<S> window_matrix(const Dense<S>& weight) {
   return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
 }
 
-/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less,
-/// splitting panels and rows takes as long as is saved. That depends on the product, not on how its rows are shared:
-/// the same numbers for any number of threads.
+/// Scratch of products with such panels.
 template <class S>
-const FloatTiles* float_tiles(Index m, Index n, Index k) {
-  if (precision_of<S>() != Precision::bf16x3) return nullptr;
-  const Index rows = RowsTogether::count() > 0 ? RowsTogether::count() : m;
-  const bool pays = rows >= 128 && n >= 128 && k >= 128 && rows * n >= (k < 256 ? 131072 : 32768);
-  return pays ? tile_products.load(std::memory_order_relaxed)(kernels<float>()) : nullptr;
-}
-/// Scratch of products of at most this many rows with such panels.
-template <class S>
-Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
+Scratch<S> gemm_scratch(const Panels<S>& p) {
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) return Scratch<S>(bf16_product_kernels().gemm_scratch(p.k));
   }
-  const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
-  return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
+  return Scratch<S>(std::max(p.tiles == nullptr ? 0 : p.tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
 }
-/// True if every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
-/// threads share. Its rows a thread finds where it wrote them, in its cache. Those of others come slowly: with 16
-/// threads a byte costs about what five of panels do, which are fetched ahead. Not if the rows are few and there is
-/// much more of the panels, or the rows do not fill tiles.
+/// True if every thread takes its own rows of A and multiplies them with all panels. Otherwise threads share rows and
+/// split the panels. A thread finds its own rows in its cache, where it wrote them. The rows of others come slowly:
+/// with 16 threads a byte of them costs about as much as five bytes of panels, which are prefetched. False if there are
+/// few rows and many panels, or if the rows do not fill tiles.
 inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index rows_at_once, Index tile_rows) {
   const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
   return each >= std::max(tile_rows, rows_at_once / 4) || (fills_tiles && 5 * a_bytes >= panel_bytes);
 }
-/// How a product is shared by threads.
+/// The sharing of a product among threads.
 struct Sharing {
   Index rows_at_once;     // in a block
   bool own_rows = false;  // takes_own_rows
-  // Each thread has a part. Other threads take what a slower thread (another kind of core, a busy one) left over.
+  // Each thread has a part. Fast threads take the rest of a slower one (another kind of core, a busy one).
   Index pieces = 1;
 };
 /// Calls block(r0, r1, j0, j1) for parts of a product of this many rows and panels.
 template <class F>
 void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const F& block) {
   const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, how.rows_at_once);
-  // As many for every thread.
+  // The same number for every thread.
   const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : how.own_rows ? threads : blocks;
   const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads * how.pieces, row_parts));
   parallel_for(row_parts * panel_parts, [&](Index task) {
@@ -36097,8 +36731,8 @@ void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const 
 struct NothingBehind {
   void operator()(Index, Index, Index, Index) const {}
 };
-/// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that
-/// thread.
+/// g with the right-hand side `p`; then each thread calls behind(r0, r1, c0, c1) for its own blocks of rows and
+/// columns.
 template <class S, class F = NothingBehind>
 void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
@@ -36128,29 +36762,25 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
         [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
   };
   if constexpr (std::is_same_v<S, float>) {
-    if (const FloatTiles* tiles = float_tiles<S>(g.m, g.n, g.k)) return run_floats(*tiles, 1);
+    if (p.tiles != nullptr) return run_floats(*p.tiles, 1);
   }
   run_floats(*p.kernels, parallel_width() > 2 ? 3 : 1);
 }
 
-/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every
-/// thread. The rest is made by all of them, one after the other.
+/// The number of the `count` products of m x k and k x n that single threads compute: a multiple of the threads. All
+/// threads together compute each of the others.
 inline Index products_apart(Index count, Index m, Index n, Index k) {
   return worth_threads(count * m, n, k) ? count - count % parallel_width() : 0;
 }
-/// product(i) for 0 ... count-1.
+/// Calls product(i) for 0 ... count-1.
 template <class F>
 void for_products(Index count, Index apart, const F& product) {
-  const Index together = RowsTogether::count();
-  parallel_for(apart, [&](Index i) {
-    const RowsTogether as_here(together);
-    product(i);
-  });
+  parallel_for(apart, product);
   for (Index i = apart; i < count; ++i) product(i);
 }
 
-/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows
-/// of a matrix do, but overlap.
+/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence have the layout of a matrix
+/// in memory, but they overlap.
 template <class S>
 struct WithMargins {
   const Offsets& inside;
@@ -36168,12 +36798,12 @@ struct WithMargins {
       }
     });
   }
-  /// Place among all numbers where sequence s begins, with its margin.
+  /// The start of sequence s with its margin, among all values.
   Index at(Index s) const { return (inside.begin(s) + 2 * margin * s) * width; }
 };
 
-/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a
-/// sequence by one thread.
+/// Calls f(place of a window's first value, its row among all windows) for every window of `size` values. One thread
+/// handles all windows of a sequence.
 template <class S, class F>
 void for_windows(const WithMargins<S>& margins, const Offsets& windows, Index stride, Index size, const F& f) {
   parallel_ranges(windows.count(), windows.longest() * size, [&](Index first, Index last) {
@@ -36189,7 +36819,7 @@ Dense<S> convolve(const Dense<S>& x, const Offsets& before, const Offsets& after
                   const S* bias, Index stride, Index padding, Activation act) {
   const WithMargins<S> margins(x, before, padding);
   Dense<S> y(Shape{after.rows(), matrix.n});
-  const Scratch<S> scratch = gemm_scratch(matrix, after.longest());
+  const Scratch<S> scratch = gemm_scratch(matrix);
   for_products(after.count(), products_apart(after.count(), after.longest(), matrix.n, matrix.k), [&](Index s) {
     run_gemm(Gemm<S>{.m = after.length(s),
                      .n = matrix.n,
@@ -36216,7 +36846,7 @@ Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offs
           .dropout = options.dropout};
 }
 template <class S>
-void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
+void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k, Precision precision) {
   const auto run = [&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
     // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and
@@ -36231,18 +36861,19 @@ void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
     });
   };
   if constexpr (std::is_same_v<S, float>) {
-    if (product_precision() == Precision::bf16) return run(bf16_product_kernels());
+    if (precision == Precision::bf16) return run(bf16_product_kernels());
   }
   run(kernels<S>());
 }
 template <class S>
-void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
+void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k,
+                       Precision precision) {
   const auto run = [&](const auto& scratch_of, const auto& vjp) {
     const Scratch<S> scratch(scratch_of(q.longest(), k.longest(), t.width));
     parallel_for(q.count() * t.heads, [&](Index i) { vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
   };
   if constexpr (std::is_same_v<S, float>) {
-    if (product_precision() == Precision::bf16) {
+    if (precision == Precision::bf16) {
       const Bf16Kernels& kernel = bf16_product_kernels();
       return run(kernel.attention_vjp_scratch, kernel.attention_head_vjp);
     }
@@ -36251,16 +36882,16 @@ void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, co
   run(kernel.attention_scratch, kernel.attention_head);
 }
 
-/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums
-/// in the same order as with panels of the weight, so the same bits (of multiply-adds; tiles do not treat both sides
-/// alike).
+/// `linear` with exchanged sides, y^T = weight x^T: the weight is read in its place, and only x is packed. The sums are
+/// the same in the same order as with panels of the weight, so the results have the same bits (for multiply-adds; tiles
+/// do not treat both sides alike).
 template <class S>
 Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bias, Activation act, const S* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
   Dense<S> z(Shape{n, m}), y(Shape{m, n});
   run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels,
-           gemm_scratch(panels, n));
+           gemm_scratch(panels));
   const Transposed<S> t{
       .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
   constexpr Index columns = 64;
@@ -36269,7 +36900,7 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   return y;
 }
 
-/// f(first, n) for pieces of a ... b-1 that stay in the first-level cache while several things are done with them.
+/// Calls f(first, n) for pieces of a ... b-1 that stay in the first-level cache during several operations.
 template <class F>
 void pieces_of(Index a, Index b, const F& f) {
   constexpr Index piece = 2048;
@@ -36291,7 +36922,7 @@ LayerNorm<S> layer_norm_arguments(const Dense<S>& x, const Dense<S>& weight, con
           .y = y};
 }
 
-/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused when nobody else holds it.
+/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused if nobody else holds it.
 template <class S>
 Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
   const Shape s = a.shape() == b.shape() ? a.shape() : broadcast_shapes(a.shape(), b.shape(), "binary operation");
@@ -36371,8 +37002,8 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
   const Index count = s.count(0, r - 2), apart = detail::products_apart(count, m, n, k);
   PoolVector<detail::Panels<S>> rooms;  // one for every thread that packs
   for (int i = 0; i < (apart > 0 ? parallel_width() : 1); ++i)
-    rooms.push_back(detail::panels_for<S>(k, n, detail::precision_of<S>()));
-  const auto scratch = detail::gemm_scratch(rooms[0], m);
+    rooms.push_back(detail::panels_for<S>(k, n, detail::precision_of<S>(), m));
+  const auto scratch = detail::gemm_scratch(rooms[0]);
   detail::for_products(count, apart, [&](Index i) {
     auto& panels = rooms[rooms.size() == 1 ? 0 : static_cast<std::size_t>(thread_number())];
     detail::pack_into(panels, b.data() + i * k * n, transpose_b ? 1 : n, transpose_b ? k : 1);
@@ -36395,14 +37026,16 @@ Index KernelOps<S>::rows_in_cache() {
 }
 
 template <Scalar S>
-bool KernelOps<S>::prepare(const Dense<S>& weight) {
+bool KernelOps<S>::prepare(const Dense<S>& weight, Precision precision) {
   const Index taps = weight.shape().rank() == 3 ? weight.shape()[2] : 1;
   const Dense<S> matrix = taps > 1 ? detail::window_matrix(weight) : weight;
   const Index n = weight.shape()[0], k = taps * weight.shape()[1];
   std::atomic<bool> finite{true};
   auto& before = thread_object<std::weak_ptr<const detail::PreparedPanels<S>>>();
   const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
-      detail::pack_panels(matrix.data(), k, n, Index{1}, k, detail::precision_of<S>(), &finite), taps);
+      detail::pack_panels(matrix.data(), k, n, Index{1}, k, std::is_same_v<S, float> ? precision : Precision::fp32,
+                          &finite),
+      taps);
   if (const auto last = before.lock()) {
     last->next_bytes = prepared->panels.bytes();
     last->next = static_cast<const std::byte*>(prepared->panels.memory.data());
@@ -36413,12 +37046,18 @@ bool KernelOps<S>::prepare(const Dense<S>& weight) {
 }
 
 template <Scalar S>
+Precision KernelOps<S>::precision_of(const Dense<S>& weight) {
+  const auto* p = static_cast<const detail::PreparedPanels<S>*>(weight.attached());
+  return p == nullptr ? detail::precision_of<S>() : p->panels.precision;
+}
+
+template <Scalar S>
 Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                               const Dense<S>* residual, const Dropout& drop) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto* prepared = detail::prepared_panels(weight, n, k, 1);
   const auto* ready = prepared == nullptr ? nullptr : &prepared->panels;
-  // The kernel applies the nonlinearity after everything, and knows no dropout.
+  // The kernel applies the nonlinearity last, and does not support dropout.
   const bool last = drop.p == 0 && (residual == nullptr || act == Activation::none);
   detail::Panels<S> packed;
   Dense<S> y;
@@ -36435,15 +37074,15 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
     for (Index r = r0; r < r1; ++r) finish(r * n + c0, c1 - c0);
   };
   if (ready == nullptr) {
-    if (detail::wanted_kernels<S>() != nullptr && m > 0 &&
-        m * (n + k) < n * k &&  // x and y are smaller than the weight
-        detail::float_tiles<S>(m, n, k) == nullptr) {
+    const Precision precision = detail::precision_of<S>();
+    if (precision != Precision::bf16 && m > 0 && m * (n + k) < n * k &&  // x and y are smaller than the weight
+        detail::float_tiles(precision, detail::any_rows, n, k) == nullptr) {
       y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
                                    residual == nullptr || !last ? nullptr : residual->data());
       behind(0, m, 0, n);
       return y;
     }
-    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>());
+    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, precision);
     ready = &packed;
   }
   y = Dense<S>(Shape{m, n});
@@ -36461,7 +37100,7 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                       .act = act,
                       .after = ready == &packed ? nullptr : prepared->next.load(std::memory_order_relaxed),
                       .after_bytes = ready == &packed ? 0 : prepared->next_bytes.load(std::memory_order_relaxed)},
-      *ready, detail::gemm_scratch(*ready, m), behind);
+      *ready, detail::gemm_scratch(*ready), behind);
   return y;
 }
 
@@ -36492,7 +37131,7 @@ template <Scalar S>
 Dense<S> KernelOps<S>::conv1d_input_vjp(const Dense<S>& weight, const Offsets& before, const Offsets& after,
                                         Index stride, Index padding, const Dense<S>& dy) {
   const Index n = weight.shape()[0], in = weight.shape()[1], taps = weight.shape()[2];
-  if (stride == 1 && padding < taps) {  // a convolution, too, with its taps in the opposite order
+  if (stride == 1 && padding < taps) {  // also a convolution, with its taps in the opposite order
     const std::array axes{1, 2, 0};
     Dense<S> turned = DenseOps<S>::permute(weight, axes);  // (in, taps, out)
     parallel_ranges(in, taps * n, [&](Index first, Index last) {
@@ -36600,7 +37239,7 @@ Dense<S> KernelOps<S>::attention(const Dense<S>& q, const Dense<S>& k, const Den
     t.relative_scores = relative_scores->data(), t.reach = relative_scores->shape()[1] / 2;
   t.q = q.data(), t.k = k.data(), t.v = v.data(), t.o = o.data();
   t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
-  detail::run_attention(t, q_offsets, k_offsets);
+  detail::run_attention(t, q_offsets, k_offsets, options.precision);
   return o;
 }
 template <Scalar S>
@@ -36613,7 +37252,7 @@ std::array<Dense<S>, 3> KernelOps<S>::attention_vjp(const Dense<S>& q, const Den
   t.q = q.data(), t.k = k.data(), t.v = v.data();
   t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
   detail::run_attention_vjp(t, detail::AttentionGradients<S>{dy.data(), dq.data(), dk.data(), dv.data()}, q_offsets,
-                            k_offsets);
+                            k_offsets, options.precision);
   return {std::move(dq), std::move(dk), std::move(dv)};
 }
 template <Scalar S>
@@ -36623,7 +37262,7 @@ Dense<S> KernelOps<S>::self_attention(const Dense<S>& qkv, const Offsets& offset
   auto t = detail::attention_arguments<S>(offsets, offsets, d, options);
   t.q = qkv.data(), t.k = qkv.data() + d, t.v = qkv.data() + 2 * d, t.o = o.data();
   t.q_stride = t.k_stride = t.v_stride = 3 * d, t.o_stride = d;
-  detail::run_attention(t, offsets, offsets);
+  detail::run_attention(t, offsets, offsets, options.precision);
   return o;
 }
 template <Scalar S>
@@ -36635,7 +37274,7 @@ Dense<S> KernelOps<S>::self_attention_vjp(const Dense<S>& qkv, const Offsets& of
   t.q = qkv.data(), t.k = qkv.data() + d, t.v = qkv.data() + 2 * d;
   t.q_stride = t.k_stride = t.v_stride = 3 * d, t.o_stride = d;
   detail::run_attention_vjp(t, detail::AttentionGradients<S>{dy.data(), g.data(), g.data() + d, g.data() + 2 * d},
-                            offsets, offsets);
+                            offsets, offsets, options.precision);
   return g;
 }
 
@@ -36652,7 +37291,7 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
       .v = v.data(),
       .g = gradient.data(),
       .beta1 = static_cast<S>(u.beta1),
-      .rest1 = static_cast<S>(1 - u.beta1),  // of doubles: of floats it is wrong in the fifth digit
+      .rest1 = static_cast<S>(1 - u.beta1),  // in double: in float the fifth digit would be wrong
       .beta2 = static_cast<S>(u.beta2),
       .rest2 = static_cast<S>(1 - u.beta2),
       .step = static_cast<S>(u.lr / (1 - std::pow(u.beta1, step))),
@@ -36669,7 +37308,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SEARCH_DETAIL_SCAN_KERNELS_HPP  // <motionlang/search/detail/scan_kernels.hpp>
 #define MOTIONLANG_HAS_SEARCH_DETAIL_SCAN_KERNELS_HPP
-/// The kernels of a scan over vectors, beside those of backend/detail/kernels.hpp and chosen like them.
+/// The kernels of a scan over vectors. They complement those of backend/detail/kernels.hpp and are chosen like them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
@@ -36717,7 +37356,7 @@ MOTIONLANG_TARGET_POP
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// Those of the same instruction set as `kernels`, whose panels they read.
+/// The scan kernels for the instruction set of `kernels`, whose panels they read.
 template <class S>
 const ScanKernels<S>& scan_kernels(const Kernels<S>& kernels) {
 #ifdef MOTIONLANG_WIDE_KERNELS
@@ -36736,7 +37375,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// The nearest so far to a group of queries, as one thread has seen them.
+/// The nearest rows so far for a group of queries, found by one thread.
 template <class S>
 class Candidates {
  public:
@@ -36747,7 +37386,7 @@ class Candidates {
         best_(queries.size() / static_cast<std::size_t>(scan.width), NearestK(k)),
         limits_(best_.size(), -std::numeric_limits<S>::infinity()) {}
 
-  /// A fast score that is not above the limit of its query is not worth an exact one.
+  /// A fast score that is not above the limit of its query does not need an exact one.
   S limit(Index query) const { return limits_[static_cast<std::size_t>(query)]; }
   void compare(Index query, Index row) {
     const auto q = static_cast<std::size_t>(query);
@@ -36770,7 +37409,7 @@ class Candidates {
   std::vector<S> limits_;
 };
 
-/// Few queries: the gallery is read once, each row by all of them.
+/// Few queries: the gallery is read once, and each row is compared with all of them.
 template <class S>
 void scan_with_few(const RowScan<S>& scan, const ScanKernels<S>& kernel, std::span<const S> queries, Index first,
                    Index last, Candidates<S>& candidates) {
@@ -36808,16 +37447,16 @@ struct ScoreBlock {
   /// Whole tiles, few enough to stay in the second-level cache beside a panel.
   static Index rows_of(const Kernels<S>& kernel) { return 8 * kernel.tile_rows; }
   Index columns() const { return panels * panel_width; }
-  /// Distance of rows: of those that are a power of two apart, few fit into a cache.
+  /// The distance of rows. Few rows with a distance of a power of two fit into a cache.
   Index pitch() const { return panels == 1 ? panel_width : columns() + 16; }
   static Index gallery_pitch(Index width) { return (width + 15) / 16 * 16 + 16; }
-  /// Numbers that scan_with_panels needs.
+  /// The number of values that scan_with_panels needs.
   Index scratch(Index width) const {
     return product_scratch + rows * pitch() + columns() + rows * gallery_pitch(width);
   }
 };
 
-/// Many queries, in panels: a matrix product whose scores are looked at while they lie in a cache.
+/// Many queries, in panels: a matrix product whose scores are checked while they are in a cache.
 template <class S>
 void scan_with_panels(const RowScan<S>& scan, const Panels<S>& queries, Index first, Index last, S* scratch,
                       Candidates<S>& candidates) {
@@ -36875,7 +37514,7 @@ double rounding_of(std::span<const S> queries, Index width) {
 
 template <std::same_as<float> S>
 std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queries, Index k) const {
-  constexpr Index group = 1024, few = 8;  // queries: those that share a cache, and those that are not worth a product
+  constexpr Index group = 1024, few = 8;  // queries: a group that shares a cache, and a number too small for a product
   const Kernels<S>& kernel = kernels<S>();
   const Index total = std::ssize(queries) / width, threads = thread_count();
   std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(total));
@@ -36886,7 +37525,7 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
     const Index n = std::min(group, total - begin);
     const auto mine = queries.subspan(static_cast<std::size_t>(begin * width), static_cast<std::size_t>(n * width));
     const bool product = n > few, rounded = product && !halves.empty();
-    // Errors of float sums, and 1 % for what lies below: lengths of 1.001, the rounding of the exact score and of the
+    // Errors of float sums, and 1 % for smaller effects: lengths of 1.001, the rounding of the exact score and of the
     // limit.
     const double error =
         1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error + (rounded ? rounding_of(mine, width) : 0));
@@ -36950,16 +37589,15 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 enum class ScanStorage {
-  float32,  // the rows as they are
-  // a copy of half the size is scanned, many queries with products in bfloat16; the rows are read for the best ones
-  // only
+  float32,  // the rows themselves
+  // Scans a copy of half the size, with products in bfloat16 for many queries; reads the rows only for the best ones.
   bfloat16,
 };
 
 class VectorScan : public VectorSearch {
  public:
   /// rows   (count, width) of length 1
-  /// owner  keeps them alive; without one they have to outlive the object
+  /// owner  keeps them alive; without an owner they must outlive the object
   /// Throws shape_error 205, config_error 101, numeric_error 302 (require_unit_rows)
   VectorScan(std::span<const float> rows, Index width, std::shared_ptr<const void> owner = {},
              ScanStorage storage = ScanStorage::float32);
@@ -37012,25 +37650,25 @@ struct MotionHit {
   bool operator==(const MotionHit&) const = default;
 };
 
-/// The windows that are indexed of a clip: those of moment_windows for each length, each window once, in ascending
+/// The windows of a clip that are indexed: those of moment_windows for each length, without duplicates, in ascending
 /// order. A window that is longer than the clip is the whole clip.
 std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& model);
 
-/// Keeps moments that stand apart, in the order of their scores: one that overlaps a better one of its clip by
-/// an intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
+/// Keeps moments that are apart, in the order of their scores. One that overlaps a better one of its clip by an
+/// intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
 std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
                                         std::span<const MotionIndex::Moment> moments, double most_iou, Index k);
 
 class MotionSearch {
  public:
-  /// The index has to outlive the object. `clips` and `moments` search its rows; unless given, all of them are
-  /// compared, by scans with `storage`, which has no influence on the answers.
+  /// The index must outlive the object. `clips` and `moments` search its rows. Without them, scans with `storage`
+  /// compare all rows; the storage does not affect the answers.
   explicit MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips = {},
                         std::shared_ptr<const VectorSearch> moments = {}, ScanStorage storage = ScanStorage::float32);
 
   /// The k nearest clips. Throws what VectorSearch throws.
   std::vector<MotionHit> clips(std::span<const float> query, Index k) const;
-  /// The k nearest moments that stand apart. Throws config_error 102 if the index has none.
+  /// The k nearest moments that are apart. Throws config_error 102 if the index has no moments.
   std::vector<MotionHit> moments(std::span<const float> query, Index k, double most_iou = 0.3) const;
   /// The k clips whose captions are nearest, each with the score of its nearest caption.
   std::vector<MotionHit> captions(std::span<const float> query, Index k) const;
@@ -37040,8 +37678,8 @@ class MotionSearch {
     return std::make_shared<VectorScan>(rows, index_.model().width, std::shared_ptr<const void>{}, storage);
   }
   static std::vector<Neighbour> nearest(const VectorSearch& search, std::span<const float> query, Index k);
-  /// `choose` takes the best ones and drops some; who is kept does not depend on those that come later. Asks for more
-  /// of them until k are left, or all have been seen.
+  /// `choose` takes the best results and drops some. Later results do not affect earlier choices. Asks for more results
+  /// until k are left, or all have been seen.
   template <class F>
   static std::vector<Neighbour> enough(const VectorSearch& search, std::span<const float> query, Index k, F choose) {
     if (k < 0) raise<config_error>(101, "MotionSearch: the ", k, " nearest");
@@ -37163,18 +37801,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SEARCH_SEARCH_ENCODER_HPP  // <motionlang/search/search_encoder.hpp>
 #define MOTIONLANG_HAS_SEARCH_SEARCH_ENCODER_HPP
-/// A model that puts texts and motions into one space, as an index and its searches use it. TMR is one
-/// (search/tmr_search_encoder.hpp); an index of another model is built the same way.
+/// The interface of an index and its searches to a model that puts texts and motions into one space. TMR implements it
+/// (search/tmr_search_encoder.hpp). An index with another model works the same way.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Laws  equal inputs give equal vectors, whatever else is encoded with them; all functions may be called by several
-///       threads at once
+/// Laws  equal inputs give equal vectors, independent of other inputs; several threads may call all functions at the
+///       same time
 class SearchEncoder {
  public:
   virtual ~SearchEncoder() = default;
 
-  /// Where the vectors come from: id of the weights, path, text encoder, width and frames per second. No windows.
+  /// The source of the vectors: id of the weights, path, text encoder, width and frames per second. No windows.
   virtual const IndexModel& model() const = 0;
   /// (texts, width).
   virtual std::vector<float> encode_texts(std::span<const std::string> texts) const = 0;
@@ -37191,8 +37829,8 @@ class SearchEncoder {
   SearchEncoder& operator=(const SearchEncoder&) = default;
 };
 
-/// (width): a whole clip. One of more than ten seconds, which is longer than what such models are trained on, is cut
-/// into equal parts and has the mean of their directions.
+/// (width): a whole clip. A clip of more than ten seconds is longer than the training clips of such models. It is cut
+/// into equal parts and gets the mean of their directions.
 std::vector<float> encode_clip(const SearchEncoder& encoder, std::span<const float> rows);
 /// The vector of a motion as a query or as a clip of an index. Throws what SearchEncoder::rows_of throws.
 std::vector<float> encode_motion(const SearchEncoder& encoder, const Motion& motion);
@@ -37266,7 +37904,8 @@ template <class S>
 MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
   *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
 }
-/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
+/// Stores past the caches, to an address that is a multiple of the vector's size. Other threads see it after
+/// `end_of_streams`.
 template <class S>
 MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
 #if defined(__clang__)
@@ -37284,7 +37923,7 @@ MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
   store(p, v);
 #endif
 }
-/// Asks for n numbers that are read soon.
+/// Prefetches n values that are read soon.
 template <class Number>
 MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
   for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
@@ -37304,7 +37943,7 @@ MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above 
   for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
   return load(t);
 }
-/// The first n numbers (all lanes if there are that many), then zeros; nothing is read if n <= 0.
+/// The first n values (all lanes if there are that many), then zeros; nothing is read if n <= 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
   return n >= lanes<S> ? load(p) : load_some(p, n);
@@ -37317,8 +37956,8 @@ template <class S>
 MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
   n >= lanes<S> ? store(p, v) : store_some(p, v, n);
 }
-// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
-// (Where one of them is a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second. (If one of them is
+// a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
 #if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
@@ -37353,12 +37992,12 @@ MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
   for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
   return any;
 }
-/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
+/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are unused.
 template <class S, int half, int... l>
 MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
   return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
 }
-// Halves are put together until one lane is left: sums have a fixed order.
+// Adds halves until one lane is left, so that sums have a fixed order.
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
   if constexpr (half == 0)
@@ -37401,7 +38040,7 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
   const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // 1.5 * 2^23 (2^52), which rounds a value to an integer when added, and the bias of exponents, which is then in the
   // lowest bits.
   const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
@@ -37419,7 +38058,7 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
 }
 
 /// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
-/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+/// own least-squares fit). The fit has an error of 2e-8 in Phi; with rounding the error is below 2.5e-7.
 template <class S>
 MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
   Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
@@ -37448,13 +38087,13 @@ MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
   }
 }
 #if MOTIONLANG_VECTOR_BYTES == 64
-/// 32 numbers: lane i of the result is that which the lowest five bits of index[i] say.
+/// Looks up 32 values: the lowest five bits of index[i] choose the value of lane i.
 MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index) {
   Vec<float> r = load(table);
   asm("vpermt2ps %2, %1, %0" : "+v"(r) : "v"(index), "v"(load(table + 16)));
   return r;
 }
-/// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
+/// Uses gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
 MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
   constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
@@ -37469,8 +38108,8 @@ MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   return vmax<float>(Vec<float>{}, x) - g;
 }
 #endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
-/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so nothing must be bounded first. Float:
+/// uses look_up if available; error below 3e-7 |x|. For -inf: NaN or about 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
 #if MOTIONLANG_VECTOR_BYTES == 64
@@ -37514,7 +38153,7 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   }
 }
 //
-// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
+// Nonlinearities and their derivatives. The kind is tested once for many values, so that constants stay in registers.
 
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
@@ -37578,7 +38217,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   return splat(S(1));
 }
 
-/// f.operator()<act>().
+/// Calls f.operator()<act>().
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
@@ -37635,16 +38274,16 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
-//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
-//            well. (All panels at a time where A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
-//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
-//            result's rows are written, one after the other: the lines under them, which come from memory first, the
-//            processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
-//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
-//            the next rows of A.
-//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
+//            If k has several blocks, eight panels at a time, so that the sums for the next 1024 of k stay there as
+//            well. (All panels at a time if A is copied first.)
+// Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and
+//          k is one block: a tile's rows times a group of panels, then the next rows. Longer pieces of the result's
+//          rows are then written in order. So the processor itself fetches the lines under them, which come from memory
+//          first, and fewer pages are in use.
+// Ahead    a tile prefetches its part of C and of the residual before it begins. With every k it prefetches a piece of
+//          later data: of the panels of the next group (also of the next product), and, with the first group, of the
+//          next rows of A.
+// Order    every element is summed over k in the same order for any tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
@@ -37668,7 +38307,7 @@ const std::byte* as_bytes(const S* x) {
   return reinterpret_cast<const std::byte*>(x);
 }
 
-/// Rows of A, `row_bytes` each, in a block of this many bytes: at most most_tiles tiles.
+/// The number of rows of A, `row_bytes` each, in a block of this many bytes: at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
@@ -37688,7 +38327,7 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
+/// time. Returns true if all values are finite, if it checks them.
 template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
@@ -37726,16 +38365,15 @@ struct Rows {
   Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
-/// Memory that is read after a tile. It is fetched into the second-level cache: `step` bytes, a line at most, for
-/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
-/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
-/// which fetches by itself lines that follow each other (20 % slower from memory).
+/// Memory that is read after a tile. It is fetched into the second-level cache: `step` bytes, a line at most, for every
+/// row of the panel (bfloat16: pair of rows). The rest is not fetched. So for rows of two lines, a tile alone fetches
+/// only the first half of the next panel. Every other line of the whole panel would confuse the processor, which
+/// prefetches consecutive lines (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in this many steps: shares rather overlap than leave bytes between
-  /// them.
+  /// Share i of n of `bytes` that begin at `next`, in this many steps. Shares may overlap, but leave no gap.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
     const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
@@ -37743,7 +38381,7 @@ struct Ahead {
   MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
 };
 
-/// The end of a tile: add earlier sums (if k is split), bias and residual, then apply the nonlinearity.
+/// The end of a tile: adds earlier sums (if k is split), bias and residual, then applies the nonlinearity.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -37774,7 +38412,7 @@ struct Epilogue {
   }
 };
 
-/// Asks for the rows of c and of the residual that a tile is put into.
+/// Prefetches the rows of c and of the residual for a tile.
 template <class S, int R>
 MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
   constexpr int l = lanes<S>;
@@ -37842,7 +38480,7 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // Rows in groups of three with five pointers: one address register each, the rest is addressing mode. One of the
   // strides is known to be 1, which saves additions (1 to 4 % of the time).
   const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
   const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
@@ -37872,7 +38510,7 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 
 template <class S>
 using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
-/// The tile of this many rows for what is left of the columns.
+/// The tile with this many rows for the remaining columns.
 template <class S>
 TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
@@ -37885,10 +38523,10 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
 
-/// First row of part i of n nearly equal parts.
+/// The first row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
-/// How a product over k is split: pieces of k, and rows of A at a time.
+/// The split of a product over k: pieces of k, and rows of A at a time.
 template <class S>
 struct Blocks {
   Index count, rows;
@@ -37907,8 +38545,8 @@ Index gemm_scratch(Index k) {
   return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
 }
 
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
-/// other. `readable`: rows that A has from here on.
+/// Copies `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads consecutive
+/// lines. `readable`: rows that A has from here on.
 template <class S>
 void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
   constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
@@ -37923,18 +38561,17 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
   }
 }
 
-/// The block that is computed at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ...
-/// right-1.
+/// The block to compute at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ... right-1.
 template <class S>
 struct GemmPiece {
   static constexpr Index w = panel_width<S>;
   const Gemm<S>& g;
   S* scratch;
   bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
-  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
+  Index top = 0, below = 0, end = 0;  // end: of the thread's further rows
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  // panels that are read after it: at last the first ones once more, if nothing else is known
+  // The panels to read after it; the first ones again at the end, if nothing else is known.
   const std::byte* next = nullptr;
   Index next_bytes = std::numeric_limits<Index>::max();
 
@@ -37958,8 +38595,8 @@ struct GemmPiece {
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
-    // tile's when it is next.
+    // Copies rows: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else those of the
+    // next tile.
     if (transposed)
       copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
     else if (copies && !far)
@@ -37973,8 +38610,8 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
-        // none.)
+        // The first half of the panels fetches the next rows, if they lie together. (With one panel at a time there are
+        // no next rows.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
@@ -37998,8 +38635,8 @@ template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
-  // once.
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set. They are copied once, side by
+  // side.
   const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
@@ -38031,15 +38668,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   }
 }
 //
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
-// or one head (backward), never for a batch.
+// Attention of one head over one sequence, forward and backward. Only the scores of one tile of rows (forward) or one
+// head (backward) exist at a time, never those of a batch.
 //
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
 /// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
-/// none waits.
+/// `visible[i]` columns of row i take part (causal attention); the rest are 0. Several rows give as many independent
+/// chains of sums, so that none has to wait.
 template <class S, int R>
 MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
@@ -38122,12 +38759,12 @@ MOTIONLANG_INLINE Index padded_panels(Index n) {
 template <class S>
 struct FloatProducts {
   using Number = S;
-  static constexpr Index rows = tile_rows;  // that products are fastest with
+  static constexpr Index rows = tile_rows;  // with which products are fastest
   static void begin() {}
   static void end() {}
-  /// Columns that products write of n.
+  /// The number of columns that products write for n columns.
   static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
-  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
+  /// The size of scratch: panels of a matrix (k, n), and the memory for a product over k.
   static Index panels(Index k, Index n) { return columns(n) * k; }
   static Index scratch(Index) { return 0; }
 
@@ -38153,8 +38790,7 @@ struct FloatProducts {
   }
 };
 
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
-/// columns of.
+/// One head over one sequence: the starts of its rows. Rows of q, k, v have the strides of their tensors.
 template <class S>
 struct AttentionHead {
   const Attention<S>& t;
@@ -38189,18 +38825,18 @@ struct AttentionHead {
   }
 };
 
-/// Distance of rows of scores, whose columns up to the end of a panel are written.
+/// The distance of rows of scores. Their columns are written up to the end of a panel.
 template <class P>
 Index score_pitch(Index keys) {
   return P::columns(keys) + 16;
 }
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+/// The size of attention_head's scratch: K^T, V, and one tile of scores.
 template <class P>
 Index attention_scratch(Index keys, Index width) {
   return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
          P::scratch(std::max(keys, width));
 }
-/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+/// The size of attention_head_vjp's scratch, with the scores of all queries.
 template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index longest = std::max(keys, queries);
@@ -38208,7 +38844,7 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
          P::scratch(std::max(longest, width));
 }
 
-/// Output of one head, for one of this many pieces of its queries.
+/// The output of one head, for one of `pieces` pieces of its queries.
 template <class P, class S = typename P::Number>
 void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
@@ -38275,8 +38911,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
-/// many chains of sums: none waits.
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes avoid cancellation. Several rows give as
+/// many independent chains of sums, so that none has to wait.
 template <class S, int R>
 MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
@@ -38336,7 +38972,7 @@ MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
     for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
   }
 }
-/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
+/// y = (x + residual - mean) rstd weight + bias. y first holds the sum, then the result; residual may be null.
 template <class S>
 void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
   for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
@@ -38467,7 +39103,7 @@ MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   }
   return a;
 }
-/// A repeated operand is read again and again from one vector of copies.
+/// A repeated operand is always read from one vector of copies.
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
   constexpr int l = lanes<S>;
@@ -38504,7 +39140,7 @@ void error_function(const S* x, Index n, S* y) {
   store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
 }
 
-/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
+/// Sums of the rows first ... last-1, of n values each, in four independent chains, so that none has to wait.
 template <class S>
 void row_sums(const S* x, Index n, Index first, Index last, S* y) {
   constexpr int l = lanes<S>;
@@ -38556,18 +39192,17 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
-// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+// Matrix product in bfloat16 with sums in float. Three tiles share this code: the tile here is for any processor and
+// widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
-//            which some round to 0.
-//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
-//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
-//            number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
-//            thread.
+// Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2],
+//          zero padded to a multiple of 32 in k. All tiles use the same form, except values below 2^-126, which some
+//          round to 0.
+// Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
+// Tile     some rows of A times one panel, over k rounded up to whole instructions (in pieces of k, if the tile has
+//          pieces); the sums are treated as in gemm.inc. (In AMX the bias is the first term of a sum.)
+// Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//          thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
 typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
@@ -38591,7 +39226,8 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// Does the same as round_row of a tile (except for values below 2^-126) for `rows` rows with the values a[k * lda +
+/// row]:
 /// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
@@ -38619,8 +39255,8 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
-/// time, through as many panels as lie in different parts of the cache.
+/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a time,
+/// through as many panels as use different parts of the cache.
 template <class Tile>
 void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
   constexpr Index ahead = 8;  // rows
@@ -38639,11 +39275,11 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
+/// time. Returns true if all values are finite, if it checks them.
 template <class Tile, bool looks>
 bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
                           std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // the part of k to round at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
   Mask<float> found{};
@@ -38678,17 +39314,17 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
-/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
-/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
-/// same cache set.
+/// True if a tile's rows of the result, which are whole lines, should bypass the caches. The caches would read every
+/// line before it is overwritten, and evict other data. It pays for results larger than all caches. It also pays for
+/// results larger than the nearer caches if their rows are a multiple of the page size apart, so that a tile's rows
+/// fall into the same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
   const bool whole_lines =
       g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
   return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
-/// Rows of one panel's width, from where a tile has put them.
+/// Rows of one panel's width, from the place where a tile has put them.
 inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
   for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
     for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
@@ -38710,19 +39346,19 @@ struct TileProduct {
   Epilogue<float> e{};
   Ahead ahead{};
   bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
-  bool stream = false;             // c is written past the caches
+  bool stream = false;             // c bypasses the caches
   Index number = 0;                // of the tile among those of this panel
   bool first = true, last = true;  // piece of k
-  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
+  PanelSplit* next = nullptr;      // for floats in parts: the panel to split meanwhile
 };
 
-/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
-///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
-///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
+/// Tiles that keep their sums in registers: Tile::rows_of<height> does all work. Every tile also has
+///     round_row(x, n, padded, y)       y = n values, rounded, then zeros up to `padded`, a multiple of 32
+///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: each value of x (zeros after nx) beside its value of y
 template <class Tile>
 struct RegisterTile {
   static constexpr bool even = true;                                 // rows are split evenly among tiles
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
+  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // multiplied part of the padded depth
   static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
   static void end() {}
@@ -38820,7 +39456,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   const bool stream = streams(g);
   Tile tile;
   Tile::begin();
-  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
+  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // blocks have a multiple of this many rows
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
@@ -38979,13 +39615,12 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail::MOTIONLANG_ISA {
 
-/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 %
-/// more a second).
+/// The number of values that scans prefetch, 1 KB: further than some processors do by themselves (Intel: 12 % faster).
 template <class Number>
 inline constexpr Index scan_ahead = 1024 / static_cast<Index>(sizeof(Number));
 
-/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along
-/// four.
+/// out[r] = <row r, query>, one row after the other, because the processor prefetches along one stream of memory, not
+/// along four.
 template <class S>
 void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
   constexpr int l = lanes<S>;
@@ -39014,8 +39649,8 @@ MOTIONLANG_INLINE void widen_pairs(const std::uint16_t* x, Vec<S>& even, Vec<S>&
   odd = (Vec<S>)(words & static_cast<std::int32_t>(0xFFFF0000u));
 }
 
-/// out[r] = <row r, query> of rows in bfloat16. Of every 2 * lanes numbers of the query, `pairs` has the even ones,
-/// then the odd ones; behind the last whole group they stand as they are.
+/// out[r] = <row r, query> of rows in bfloat16. For every 2 * lanes values of the query, `pairs` has the even ones,
+/// then the odd ones; those after the last whole group keep their order.
 template <class S>
 void dot_half_rows(const std::uint16_t* rows, Index count, Index width, const S* pairs, S* out) {
   constexpr int l = lanes<S>;

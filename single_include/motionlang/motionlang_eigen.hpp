@@ -7,14 +7,14 @@
 #ifndef MOTIONLANG_HAS_BACKEND_EIGEN_HPP  // <motionlang/backend/eigen.hpp>
 #define MOTIONLANG_HAS_BACKEND_EIGEN_HPP
 /// Backend over Eigen: functions and maxima are Eigen expressions over mapped memory. Arithmetic, sums, products and
-/// fused operations are the kernels of kernel_ops.hpp: they are for the instruction set of the machine whatever the
-/// program was built for (Eigen's own product reaches 20 to 50 % of the processor at these shapes), and a program with
-/// all the expressions of broadcasting compiles half a second longer.
+/// fused operations are the kernels of kernel_ops.hpp. These use the instruction set of the machine, whatever the
+/// program was built for. Eigen's own product reaches 20 to 50 % of the processor's peak at these shapes, and its
+/// broadcasting expressions would compile half a second longer.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
-/// The part of the Eigen backend that a model needs: its operations, and bodies of the kernels, arithmetic among
-/// them. Those that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
+/// The part of the Eigen backend that a model needs: its operations, and the bodies of kernels such as arithmetic. The
+/// bodies that include Eigen (functions and maxima) come with <motionlang/backend/eigen.hpp>.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -37,11 +37,11 @@ struct EigenFunctions {
   static tensor max(const tensor& a, int axis);
 };
 
-/// Complete where the bodies of these functions are.
+/// This type is complete where the bodies of these functions are.
 template <Scalar S>
 struct EigenBodies;
 
-/// The functions for units that may lack their bodies: the compiler says it, not the linker.
+/// The functions for units that may lack their bodies. The compiler then reports it, not the linker.
 template <Scalar S>
 struct CheckedEigenFunctions {
   using tensor = Dense<S>;
@@ -139,7 +139,7 @@ Dense<S> detail::EigenFunctions<S>::log(tensor a) {
 }
 template <Scalar S>
 Dense<S> detail::EigenFunctions<S>::sqrt(tensor a) {
-  // Eigen's own root of a packet is rounded otherwise than its root of a single number
+  // Eigen rounds the root of a packet differently from the root of a single value.
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.unaryExpr([](S v) { return std::sqrt(v); }); });
 }
 template <Scalar S>

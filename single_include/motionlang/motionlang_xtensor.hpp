@@ -6,8 +6,8 @@
 
 #ifndef MOTIONLANG_HAS_BACKEND_XTENSOR_HPP  // <motionlang/backend/xtensor.hpp>
 #define MOTIONLANG_HAS_BACKEND_XTENSOR_HPP
-/// Backend over xtensor: functions and maxima are xtensor expressions over adapted memory; arithmetic, sums, products
-/// and fused operations are the same kernels that the Eigen backend uses.
+/// Backend over xtensor: functions and maxima are xtensor expressions over adapted memory. Arithmetic, sums, products
+/// and fused operations are the kernels that the Eigen backend uses, too.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -52,7 +52,7 @@ namespace detail {
 /// Views have a static number of axes, so that their shapes need no memory.
 template <std::size_t Rank>
 using XtensorShape = std::array<std::size_t, Rank>;
-/// All axes that a shape may have; missing ones in front are 1.
+/// All axes that a shape may have; missing ones at the front are 1.
 inline XtensorShape<Shape::max_rank> all_axes(const Shape& s) {
   XtensorShape<Shape::max_rank> sizes;
   sizes.fill(1);

@@ -6,7 +6,7 @@
 
 #ifndef MOTIONLANG_HAS_STMC_HPP  // <motionlang/stmc.hpp>
 #define MOTIONLANG_HAS_STMC_HPP
-/// Everything to turn a timeline of texts into a motion: include this one.
+/// Everything for turning a timeline of texts into a motion: include this header.
 ///
 ///     namespace ml = motionlang;
 ///     using B = ml::EigenBackend<float>;
@@ -15,23 +15,24 @@
 ///                                              "raise both arms # 2.0 # 5.0 # left arm # right arm\n");
 ///     const ml::Motion motion = ml::generate_motion(stmc, timeline, {.seed = 7});
 ///
-/// stmc.generate and stmc_motion give the model's own output, without smoothing and foot fixing. Writers of
-/// BVH, GLB, NPZ and pages are in <motionlang/formats/...> and <motionlang/view/...>. Who calculates with the features
-/// (exp, max, ...) includes <motionlang/backend/eigen.hpp> as well; the compiler says so.
+/// stmc.generate and stmc_motion return the model's own output, without smoothing and foot fixing. Writers of BVH, GLB,
+/// NPZ and pages are in <motionlang/formats/...> and <motionlang/view/...>. To calculate with the features (exp, max,
+/// ...), also include <motionlang/backend/eigen.hpp>; otherwise the compiler asks for it.
 ///
-/// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library
-/// then, and this header only says what can be called. For other backends, and for `generate_from`, include
-/// <motionlang/generate/generate_motion.ipp> and <motionlang/weights/stmc_file.hpp> as well; the compiler says so.
+/// With motionlang::instantiated, your code compiles several times faster. Stmc over EigenBackend<float> is then in the
+/// library, and this header only declares it. For other backends, and for `generate_from`, also include
+/// <motionlang/generate/generate_motion.ipp> and <motionlang/weights/stmc_file.hpp>; otherwise the compiler asks for
+/// them.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
-/// The part of the Eigen backend that a model needs: its operations, and bodies of the kernels, arithmetic among
-/// them. Those that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
+/// The part of the Eigen backend that a model needs: its operations, and the bodies of kernels such as arithmetic. The
+/// bodies that include Eigen (functions and maxima) come with <motionlang/backend/eigen.hpp>.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP  // <motionlang/backend/dense_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP
-/// Operations that all backends over Dense storage share: making tensors, moving values, and how a reduction
-/// is shared by threads.
+/// Operations that all backends over Dense storage share: making tensors, moving values, and sharing a reduction among
+/// threads.
 
 #include <algorithm>  // fill, min
 #include <array>      // strides
@@ -41,15 +42,15 @@
 #define MOTIONLANG_HAS_BACKEND_DENSE_HPP
 /// Dense row-major storage: the tensor type of the reference, Eigen and xtensor backends.
 ///
-/// A handle to a shared buffer plus a shape. Copying shares memory; whoever wants to write asks `unique()` first.
-/// Always contiguous: reshaping and taking leading rows are views, everything else copies.
+/// A handle to a shared buffer plus a shape. Copying shares memory; check `unique()` before writing.
+/// Always contiguous: reshaping and taking leading rows give views, everything else copies.
 
 #include <span>       // values
 #include <utility>    // exchange
 
 #ifndef MOTIONLANG_HAS_CORE_BUFFER_POOL_HPP  // <motionlang/core/buffer_pool.hpp>
 #define MOTIONLANG_HAS_CORE_BUFFER_POOL_HPP
-/// Memory of tensors: counted buffers that are kept for reuse when nobody needs them any more.
+/// Memory of tensors: counted buffers, which are kept for reuse after their last user.
 ///
 /// Fresh pages cost more than the arithmetic that fills them (64 MiB: 26 ms). A loop that repeats the same computation
 /// finds all its buffers in the pool from the second round on and takes nothing from the system.
@@ -66,15 +67,16 @@
 #define MOTIONLANG_HAS_CORE_ERROR_HPP
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
-/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
-/// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
-/// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
-/// thread. What is caught otherwise (a value in a file of weights that cannot be read is skipped) ends it too.
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program. Define
+/// MOTIONLANG_THROW(exception), the same in all units, to change that. It gets the exception as an object (an error,
+/// std::bad_alloc, cancelled) on the thread where it happens, and must not return; std::_Exit ends a program from any
+/// thread. Errors that the library would catch, for example to skip an unreadable value in a file of weights, also end
+/// it.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
-/// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
-/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids`
-/// below; every one has a test.
+/// layers.3.linear1`. It has the family and the id, the operation, the fault with both values, and (with
+/// MOTIONLANG_DIAGNOSTICS) the module path. Text from files appears in it as UTF-8 without control characters.
+/// `error_ids` below lists the ids; every one has a test.
 
 #include <concepts>          // integral, floating_point
 #include <cstdio>            // fputs
@@ -88,15 +90,15 @@
 
 #ifndef MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP  // <motionlang/core/standard_library.hpp>
 #define MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP
-/// The parts of C++20 that libc++ lacks, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14),
-/// `from_chars` and `to_chars` of floating-point values. The same bits and the same characters as with every other
+/// The parts of C++20 that libc++ lacks on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14), and
+/// `from_chars` and `to_chars` of floating-point values. The bits and characters are the same as with every other
 /// standard library.
 
 #include <charconv>  // from_chars, to_chars
 
 #ifndef MOTIONLANG_HAS_VERSION_HPP  // <motionlang/version.hpp>
 #define MOTIONLANG_HAS_VERSION_HPP
-/// Version of the library and the inline namespace that carries it.
+/// The version of the library, and the inline namespace that carries it.
 
 #if __cplusplus < 202002L
 #error "motionlang needs C++20: compile with -std=c++20 (GCC 12 or Clang 14 and later)"
@@ -108,8 +110,8 @@
 #define MOTIONLANG_VERSION "0.2.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts, and without exceptions, so that object files built with different options do not link silently against each
-/// other.
+/// layouts, and without exceptions. So object files built with different options fail to link instead of mixing
+/// silently.
 #if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
 #elif defined(MOTIONLANG_DIAGNOSTICS)
@@ -120,13 +122,13 @@
 #define MOTIONLANG_ABI v0_no_exceptions
 #endif
 
-/// In front of every definition in a file *.ipp, which has the bodies of the header of the same name. Without
-/// motionlang::instantiated, the header includes it and all are inline. With it, units see declarations only, and the
-/// library's own units (instantiated/*.cpp) include the files *.ipp.
+/// Stands before every definition in a file *.ipp, which has the bodies of the header of the same name. Without
+/// motionlang::instantiated, the header includes that file and all functions are inline. With it, units see
+/// declarations only, and the library's own units (instantiated/*.cpp) include the files *.ipp.
 #define MOTIONLANG_BODY inline
 
-/// Opens and closes the namespace of the library. A macro, so that editors, clang-format and ctags need not know of the
-/// inline namespace: `ctags -R include` finds every name.
+/// Opens and closes the namespace of the library. It is a macro, so that editors, clang-format and ctags need not know
+/// the inline namespace: `ctags -R include` finds every name.
 #define MOTIONLANG_NAMESPACE_BEGIN \
   namespace motionlang {           \
   inline namespace MOTIONLANG_ABI {
@@ -139,11 +141,11 @@
 
 #ifndef MOTIONLANG_HAS_CORE_DETAIL_DECIMAL_HPP  // <motionlang/core/detail/decimal.hpp>
 #define MOTIONLANG_HAS_CORE_DETAIL_DECIMAL_HPP
-/// Floating-point values as decimal text, by the C library alone: for standard libraries without `from_chars` and
-/// `to_chars` for them (standard_library.hpp), whose results these functions give to the last character.
+/// Floating-point values as decimal text, made by the C library alone. This is for standard libraries that lack
+/// `from_chars` and `to_chars` for them (standard_library.hpp). The results are the same to the last character.
 ///
-/// strtod and printf of all C libraries round correctly, but their decimal point is the locale's. So strtod reads whole
-/// numbers with an exponent here, and whatever printf writes between digits is taken for a point. Slower than
+/// strtod and printf of all C libraries round correctly, but their decimal point is the locale's. So strtod gets whole
+/// numbers with an exponent here, and anything that printf writes between digits counts as a point. This is slower than
 /// `to_chars`: a microsecond or two for a value.
 
 #include <cassert>       // formats
@@ -172,7 +174,7 @@ struct Decimal {
   }
 };
 
-/// Begins with `word` in letters of any case?
+/// True if the text begins with `word` in letters of any case.
 inline bool starts_with_word(std::string_view text, std::string_view word) {
   if (text.size() < word.size()) return false;
   for (std::size_t i = 0; i < word.size(); ++i)
@@ -195,7 +197,7 @@ std::size_t read_word(std::string_view text, F& value) {
   return end != text.npos && text[end] == ')' ? end + 1 : 3;
 }
 
-/// The exponent at `p`, which is moved behind it; 0 if there is none.
+/// The exponent at `p`, and moves `p` past it; 0 if there is none.
 inline long long read_exponent(const char*& p, const char* last) {
   const char* at = p;
   if (at == last || (*at | 0x20) != 'e') return 0;
@@ -209,10 +211,10 @@ inline long long read_exponent(const char*& p, const char* last) {
   return negative ? -out : out;
 }
 
-/// The number at `p`, which is moved behind it; no digits if there is none.
+/// The number at `p`, and moves `p` past it; no digits if there is none.
 inline Decimal read_digits(const char*& p, const char* last) {
-  // More digits never decide: no value halfway between two doubles has more than 767. It only matters whether they are
-  // all zero, and one digit says so.
+  // More digits never decide, because no value halfway between two doubles has more than 767. It only matters if they
+  // are all zero, and one digit tells that.
   constexpr std::size_t most = 768;
   Decimal out;
   bool any = false, behind_point = false, more = false;
@@ -260,7 +262,7 @@ std::from_chars_result read_decimal(const char* first, const char* last, F& valu
   return {p, std::errc{}};
 }
 
-/// The text that printf wrote, with a point in place of the locale's, which may have several bytes.
+/// The text that printf wrote, with a point instead of the locale's decimal point, which may have several bytes.
 inline std::string with_point(std::string_view printed) {
   std::string out;
   bool inside = false;
@@ -283,7 +285,7 @@ inline std::string printed(const char* format, int places, double x) {
   return with_point(all);
 }
 
-/// x > 0 to `count` digits, the nearest such number.
+/// x > 0 rounded to `count` digits.
 inline Decimal rounded_decimal(double x, int count) {
   const std::string text = printed("%.*e", count - 1, x);
   const std::size_t e = text.find('e');
@@ -292,7 +294,7 @@ inline Decimal rounded_decimal(double x, int count) {
   return out;
 }
 
-/// The next number of as many digits.
+/// The next number with as many digits.
 inline Decimal next_decimal(Decimal d) {
   std::size_t i = d.digits.size();
   while (i > 0 && d.digits[i - 1] == '9') d.digits[--i] = '0';
@@ -303,11 +305,11 @@ inline Decimal next_decimal(Decimal d) {
   return d;
 }
 
-/// The fewest digits that are read back as x > 0; the nearest to x of those.
+/// The fewest digits that are read back as x > 0. Of several such numbers, the nearest to x.
 template <class F>
 Decimal shortest_decimal(F x) {
-  // A number of digits10 digits survives the way through a normal F. So the shortest, if it has no more digits than
-  // that, is what remains without the zeros at the end.
+  // A number of digits10 digits survives conversion to a normal F and back. So if the shortest has no more digits than
+  // that, it is this number without the zeros at its end.
   for (int count = x < std::numeric_limits<F>::min() ? 1 : std::numeric_limits<F>::digits10;; ++count) {
     Decimal out = rounded_decimal(x, count);
     // The gap above a power of two is twice the gap below. So the nearest number may be too far below, while the next
@@ -333,7 +335,7 @@ inline std::string scientific_text(const Decimal& d) {
 }
 /// ddd.ddd
 inline std::string fixed_text(const Decimal& d, double x) {
-  // The digits of a whole number are all written as they are.
+  // All digits of a whole number are written.
   if (d.exponent >= 0) return printed("%.*f", 0, x);
   std::string out = d.digits;
   const auto places = static_cast<std::size_t>(-d.exponent);
@@ -391,7 +393,7 @@ constexpr To bit_cast(const From& from) {
 using std::from_chars;
 using std::to_chars;
 #else
-// Templates, because libc++ has some of the functions for floating-point values and deletes the others.
+// These are templates, because libc++ has some of the functions for floating-point values and deletes the others.
 template <std::integral N>
 std::from_chars_result from_chars(const char* first, const char* last, N& value, int base = 10) {
   return std::from_chars(first, last, value, base);
@@ -426,7 +428,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP
 /// Objects of which every thread has its own.
 
-// MinGW's GCC gives the memory of thread_local variables back before it destroys them, so there the system keeps them.
+// MinGW's GCC frees the memory of thread_local variables before it destroys them, so there the system keeps them.
 #if defined(_WIN32) && !defined(__clang__)
 #define MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
 extern "C" {
@@ -438,8 +440,8 @@ __declspec(dllimport) int __stdcall FlsSetValue(unsigned long key, void* value);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one
-/// type apart.
+/// The calling thread's T. It is made at first use and destroyed when the thread ends. `Tag` distinguishes objects of
+/// one type.
 template <class T, class Tag = T>
 T& thread_object() {
 #ifdef MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
@@ -461,14 +463,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
 #define MOTIONLANG_HAS_CORE_UTF8_HPP
-/// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
+/// UTF-8, one code point at a time, strictly. text/unicode.hpp has the classes of characters.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The result of `decode_utf8` for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
 
-/// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
+/// The code point that starts at text[at]; moves `at` past it. Bytes that are not UTF-8 (stray or missing
 /// continuation bytes, overlong forms, surrogates, above U+10FFFF) give `invalid_code_point` and `at` moves by one.
 /// Needs at < text.size().
 constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
@@ -510,8 +512,8 @@ constexpr std::string_view utf8_head(std::string_view text, std::size_t bytes) {
 /// Appends the bytes of a code point (up to U+10FFFF).
 void append_utf8(std::string& out, char32_t c);
 
-/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
-/// in `keep` stays.
+/// For messages and lists: '?' replaces control characters, which terminals obey, and bytes that are not UTF-8.
+/// Characters in `keep` stay.
 std::string printable(std::string_view text, std::string_view keep = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -649,7 +651,7 @@ void append(std::string& out, T b) {
 template <class N>
 requires((std::integral<N> || std::floating_point<N>)&&!std::same_as<N, bool> &&
          !std::same_as<N, char>) void append(std::string& out, N n) {
-  if constexpr (std::floating_point<N>) {  // 10000000, not 1e+07: as far as whole numbers are exact
+  if constexpr (std::floating_point<N>) {  // 10000000, not 1e+07, while whole numbers are exact
     constexpr N exact = N(1ull << std::numeric_limits<N>::digits);
     if (n > -exact && n < exact && n != 0 && n == N(static_cast<long long>(n)))
       return append(out, static_cast<long long>(n));
@@ -664,8 +666,8 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
-/// A value on its way into a message: where it stands and how it is written. One type for all values and one for
-/// literals of all lengths, because messages are many and each would be compiled for its own list of types.
+/// A part of a message: where its value is and how it is written. There is one type for all values and one for literals
+/// of all lengths. Otherwise each of the many messages would compile code for its own list of types.
 struct TextPart {
   const void* value;
   void (*append)(std::string& out, const void* value);
@@ -679,12 +681,12 @@ TextPart text_part(const T& value) {
 }
 std::string concat_parts(std::initializer_list<TextPart> parts);
 
-/// A module that is being evaluated. Its name is given, or known by the fields of the module around it.
+/// A module that is being evaluated. Its name is given, or comes from the fields of the module around it.
 struct ModuleStep {
   std::string name;
   const void* module = nullptr;  // null: the name is given
-  const void* type = nullptr;    // tells a module from its first member, which lies in the same place
-  /// Path from `module` to one inside of it, "" if it has none such.
+  const void* type = nullptr;    // tells a module from its first member, which has the same address
+  /// The path from `module` to a module inside it. "" if that is not inside it.
   std::string (*path_to)(const void* module, const void* inner, const void* inner_type) = nullptr;
 };
 
@@ -698,7 +700,7 @@ struct ModulePath {
   static Steps& steps() { return thread_object<Steps, ModulePath>(); }
   /// "layers.3.linear1"
   static std::string text();
-  /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
+  /// While it lives, this thread is inside the modules of another thread, whose work it shares.
   class Continued {
    public:
 #ifdef MOTIONLANG_DIAGNOSTICS
@@ -718,13 +720,13 @@ struct ModulePath {
 
 }  // namespace detail
 
-/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them, whole ones without an exponent.
+/// The text of all arguments, one after the other. Numbers look as in `std::to_chars`, whole ones without an exponent.
 template <class... T>
 std::string concat_text(const T&... parts) {
   return detail::concat_parts({detail::text_part(parts)...});
 }
 
-/// Items of a list with `between` between them, each as text(item) is written: "left, right".
+/// The items of a list, each written by text(item), with `between` between them: "left, right".
 template <class R, class F>
 std::string join_text(const R& items, std::string_view between, F text) {
   std::string out;
@@ -742,7 +744,7 @@ std::string join_text(const R& items, std::string_view between = ", ") {
       items, between, [](const auto& item) -> const auto& { return item; });
 }
 
-/// A number of things: "1 frame", "2 frames"; of a word with another plural: counted(n, "pass", "passes").
+/// A number of things: "1 frame", "2 frames". For a word with another plural: counted(n, "pass", "passes").
 template <std::integral N>
 std::string counted(N n, std::string_view one, std::string_view several = {}) {
   std::string out = concat_text(n, ' ', n == 1 || several.empty() ? one : several);
@@ -750,8 +752,8 @@ std::string counted(N n, std::string_view one, std::string_view several = {}) {
   return out;
 }
 
-/// Names the module that is evaluated as long as the object lives: ModuleScope scope(*this) in its functions, or the
-/// text of all arguments. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
+/// Names the evaluated module while the object lives. Write ModuleScope scope(*this) in its functions, or give the text
+/// as arguments. It costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS
   template <class... T>
@@ -795,8 +797,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here
-/// (true) or goes on to the caller. Returns whether f came to its end.
+/// The one place that catches. Calls f. If f throws an E, calls handle(e), which returns true to stop the exception
+/// here and false to pass it on. Returns true if f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -811,7 +813,7 @@ bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #endif
   return true;
 }
-/// The same for whatever it throws: handle() sees std::current_exception().
+/// The same for any exception: handle() sees std::current_exception().
 template <class F, class H>
 bool guard_all(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -891,10 +893,10 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_LIFETIME_HPP  // <motionlang/core/lifetime.hpp>
 #define MOTIONLANG_HAS_CORE_LIFETIME_HPP
-/// Help against memory that is used after it was freed: a mark for compilers, and marks of free memory for the address
-/// sanitizer.
+/// Protection against memory that is used after it was freed: a mark for compilers, and marks of free memory for the
+/// address sanitizer.
 
-/// Marks a member function or a parameter to which the result refers. Clang warns if it is a temporary, or a local
+/// Marks a member function or a parameter to which the result refers. Clang warns if that is a temporary, or a local
 /// variable of a function that returns the result. GCC has no such mark.
 #if defined(__has_cpp_attribute)
 #if __has_cpp_attribute(clang::lifetimebound)
@@ -921,7 +923,7 @@ inline constexpr bool address_sanitizer = false;
 inline constexpr bool address_sanitizer = false;
 #endif
 
-/// Forbids the use of memory until allow_access: the sanitizer reports every use. Without the sanitizer these calls do
+/// Forbids the use of memory until allow_access. The sanitizer reports every use. Without the sanitizer these calls do
 /// nothing.
 void forbid_access(const void* memory, std::size_t bytes);
 void allow_access(const void* memory, std::size_t bytes);
@@ -972,14 +974,14 @@ struct alignas(64) Buffer {
 
 }  // namespace detail
 
-/// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only what it made itself:
-/// buffers that one thread makes and another frees do not pile up. Once the pool of an ending thread is gone, memory
-/// comes from the system and returns to it. Under the address sanitizer, who uses a free buffer is reported.
+/// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only buffers that it made
+/// itself, so buffers that one thread makes and another frees do not pile up. After the pool of an ending thread is
+/// gone, memory comes from the system and returns to it. The address sanitizer reports uses of a free buffer.
 class BufferPool {
  public:
   static BufferPool& local() { return thread_object<BufferPool>(); }
 
-  /// A buffer of at least this many bytes, and its way back, for the calling thread.
+  /// A buffer of at least this many bytes for the calling thread, and the return of one.
   static detail::Buffer* take(std::size_t bytes) {
     const int bucket = bucket_of(bytes);
     return gone_ ? make(bucket, bytes, 0) : local().reuse(bucket, bytes);
@@ -994,7 +996,7 @@ class BufferPool {
   /// Returns all free buffers to the system.
   void trim();
 
-  /// How often this pool had to ask the system. Stands still in a loop that has settled.
+  /// The number of requests of this pool to the system. It stays constant in a loop that has settled.
   std::int64_t system_allocations() const { return system_allocations_; }
 
   static void release(detail::Buffer* b);
@@ -1069,7 +1071,7 @@ class BufferHandle {
   }
 
   void* data() const MOTIONLANG_LIFETIMEBOUND { return buffer_ == nullptr ? nullptr : buffer_->data; }
-  /// Nobody else sees this memory, and it may be written.
+  /// True if no other handle sees this memory and it may be written.
   bool unique() const {
     return buffer_ != nullptr && buffer_->bucket >= 0 && buffer_->references.load(std::memory_order_acquire) == 1;
   }
@@ -1086,8 +1088,8 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
-/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
+/// A list of values in memory of the pool, cheap to make again and again in a loop. It does only what such lists need:
+/// a std::vector with an allocator would compile sixty functions for every type.
 template <class T>
 class PoolVector {
   static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64,
@@ -1154,30 +1156,29 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP  // <motionlang/core/large_memory.hpp>
 #define MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP
-/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has
-/// them (Linux). Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as
-/// fast. It comes from the system itself and goes back there: a heap that mixes alignments of 2 MB with small things
-/// keeps the gaps (a quarter of the weights).
+/// Memory for weights and tables, which are read from end to end again and again. It has pages of 2 MB where the system
+/// has them (Linux). At the border of small pages the processor stops reading ahead, so a scan over large ones is up to
+/// 1.8 times as fast. The memory comes from the system and returns to it. A heap that mixes alignments of 2 MB with
+/// small objects would keep gaps of a quarter of the weights.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The largest of the small ones that Linux has: addresses of which none is used cost nothing.
+/// The largest small page size of Linux. Addresses that are not used cost nothing.
 inline constexpr std::size_t small_page = 65536, large_page = std::size_t{2} << 20;
 
 constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
 }  // namespace detail
 
-/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, mostly in
-/// large pages.
+/// `bytes` bytes at a multiple of 64, not initialised. The first `used` of them will be written, mostly in large pages.
 void* take_memory(std::size_t bytes, std::size_t used);
 
-/// Gives back what take_memory(bytes, ...) gave.
+/// Returns the memory of take_memory(bytes, ...).
 void give_memory(void* memory, std::size_t bytes) noexcept;
 
-/// Room for `count` numbers, not initialised.
+/// Room for `count` values, not initialised.
 template <class T>
 std::shared_ptr<T[]> large_table(std::size_t count) {
   const std::size_t bytes = count * sizeof(T);
@@ -1278,15 +1279,63 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_CONCEPTS_HPP  // <motionlang/core/concepts.hpp>
 #define MOTIONLANG_HAS_CORE_CONCEPTS_HPP
-/// The concepts on which everything rests. Each one states: idea, what a model must provide, the laws (run on every
-/// model in tests/laws), and the models.
+/// The basic concepts. Each one states its idea, what a model must provide, the laws (run on every model in
+/// tests/laws), and the models.
+
+#ifndef MOTIONLANG_HAS_CORE_PRECISION_HPP  // <motionlang/core/precision.hpp>
+#define MOTIONLANG_HAS_CORE_PRECISION_HPP
+/// The precision of matrix products.
+
+#include <optional>     // no such name
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// fp32    the values as they are.
+/// bf16    Both factors are rounded to bfloat16 (8 bits of significand); products and sums are float. Prepared weights
+///         take half the memory. The speed is up to ten times as high where the processor has instructions for it. An
+///         element of a product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|. The sum,
+///         which may start with a bias, is also rounded. Values below 2^-126 may count as 0.
+/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added. It is for weights of 128 x 128
+///         and more; smaller ones, and other processors, use fp32. It has half the error of fp32 while products are
+///         above 2^-108 (below 2^-126 they count as 0). The last digits differ. Use it for many rows and few threads.
+///         With two threads, large products take 0.6 to 0.9 of the time, and those of a few rows up to four times as
+///         long. With 8 and 16 threads of one machine, large ones took 1.1 to 2.3 times as long, because AMX is slower
+///         there when every core uses it.
+/// All other arithmetic stays in float. Only the kernels of the Eigen and xtensor backends in float follow this.
+enum class Precision { fp32, bf16, bf16x3 };
+
+/// "fp32", ...
+inline const char* precision_name(Precision p) {
+  return p == Precision::bf16 ? "bf16" : p == Precision::bf16x3 ? "bf16x3" : "fp32";
+}
+/// The opposite. Nothing if the name is unknown.
+inline std::optional<Precision> precision_named(std::string_view name) {
+  for (const Precision p : {Precision::fp32, Precision::bf16, Precision::bf16x3}) {
+    if (name == precision_name(p)) return p;
+  }
+  return {};
+}
+
+namespace detail {
+inline std::atomic<Precision>& current_product_precision() {
+  static std::atomic<Precision> current{Precision::fp32};
+  return current;
+}
+}  // namespace detail
+
+/// Precision for the whole process, of weights that are prepared from now on and of products without a prepared weight.
+/// backend/precision.hpp changes it, and prepares a model in another.
+inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_acquire); }
+
+MOTIONLANG_NAMESPACE_END
+#endif
 
 #ifndef MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP  // <motionlang/core/scalar_math.hpp>
 #define MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP
-/// The elementary functions of `ScalarLike` types, for the built-in ones.
+/// The elementary functions of `ScalarLike` types, for built-in types.
 ///
-/// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Name lookup by argument finds
-/// `sqrt(Tensor)`, but not `std::sqrt` for a built-in number: hence these overloads, which must be visible first.
+/// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Argument-dependent lookup finds
+/// `sqrt(Tensor)`, but not `std::sqrt` for a built-in type. These overloads fill that gap, and must be visible first.
 
 #include <cmath>   // the functions themselves
 
@@ -1306,8 +1355,8 @@ inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
 /// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10. Its last digit often differs
-/// from that of the C library. Published tables of frequencies need it: after thousands of frames it decides the fourth
-/// digit.
+/// from that of the C library. Published tables of frequencies need it, because after thousands of frames it decides
+/// the fourth digit.
 inline float torch_exp(float x) {
   if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
   if (x > 100.0f) return std::numeric_limits<float>::infinity();
@@ -1320,8 +1369,8 @@ inline float torch_exp(float x) {
   return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
 }
 
-/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is to be
-/// differentiated, neither may be NaN, even where it is not taken.
+/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is
+/// differentiated, neither may be NaN, even where it is not chosen.
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
 constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
 
@@ -1334,7 +1383,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Sizes, positions and counts. Signed, so that differences are what they look like.
+/// Sizes, positions and counts. The type is signed, so that differences may be negative.
 using Index = std::ptrdiff_t;
 
 /// Up to six sizes, slowest axis first. A shape without axes is a scalar and has one element.
@@ -1391,7 +1440,7 @@ class Shape {
 
 namespace detail {
 
-/// "(2, 60, 512)"; a negative size stands for any.
+/// "(2, 60, 512)"; a negative size means any size.
 std::string shape_text(std::span<const Index> sizes);
 
 }  // namespace detail
@@ -1399,7 +1448,7 @@ std::string shape_text(std::span<const Index> sizes);
 /// "(2, 60, 512)"
 inline std::string to_string(const Shape& s) { return detail::shape_text(s.sizes()); }
 
-/// Axis counted from the end when negative; an error when out of range.
+/// An axis, counted from the end if negative. Throws shape_error 203 if it is out of range.
 constexpr int normalize_axis(int axis, int rank, const char* op) {
   const int a = axis < 0 ? axis + rank : axis;
   if (a < 0 || a >= rank) raise<shape_error>(203, op, ": axis ", axis, " of a tensor of rank ", rank);
@@ -1447,7 +1496,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <class S>
 concept Scalar = std::same_as<S, float> || std::same_as<S, double>;
 
-/// Something that calculates like a number: geometry needs nothing more.
+/// A type that calculates like a number. Geometry needs nothing more.
 /// Laws     those of a field, up to rounding; where_less(a, b, x, y) is x where a < b, else y
 /// Models   float, double, Dual<S>, Lane<S> (a SIMD register), Tensor<B, Rank> (element by element)
 template <class S>
@@ -1465,25 +1514,25 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
   { where_less(a, b, a, b) } -> std::convertible_to<S>;
 };
 
-/// Where tensors live and how they are calculated with: a scalar, a dense tensor type and 28 static operations.
+/// The place and the arithmetic of tensors: a scalar, a dense tensor type and 28 static operations.
 ///
-/// `tensor` is a cheap handle with value semantics and dynamic rank; operands are taken by value, so that an operation
-/// may reuse the memory of one that nobody else holds. Shapes have been checked by the caller (tensor/ops.hpp): a
-/// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
-/// add its own version under the same name (see tensor/fused.hpp).
+/// `tensor` is a cheap handle with value semantics and dynamic rank. Operands are taken by value, so that an operation
+/// may reuse memory that nobody else holds. The caller has checked shapes (tensor/ops.hpp): a backend only computes.
+/// Everything else (softmax, attention, ...) has a default in these primitives. A backend may add its own version under
+/// the same name (see tensor/fused.hpp).
 ///
 /// tensor    can be default-constructed, copied and moved. A default-constructed tensor has the shape (0), and to_span
-///           gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
-///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
-///           if the tensor has it, tells one from the other
+///           gives nothing; a moved-from one is the same. Tensor<B, Rank> refuses such a tensor before an operation of
+///           the backend sees it. A list of no values has the shape (0), too. If the tensor has `bool defined() const`,
+///           that tells one from the other
 /// Minimum   data      full, from_span, to_span, shape
 ///           elements  add sub mul div maximum atan2 (broadcasting), exp log sqrt tanh erf sin cos, where_less
 ///           reduce    sum max (one axis, which disappears)
 ///           product   matmul(a, b, transpose_a, transpose_b), equal leading axes
 ///           movement  reshape permute broadcast slice concat gather scatter_add
-/// Left out  which device, threads, in-place operations, other scalars than float and double, views of memory of others
-/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly; the
-///           algebra of tests/laws. examples/11_own_backend has a backend of one's own, and how to run the laws on it
+/// Left out  devices, threads, in-place operations, scalars other than float and double, views of foreign memory
+/// Laws      Every operation equals that of ReferenceBackend (tests/ops). Operands never change visibly. The algebra of
+///           tests/laws holds. examples/11_own_backend has a backend of your own, and runs the laws on it
 /// Models    ReferenceBackend<S>, EigenBackend<S>, XtensorBackend<S>, Autodiff<B>
 template <class B>
 concept Backend = Scalar<typename B::scalar> && std::semiregular<typename B::tensor> &&
@@ -1529,13 +1578,14 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
 };
 
 /// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in,
-/// taps): prepare(weight) keeps the weight in it beside the tensor, which must not change afterwards, and says whether
-/// all numbers are finite, which are read anyway.
+/// taps). prepare(weight, precision) keeps this layout beside the tensor, which must not change afterwards. It returns
+/// true if all values are finite, which it checks while it reads them. precision_of(weight) is that of its products.
 /// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>
-concept PackingBackend = Backend<B> && requires(const typename B::tensor weight) {
-  { B::prepare(weight) } -> std::same_as<bool>;
+concept PackingBackend = Backend<B> && requires(const typename B::tensor weight, Precision precision) {
+  { B::prepare(weight, precision) } -> std::same_as<bool>;
+  { B::precision_of(weight) } -> std::same_as<Precision>;
 };
 
 /// A type with parameters: `fields()` lists pairs (name, pointer to member); names are the official state-dict keys.
@@ -1546,7 +1596,7 @@ concept Module = requires {
   M::fields();
 };
 
-/// A source of random numbers that is passed, never global.
+/// A source of random numbers. It is passed to functions and never global.
 /// Laws     equal seeds give equal numbers; split(name) depends on the seed and the name only, not on what was drawn
 /// Models   Philox
 template <class G>
@@ -1566,17 +1616,17 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Scalar S>
 class Dense {
  public:
-  /// Nothing yet: an empty list.
+  /// No tensor yet: the shape (0).
   Dense() = default;
   /// Uninitialised.
   explicit Dense(const Shape& shape) : buffer_(static_cast<std::size_t>(shape.count()) * sizeof(S)), shape_(shape) {}
-  /// Numbers that somebody else owns and nobody writes (a mapped file).
+  /// Values that somebody else owns and that do not change (a mapped file).
   Dense(const S* values, const Shape& shape, std::shared_ptr<const void> owner)
       : buffer_(values, std::move(owner)), shape_(shape) {}
 
   Dense(const Dense&) = default;
   Dense& operator=(const Dense&) = default;
-  /// A tensor that was moved from holds nothing.
+  /// A moved-from tensor holds nothing.
   Dense(Dense&& o) noexcept
       : buffer_(std::move(o.buffer_)), shape_(std::exchange(o.shape_, nothing)), offset_(std::exchange(o.offset_, 0)) {}
   Dense& operator=(Dense&& o) noexcept {
@@ -1601,22 +1651,22 @@ class Dense {
   const Shape& shape() const MOTIONLANG_LIFETIMEBOUND { return shape_; }
   Index count() const { return shape_.count(); }
   const S* data() const MOTIONLANG_LIFETIMEBOUND { return static_cast<const S*>(buffer_.data()) + offset_; }
-  /// For writing: only right after construction or when `unique()`.
+  /// For writing, only right after construction or if `unique()`.
   S* data() MOTIONLANG_LIFETIMEBOUND { return static_cast<S*>(buffer_.data()) + offset_; }
   std::span<const S> span() const MOTIONLANG_LIFETIMEBOUND { return {data(), static_cast<std::size_t>(count())}; }
-  /// True if there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  /// True if there is a tensor, perhaps an empty one. False before it is made, and after a move.
   bool defined() const { return static_cast<bool>(buffer_); }
 
-  /// Nobody else can see the numbers, so an operation may overwrite them.
+  /// True if no other handle sees the values, so that an operation may overwrite them.
   bool unique() const { return buffer_.unique() && !buffer_.packed(); }
 
-  /// The same numbers in another shape of the same count.
+  /// The same values in another shape of the same count.
   Dense reshaped(const Shape& shape) const {
     Dense d(*this);
     d.shape_ = shape;
     return d;
   }
-  /// Leading indices first ... last-1, without copying.
+  /// The leading indices first ... last-1, without copying.
   Dense rows(Index first, Index last) const {
     Dense d(*this);
     d.offset_ += first * shape_.count(1, shape_.rank());
@@ -1624,7 +1674,7 @@ class Dense {
     return d;
   }
 
-  /// Attaches the same numbers in the layout of a kernel. They live and die with the buffer.
+  /// Attaches the same values in the layout of a kernel. They live as long as the buffer.
   void attach(std::shared_ptr<const void> packed) const { buffer_.packed() = std::move(packed); }
   const void* attached() const { return buffer_ && offset_ == 0 ? buffer_.packed().get() : nullptr; }
 
@@ -1641,11 +1691,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
 #define MOTIONLANG_HAS_CORE_PARALLEL_HPP
-/// A small pool of threads and `parallel_for`, their number, and the objects that threads of a program may share.
+/// A small pool of threads, `parallel_for`, the number of threads, and the rules for objects that threads share.
 ///
-/// How many   processor_count() threads calculate (core/processors.hpp: what the process is given, in a container too),
-///            at most 256. set_thread_count(n) changes that for the whole process. The results are the same bits
-/// From several threads of a program at once
+/// How many   processor_count() threads compute (core/processors.hpp: the limit of this process, also in a container),
+///            at most 256. set_thread_count(n) changes that for the whole process. The results have the same bits
+/// Objects and several threads of a program
 ///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Threads may
 ///                    copy and use handles of the same tensor. The pool serves one call at a time; other calls wait
 ///   may not          objects that change: a tensor that is assigned to, a generator that draws, an AdamW that steps, a
@@ -1654,10 +1704,10 @@ MOTIONLANG_NAMESPACE_END
 ///   Autodiff         variables may be shared; operations behind a loss belong to the thread that calls `backward`
 ///   at rest          set_thread_count and set_product_precision (backend/precision.hpp): while no work is running
 ///
-/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
-/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
-/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
-/// while an idle program costs nothing.
+/// Work is split into tasks that never share a sum, and the result of a task does not depend on the thread. So one
+/// thread and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the
+/// processor) and then sleep. So the many short regions of a transformer layer cost well below a microsecond each (on
+/// few cores), and an idle program costs nothing.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -1674,11 +1724,11 @@ int thread_count();
 /// Threads that `parallel_for` uses here: one inside a task.
 int parallel_width();
 
-/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at
-/// once.
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1. Tasks that run at the same time
+/// have different numbers.
 int thread_number();
 
-/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
+/// Changes the number of threads for the whole process. Do not call it while work is running. Throws config_error 101.
 void set_thread_count(int threads);
 
 /// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
@@ -1691,7 +1741,7 @@ void parallel_for(Index count, const F& f) {
 }
 
 namespace detail {
-inline constexpr Index worth_a_thread = 16384;  // numbers
+inline constexpr Index worth_a_thread = 16384;  // values
 }
 
 /// Calls f(first, last) for pieces of 0 ... count-1. Work that is too small for two threads is one piece (`cost` values
@@ -1708,9 +1758,9 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
-/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix with this many rows, for functions that go
-/// through the rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number
-/// of threads.
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix with this many rows. It is for functions
+/// that go through the rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any
+/// number of threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
   const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
@@ -1733,14 +1783,14 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_CORE_PROCESSORS_HPP  // <motionlang/core/processors.hpp>
 #define MOTIONLANG_HAS_CORE_PROCESSORS_HPP
 /// The number of useful threads: the processors on which this process may run, limited by the processor time of its
-/// control group (containers, batch systems). More threads would use up the group's time by waiting for each other, and
+/// control group (containers, batch systems). More threads would waste the group's time by waiting for each other, and
 /// the system would then stop all of them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` names the group of
+/// Linux' control groups, version 2, and version 1 where it does the counting. The file `processes` names the group of
 /// this process, and the folders of `root` hold its limits. A file that cannot be read sets no limit.
 struct ControlGroups {
   std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";
@@ -1792,7 +1842,7 @@ MOTIONLANG_BODY int ControlGroups::processors(int all) const {
     controllers.front() = controllers.back() = ',';
     const bool second_version = controllers == ",,";
     if (!second_version && controllers.find(",cpu,") == std::string::npos) return;
-    // The group, and those around it.
+    // The group and its parents.
     for (std::string path = line.substr(second + 1);; path.resize(path.rfind('/'))) {
       if (path.ends_with('/')) path.pop_back();
       const std::string folder = root + (second_version ? "" : "/cpu") + path;
@@ -1841,7 +1891,7 @@ class ThreadPool {
   }
 
   int size() const { return workers_ + 1; }
-  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
+  /// The number of threads that `run` uses here: inside a task it is 1.
   int width() const { return inside_ ? 1 : size(); }
   /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
   static int number() { return number_; }
@@ -1887,8 +1937,8 @@ class ThreadPool {
  private:
   static constexpr int spins_before_sleep = 20000;
 
-  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike,
-  /// one after the other, find them in the caches of the same thread.
+  /// The tasks that a thread takes first; a thread without tasks helps the others. If consecutive regions split the
+  /// same rows alike, each thread finds its rows in its caches.
   struct alignas(64) Share {
     std::atomic<Index> next{0};
     Index end = 0;
@@ -1898,7 +1948,7 @@ class ThreadPool {
 
   ThreadPool() {
     const auto start = [&] { resize(std::min(processor_count(), 256)); };
-    const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
+    const auto no_more = [](const std::system_error&) { return true; };  // the threads that began are enough
     guard<std::system_error>(start, no_more);
   }
   ~ThreadPool() { stop(); }
@@ -1920,9 +1970,9 @@ class ThreadPool {
     for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
-  /// The work of a thread. It is a function whose address std::thread takes: the code of a lambda would be a part of
-  /// std::thread's, which a program and a shared library, each with its own copy of this pool and of `inside_`, have in
-  /// common.
+  /// The work of a thread. It is a function, because std::thread takes its address. The code of a lambda would be a
+  /// part of std::thread's. A program and a shared library share that code, but each has its own copy of this pool and
+  /// of `inside_`.
   static void start(ThreadPool* pool, int number, unsigned seen) {
     number_ = number;
     pool->work(seen);
@@ -2003,8 +2053,8 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-/// A reduction along an axis of (outer, axis, inner), by all threads: of the last axis rows(first, last), rows of the
-/// memory; of another columns(i, first, last), columns of matrix i of `outer`.
+/// A reduction along an axis of (outer, axis, inner), on all threads. Along the last axis it calls rows(first, last)
+/// for rows of the memory. Along another axis it calls columns(i, first, last) for columns of matrix i of `outer`.
 template <class Rows, class Columns>
 void for_reduction(const Shape& s, int axis, const Rows& rows, const Columns& columns) {
   const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
@@ -2101,7 +2151,7 @@ struct DenseOps {
  protected:
   using Strides = std::array<Index, Shape::max_rank>;
 
-  /// For i = 0 ... count-1: n numbers of from(i) to to(i).
+  /// For i = 0 ... count-1: copies n values from from(i) to to(i).
   template <class From, class To>
   static void copy_pieces(Index count, Index n, const From& from, const To& to) {
     if (n == 0) return;
@@ -2133,13 +2183,13 @@ struct DenseOps {
   struct Axis {
     Index size = 1, in = 1, out = 1;
   };
-  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump
-  /// through the memory of a, and those along another axis do not, some lines are made at once: a line of the cache
-  /// serves all of them.
+  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. If these lines jump through
+  /// the memory of a, and lines along another axis do not, several lines are made together. They then share the cache
+  /// lines that they read.
   static tensor strided_copy(const tensor& a, const Shape& s, const Strides& stride) {
     tensor out(s);
     if (s.count() == 0) return out;
-    std::array<Axis, Shape::max_rank> axes;  // from the last to the first, those that are one to the memory joined
+    std::array<Axis, Shape::max_rank> axes;  // from the last to the first; axes that are one in memory are joined
     int count = 0;
     const auto own = strides_of(s);
     for (int i = s.rank() - 1; i >= 0; --i) {
@@ -2180,7 +2230,7 @@ struct DenseOps {
     });
     return out;
   }
-  /// Line l of n numbers:  to[l * pitch + i] = from[l + i * step]. Several lines only where step > 1.
+  /// Line l of n values:  to[l * pitch + i] = from[l + i * step]. Several lines only where step > 1.
   static void copy_lines(const S* from, Index step, Index n, S* to, Index lines, Index pitch) {
     if (step == 1) {
       std::memcpy(to, from, static_cast<std::size_t>(n) * sizeof(S));
@@ -2207,10 +2257,10 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_FUSED_HPP  // <motionlang/tensor/fused.hpp>
 #define MOTIONLANG_HAS_TENSOR_FUSED_HPP
-/// Operations that a backend may have as one kernel: each is defined here in primitives, which is what it means.
+/// Operations for which a backend may have a kernel. Each is defined here in primitives, which are its meaning.
 ///
 /// `if constexpr (requires { B::linear(...); })` takes the kernel of a backend that has one. `Autodiff<B>` has the
-/// operation, with a hand-written derivative, exactly when B has its kernels; otherwise the definition below is
+/// operation, with a hand-written derivative, exactly if B has its kernels. Otherwise the definition below is
 /// differentiated.
 
 #ifndef MOTIONLANG_HAS_CORE_ACTIVATION_HPP  // <motionlang/core/activation.hpp>
@@ -2249,7 +2299,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_DROPOUT_HPP  // <motionlang/core/dropout.hpp>
 #define MOTIONLANG_HAS_CORE_DROPOUT_HPP
-/// Dropout masks that are a function of a key and a position: nothing is stored, and any thread computes any part.
+/// Dropout masks that are a function of a key and a position. Nothing is stored, and any thread computes any part.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -2289,10 +2339,10 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_TENSOR_HPP  // <motionlang/tensor/tensor.hpp>
 #define MOTIONLANG_HAS_TENSOR_TENSOR_HPP
-/// Tensor<B, Rank>: what user code sees. The backend and the rank are types, the sizes are values.
+/// Tensor<B, Rank> for user code. The backend and the rank are types, the sizes are values.
 ///
-/// A handle with value semantics: copying shares memory, writing never shows through another handle. A wrong rank is a
-/// compile error; wrong sizes are a `shape_error` from the operation, thrown before any backend runs.
+/// A handle with value semantics: copying shares memory, but a write is never visible through another handle. A wrong
+/// rank is a compile error. Wrong sizes are a `shape_error` from the operation, thrown before any backend runs.
 
 #ifndef MOTIONLANG_HAS_CORE_RNG_HPP  // <motionlang/core/rng.hpp>
 #define MOTIONLANG_HAS_CORE_RNG_HPP
@@ -2308,7 +2358,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Philox4x32-10. `seed` is the key, `stream` and `position` are the counter: any number of any stream can be computed
+/// Philox4x32-10. `seed` is the key, `stream` and `position` are the counter. Any number of any stream can be computed
 /// without the ones before it, so results do not depend on batch order or threads.
 ///
 ///     Philox rng{.seed = 7};
@@ -2400,8 +2450,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A backend's tensor, row-major numbers that fill(scalar*) writes: into the tensor itself where it can be written, so
-/// that a large table is not there twice.
+/// A backend's tensor with row-major values that fill(scalar*) writes. It writes directly into the tensor if possible,
+/// so that a large table does not exist twice.
 template <Backend B, class F>
 typename B::tensor written_tensor(const Shape& shape, const F& fill) {
   using S = typename B::scalar;
@@ -2428,14 +2478,14 @@ class Tensor {
   using scalar = typename B::scalar;
   static constexpr int rank = Rank;
 
-  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it. A tensor that was
-  /// moved from is the same.
+  /// No tensor yet: its shape is (0) for any rank, it has no values, and operations refuse it. A moved-from tensor is
+  /// the same.
   Tensor() = default;
-  /// Wraps a backend's tensor. Throws shape_error 206 if its rank is another.
+  /// Wraps a backend's tensor. Throws shape_error 206 if its rank differs.
   explicit Tensor(typename B::tensor data) : data_(std::move(data)) {
     if (shape().rank() != Rank) raise<shape_error>(206, "Tensor: rank ", Rank, " expected, shape is ", shape());
   }
-  /// One number with all sizes 1: broadcasts against anything.
+  /// One value with all sizes 1, which broadcasts against anything.
   template <class N>
   requires std::is_arithmetic_v<N>
   explicit Tensor(N value) : data_(B::full(ones(), static_cast<scalar>(value))) {}
@@ -2444,7 +2494,7 @@ class Tensor {
     return Tensor(B::full(checked(shape), static_cast<scalar>(value)));
   }
   static Tensor zeros(const Shape& shape) { return full(shape, 0); }
-  /// Row-major values. Throws shape_error 205 if their number is not the shape's.
+  /// Row-major values. Throws shape_error 205 if their number does not fit the shape.
   static Tensor from(std::span<const scalar> values, const Shape& shape) {
     if (static_cast<Index>(values.size()) != shape.count()) {
       raise<shape_error>(205, "Tensor: ", Index(values.size()), " values for shape ", shape);
@@ -2454,12 +2504,12 @@ class Tensor {
   static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
     return from(std::span<const scalar>(values), shape);
   }
-  /// Row-major numbers that fill(scalar*) writes (written_tensor).
+  /// Row-major values that fill(scalar*) writes (written_tensor).
   template <class F>
   static Tensor written(const Shape& shape, const F& fill) {
     return Tensor(written_tensor<B>(checked(shape), fill));
   }
-  /// Standard normal numbers.
+  /// Standard normal values.
   static Tensor randn(const Shape& shape, Rng auto& rng) {
     return written(shape,
                    [&](scalar* to) { rng.normal(std::span<scalar>(to, static_cast<std::size_t>(shape.count()))); });
@@ -2467,32 +2517,32 @@ class Tensor {
 
   const typename B::tensor& data() const& MOTIONLANG_LIFETIMEBOUND { return data_; }
   typename B::tensor data() && { return std::move(data_); }
-  /// For code that replaces the value in place (optimisers, loaders).
+  /// For code that replaces the values in place (optimisers, loaders).
   typename B::tensor& mutable_data() MOTIONLANG_LIFETIMEBOUND { return data_; }
 
   Shape shape() const { return B::shape(data_); }
   Index size(int axis) const { return shape()[normalize_axis(axis, Rank, "Tensor::size")]; }
   Index count() const { return shape().count(); }
-  /// True if there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  /// True if there is a tensor, perhaps an empty one. False before it is made, and after a move.
   bool defined() const {
     if constexpr (Rank == 1 && requires(const typename B::tensor& t) { t.defined(); }) return data_.defined();
     return shape().rank() == Rank;
   }
 
-  /// The numbers, row-major; valid as long as this tensor lives and is not assigned to.
+  /// The values, row-major; valid while this tensor lives and is not assigned to.
   std::span<const scalar> span() const& MOTIONLANG_LIFETIMEBOUND { return B::to_span(data_); }
-  std::span<const scalar> span() const&& = delete;  // values of a temporary end with it: name it, or to_vector()
+  std::span<const scalar> span() const&& = delete;  // values of a temporary end with it: name it, or use to_vector()
   std::vector<scalar> to_vector() const {
     const auto s = span();
     return {s.begin(), s.end()};
   }
-  /// The only number of a tensor with one element. Throws shape_error 205.
+  /// The only value of a tensor with one element. Throws shape_error 205.
   scalar item() const {
     if (count() != 1) raise<shape_error>(205, "Tensor::item: shape ", shape(), " has ", count(), " elements");
     return span()[0];
   }
-  /// The value at an index for each axis: t.at(0, 2). For many values take span(). Throws shape_error 203 for an index
-  /// outside its axis, 206 if there is no tensor.
+  /// The value at an index for each axis: t.at(0, 2). For many values use span(). Throws shape_error 203 for an index
+  /// outside its axis, and 206 if there is no tensor.
   template <std::integral... I>
   requires(sizeof...(I) == Rank) scalar at(I... index)
   const {
@@ -2524,7 +2574,7 @@ class Tensor {
 
 namespace detail {
 
-/// Throws shape_error 206 for a tensor that is not made yet, or was moved from.
+/// Throws shape_error 206 for an unset or moved-from tensor.
 template <Backend B, int R>
 void require_tensor(std::string_view op, const Tensor<B, R>& t) {
   if (!t.defined()) raise<shape_error>(206, op, ": no tensor yet, or moved from; rank ", R, " expected");
@@ -2694,7 +2744,7 @@ template <Backend B, int R>
 requires(R > 0) Tensor<B, R - 1> mean(const Tensor<B, R>& a, int axis) {
   return sum(a, axis) / static_cast<double>(a.size(axis));
 }
-/// Sum and mean of everything.
+/// Sum and mean of all elements.
 template <Backend B, int R>
 Tensor<B, 0> sum(const Tensor<B, R>& a) {
   detail::require_tensor("sum", a);
@@ -2729,20 +2779,20 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_SEQUENCES_HPP  // <motionlang/tensor/sequences.hpp>
 #define MOTIONLANG_HAS_TENSOR_SEQUENCES_HPP
-/// A batch of sequences without padding: the rows of all sequences one after the other, and where each begins.
+/// A batch of sequences without padding: the rows of all sequences in order, and the start of each.
 ///
-/// Layers that treat rows alike (linear, norms, nonlinearities, losses) see only rows; attention, positions and pooling
-/// take the offsets. Padded tensors and masks exist only at the edge, for loaders and for comparison with other
+/// Layers that treat rows alike (linear, norms, nonlinearities, losses) see only rows. Attention, positions and pooling
+/// take the offsets. Padded tensors and masks exist only at the borders: for loaders and for comparison with other
 /// programs.
 
 #ifndef MOTIONLANG_HAS_CORE_OFFSETS_HPP  // <motionlang/core/offsets.hpp>
 #define MOTIONLANG_HAS_CORE_OFFSETS_HPP
-/// Where each sequence of a packed batch begins: an immutable shared list 0 = o_0 <= o_1 <= ... <= o_n = rows.
+/// The start of each sequence of a packed batch: an immutable shared list 0 = o_0 <= o_1 <= ... <= o_n = rows.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; whoever keeps a copy keeps the list alive.
-/// To move is to copy: what was moved from keeps its list.
+/// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; every copy keeps the list alive. A move is
+/// a copy, so a moved-from object keeps its list.
 class Offsets {
  public:
   Offsets() : Offsets(std::span<const Index>()) {}
@@ -2810,11 +2860,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_INDEX_HPP  // <motionlang/tensor/index.hpp>
 #define MOTIONLANG_HAS_TENSOR_INDEX_HPP
-/// Moving numbers: reshape, permute, slice, concat, gather, scatter.
+/// Moves values: reshape, permute, slice, concat, gather, scatter.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The same numbers in another shape; one size may be -1 and is then computed. Throws shape_error 205.
+/// The same values in another shape. One size may be -1 and is then computed. Throws shape_error 205.
 template <int New, Backend B, int R>
 Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& sizes) {
   detail::require_tensor("reshape", a);
@@ -2861,7 +2911,8 @@ requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shap
   return Tensor<B, New>(B::broadcast(a.data(), s));
 }
 
-/// Indices first ... last-1 along an axis; all of them are the tensor itself, without a copy. Throws shape_error 203.
+/// Indices first ... last-1 along an axis. If these are all, it is the tensor itself, without a copy. Throws
+/// shape_error 203.
 template <Backend B, int R>
 Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
   detail::require_tensor("slice", a);
@@ -2909,7 +2960,7 @@ namespace detail {
 void check_rows(const char* op, std::span<const Index> rows, Index n);
 }  // namespace detail
 
-/// out[i] = a[rows[i]]: picks along the first axis; rows may repeat. Throws shape_error 203.
+/// out[i] = a[rows[i]]: selects along the first axis; rows may repeat. Throws shape_error 203.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R> gather(const Tensor<B, R>& a, std::span<const Index> rows) {
   detail::require_tensor("gather", a);
@@ -2973,8 +3024,8 @@ struct Sequences {
 
 /// For every row the number of its sequence.
 PoolVector<Index> sequence_of_row(const Offsets& offsets);
-/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204
-/// for another count.
+/// Repeats one row per sequence for all rows of the sequence: (sequences, width) -> (rows, width). Throws shape_error
+/// 204 for another count.
 template <Backend B>
 Tensor<B, 2> repeat_for_rows(const Tensor<B, 2>& per_sequence, const Offsets& offsets) {
   if (per_sequence.size(0) != offsets.count())
@@ -2993,9 +3044,9 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
 
 namespace detail {
 
-/// The lengths of the sequences `which`: numbers that there are, in any order, with repetition.
+/// The lengths of the sequences `which`: existing numbers in any order, with repetition.
 Offsets some_sequences(const Offsets& offsets, std::span<const Index> which);
-/// The sequences `which`; without copying if these are all of them in order.
+/// The sequences `which`, without copying if these are all of them in order.
 template <Backend B>
 Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which) {
   const Index first = which.empty() ? 0 : which.front(), count = std::ssize(which);
@@ -3010,15 +3061,15 @@ Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which)
   }
   return {gather(x.rows, rows), offsets};
 }
-/// Number i times.length(i) times. Throws shape_error 204 for another number of times.
+/// Number i, times.length(i) times. Throws shape_error 204 for another number of times.
 PoolVector<Index> repeated_numbers(Index sequences, const Offsets& times);
 
-/// Rows to pick, and how long the sequences of them are.
+/// Rows to select, and the lengths of their sequences.
 struct PickedRows {
   PoolVector<Index> rows;
   Offsets offsets;
 };
-/// For concat_tokens, of the parts one behind the other. Throws shape_error 204 if the counts differ.
+/// For concat_tokens: the parts in order. Throws shape_error 204 if the counts differ.
 PickedRows joined_sequences(std::span<const Offsets* const> parts);
 /// For last_rows. Throws shape_error 204, 207.
 PoolVector<Index> last_rows_of(const Offsets& offsets, const Offsets& tail);
@@ -3029,7 +3080,7 @@ std::vector<unsigned char> mask_of_lengths(const Shape& shape, std::span<const I
 
 }  // namespace detail
 
-/// Sequence i times.length(i) times, one after the other. Throws shape_error 204 for another number of times.
+/// Sequence i, times.length(i) times, in order. Throws shape_error 204 for another number of times.
 Offsets repeat_lengths(const Offsets& offsets, const Offsets& times);
 template <Backend B>
 Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
@@ -3083,7 +3134,7 @@ Tensor<B, 3> to_padded(const Sequences<B>& x, double value = 0, Index time = 0) 
   if (time == 0) time = x.offsets.longest();
   if (time < x.offsets.longest())
     raise<shape_error>(205, "to_padded: ", time, " frames for a sequence of ", x.offsets.longest());
-  // a last row of padding, which all padded positions pick
+  // A last row of padding, which all padded positions select.
   const auto rows = concat(0, x.rows, Tensor<B, 2>::full({1, x.width()}, value));
   std::vector<Index> pick;
   for (Index i = 0; i < x.count(); ++i) {
@@ -3242,7 +3293,7 @@ Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
       case Activation::none:
         return x;
       case Activation::relu:
-        return maximum(x, Tensor<B, R>(0.0));  // slope 1 at 0; of the kernels, as in PyTorch, 0
+        return maximum(x, Tensor<B, R>(0.0));  // slope 1 at 0; 0 in the kernels, as in PyTorch
       case Activation::gelu:
         return x * 0.5 * (erf(x * std::sqrt(0.5)) + 1.0);
       case Activation::silu:
@@ -3283,7 +3334,7 @@ void check_linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tenso
 }  // namespace detail
 
 /// y = dropout(act(x W^T + bias)) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) ->
-/// (rows, out) Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
+/// (rows, out). Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
 template <Backend B>
 Tensor<B, 2> linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tensor<B, 1>* bias,
                     Activation act = Activation::none, const Tensor<B, 2>* residual = nullptr,
@@ -3352,9 +3403,20 @@ Tensor<B, 2> softmax(const Tensor<B, 2>& x) {
 
 struct AttentionOptions {
   Index heads = 1;
-  bool causal = false;  // a query sees the keys up to its own position only
-  Dropout dropout{};    // on the attention weights
+  bool causal = false;                        // a query only sees keys up to its own position
+  Dropout dropout{};                          // on the attention weights
+  Precision precision = product_precision();  // layers take that of their weights
 };
+
+/// In which precision products with a weight are computed: that of `prepare`, else the one of the process.
+template <Backend B, int R>
+Precision precision_of(const Tensor<B, R>& weight) {
+  if constexpr (PackingBackend<B>) {
+    return B::precision_of(weight.data());
+  } else {
+    return product_precision();
+  }
+}
 
 namespace detail {
 
@@ -3431,9 +3493,9 @@ Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B
 
 /// Multi-head attention over packed sequences (Vaswani et al. 2017, eq. 1); heads are contiguous slices of the width.
 ///     O_h = softmax(Q_h K_h^T / sqrt(width / heads) + R_h) V_h     within each sequence
-/// q (query rows, width), k and v (key rows, width) -> (query rows, width). Padding does not exist here: a key that is
-/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the
-/// distance j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
+/// q (query rows, width), k and v (key rows, width) -> (query rows, width). There is no padding: a masked key is not in
+/// the sequence (see from_padded). R may be null. Element (i, j) of R_h is the value for the distance j - i: column j -
+/// i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
 template <Backend B>
 Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
                        const Offsets& k_offsets, const AttentionOptions& options,
@@ -3466,7 +3528,7 @@ Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tenso
   }
 }
 
-/// The same with q, k and v side by side, as one projection makes them: qkv (rows, 3 width) -> (rows, width).
+/// The same with q, k and v side by side, the result of one projection: qkv (rows, 3 width) -> (rows, width).
 template <Backend B>
 Tensor<B, 2> self_attention(const Tensor<B, 2>& qkv, const Offsets& offsets, const AttentionOptions& options) {
   if (qkv.size(1) % 3 != 0) raise<shape_error>(204, "self_attention: ", qkv.shape(), " is not three parts wide");
@@ -3521,7 +3583,7 @@ template <Scalar S>
 struct KernelOps {
   using kernel_tensor = Dense<S>;
 
-  // Operands come by value: memory that nobody else holds is reused for the result.
+  // Operands come by value: the result reuses memory that nobody else holds.
   static Dense<S> add(Dense<S> a, Dense<S> b);
   static Dense<S> sub(Dense<S> a, Dense<S> b);
   static Dense<S> mul(Dense<S> a, Dense<S> b);
@@ -3529,20 +3591,22 @@ struct KernelOps {
   static Dense<S> maximum(Dense<S> a, Dense<S> b);
   static Dense<S> sum(const Dense<S>& a, int axis);
 
-  /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
+  /// The number of rows inside a network that stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();
 
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed
-  /// form. For inference: the weight must not change afterwards. Returns whether all its numbers are finite: they are
-  /// read anyway.
-  static bool prepare(const Dense<S>& weight);
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps). `linear` and `conv1d` then use the packed
+  /// form, and the precision for which it was packed. For inference: the weight must not change afterwards. Returns
+  /// true if all its values are finite, which it checks while it reads them.
+  static bool prepare(const Dense<S>& weight, Precision precision = product_precision());
+  /// The precision of products with this weight.
+  static Precision precision_of(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
 
-  /// nn/conv1d.hpp, without dilation. The sequences of x lie in it by `before`, those of the result by `after`.
+  /// nn/conv1d.hpp, without dilation. `before` gives the sequences of x, `after` those of the result.
   static Dense<S> conv1d(const Dense<S>& x, const Offsets& before, const Offsets& after, const Dense<S>& weight,
                          const Dense<S>* bias, Index stride, Index padding, Activation act);
   static Dense<S> conv1d_weight_vjp(const Dense<S>& x, const Offsets& before, const Offsets& after, Index taps,
@@ -3574,7 +3638,7 @@ struct KernelOps {
   static Dense<S> self_attention_vjp(const Dense<S>& qkv, const Offsets& offsets, const AttentionOptions& options,
                                      const Dense<S>& dy);
 
-  /// Updates parameter and moments in place when nobody else holds them, else makes new ones.
+  /// Updates parameter and moments in place if nobody else holds them, else makes new ones.
   static void adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const Dense<S>& gradient, const AdamwUpdate& update);
 };
 
@@ -3590,9 +3654,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP  // <motionlang/backend/detail/broadcast.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP
-/// How two operands of a broadcasting operation lie in memory, reduced to the cases that a vectorised loop can handle.
-
-#include <optional>  // no simple pattern
+/// The memory layout of two operands of a broadcasting operation, reduced to the cases that a vectorised loop can
+/// handle.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
@@ -3606,8 +3669,7 @@ struct BroadcastPattern {
   Operand a, b;
 };
 
-/// The pattern of a and b in the result shape s, or nothing if it takes more than one change between walked and
-/// repeated.
+/// The pattern of a and b in the result shape s. Nothing if walked and repeated axes alternate more than once.
 inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const Shape& b, const Shape& s) {
   BroadcastPattern p;
   int group = 0;  // 0: inner, 1: outer; from the last axis backwards
@@ -3634,33 +3696,33 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP  // <motionlang/backend/detail/kernels.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP
-/// The kernels behind the Eigen and xtensor backends: one text, compiled for several instruction sets, chosen at run
+/// The kernels behind the Eigen and xtensor backends: one source, compiled for several instruction sets, chosen at run
 /// time.
 ///
-/// The files *.inc are included once per instruction set, with the compiler told to generate code for it;
-/// `kernels<S>()` is the table of the best one that this processor has. A program built without any -march therefore
-/// runs as fast as one built for the machine. Other processors use the first table, in 16-byte vectors of the compiler
-/// (SSE2, NEON, ...). Nothing here knows about tensors or threads: pointers, sizes, and ranges of rows.
+/// The files *.inc are included once per instruction set, and the compiler generates code for that set. `kernels<S>()`
+/// is the table of the best set that this processor has. So a program that is built without -march runs as fast as one
+/// that is built for the machine. Other processors use the first table, in 16-byte vectors of the compiler (SSE2, NEON,
+/// ...). Kernels know pointers, sizes and ranges of rows, but no tensors or threads.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_GELU_TABLE_HPP  // <motionlang/backend/detail/gelu_table.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_GELU_TABLE_HPP
 /// The difference of relu(x) and gelu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
 ///
 /// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal
-/// distribution function). g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one
-/// instruction so take 14 instructions.
+/// distribution function). g is below 0.17 and vanishes above c = 5.5. This takes 14 instructions on processors that
+/// look up 32 values in one instruction.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// g(i / 4 + d) = sum over n of by_power[n][i] d^n for |d| <= 1/8. Wrong by 5e-8 at most, by 1e-7 of g for i = 0.
+/// g(i / 4 + d) = sum over n of by_power[n][i] d^n for |d| <= 1/8. The error is at most 5e-8, and 1e-7 of g for i = 0.
 struct GeluTable {
   static constexpr int cells = 32, degree = 4;
   static constexpr double width = 0.25;
   alignas(64) float by_power[degree + 1][cells];
 };
 
-/// Taylor's series in every cell, whose powers 5 and 6 are replaced by lower ones (Chebyshev's economisation).
+/// Taylor's series in every cell. Lower powers replace its powers 5 and 6 (Chebyshev's economisation).
 constexpr GeluTable make_gelu_table() {
   constexpr int terms = 16;
   GeluTable table{};
@@ -3673,8 +3735,8 @@ constexpr GeluTable make_gelu_table() {
       q[n] = -p[n - 1] / n;
       g[n] = c * q[n] + q[n - 1];
     }
-    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) =
-    // 0), T_5(u) / 16 for u^5.
+    // Subtracts polynomials that are small for |u| <= 1, u = d / (1/8): u^2 T_4(u) / 8 for u^6 (it keeps g(0) = 0), and
+    // T_5(u) / 16 for u^5.
     constexpr double square = GeluTable::width * GeluTable::width / 4;
     g[4] += g[6] * square, g[2] -= g[6] * square * square / 8;
     g[3] += g[5] * square * 20 / 16, g[1] -= g[5] * square * square * 5 / 16;
@@ -3692,10 +3754,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP  // <motionlang/core/instruction_set.hpp>
 #define MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP
-/// Instruction sets beyond the plain ones of the compiler, chosen while the program runs: one binary for all
-/// processors.
+/// Instruction sets beyond the compiler's default, chosen at run time: one binary for all processors.
 ///
-/// MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) in the environment chooses instead of the processor.
+/// The environment variable MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) overrides the choice.
 
 #if defined(__x86_64__)
 // Features for the target attribute of GCC and Clang in code for these sets; processor_has asks for them.
@@ -3723,7 +3784,7 @@ Isa wanted_isa();
 // Clang inlines less into such functions than GCC, and code that is not inlined uses narrow registers.
 #if defined(__x86_64__) && !defined(__clang__)
 #define MOTIONLANG_WIDER_COPIES
-/// avx512, avx2 or portable: the sets that differ for code without products of bfloat16.
+/// avx512, avx2 or portable: the sets that matter for code without products of bfloat16.
 Isa widest_vectors();
 template <class F>
 __attribute__((target(MOTIONLANG_AVX2), flatten)) void with_avx2(const F& f) {
@@ -3831,7 +3892,7 @@ template <class S>
 struct Gemm {
   Index m = 0, n = 0, k = 0;
   const S* a = nullptr;
-  Index lda = 0;  // distance of rows of a (of its transpose, (k x m), when a_transposed)
+  Index lda = 0;  // distance between rows of a (of its transpose, (k x m), if a_transposed)
   bool a_transposed = false;
   const S* panels = nullptr;
   S* c = nullptr;
@@ -3840,10 +3901,10 @@ struct Gemm {
   const S* residual = nullptr;
   Index ldr = 0;
   Activation act = Activation::none;
-  const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
+  const std::byte* after = nullptr;  // read after this product: each panel prefetches its share of it
   Index after_bytes = 0;
 
-  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if
+  /// The place in `after` for a thread that has multiplied panels first, first + 1, ... of `count`; `otherwise` if
   /// there is no `after`.
   const std::byte* following(Index first, Index count, const void* otherwise) const {
     return after == nullptr ? static_cast<const std::byte*>(otherwise) : after + after_bytes / 64 * first / count * 64;
@@ -3896,7 +3957,7 @@ struct AdamwStep {
   S beta1{}, rest1{}, beta2{}, rest2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
 };
 
-/// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.
+/// y[i] = op(a[i], b[i]). A repeated operand has one value for all i.
 enum class BinaryOp { add, sub, mul, div, maximum };
 template <class S>
 struct Binary {
@@ -3907,7 +3968,8 @@ struct Binary {
   S* y = nullptr;  // may be a or b
 };
 
-/// Products with the same panels by tiles of bfloat16, three for every float (Precision::bf16x3, float_tiles.inc).
+/// Products with the same panels in tiles of bfloat16. Every float becomes three bfloat16 (Precision::bf16x3,
+/// float_tiles.inc).
 struct FloatTiles {
   Index tile_rows;
   Index (*gemm_rows)(Index k);
@@ -3922,7 +3984,7 @@ struct Kernels {
   const char* name;
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
-  Index (*gemm_scratch)(Index k);  // numbers
+  Index (*gemm_scratch)(Index k);  // values
   void (*pack_rows)(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels);
   bool (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
@@ -3938,7 +4000,7 @@ struct Kernels {
   void (*row_sums)(const S* x, Index n, Index first, Index last, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
 };
-/// The same of training: a table of its own, so that a program that does not train does not compile it.
+/// The same for training. It is a table of its own, so programs that do not train do not compile it.
 template <class S>
 struct GradientKernels {
   Index (*attention_scratch)(Index queries, Index keys, Index width);
@@ -3950,13 +4012,13 @@ struct GradientKernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
-/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels
-/// that are the same for all instruction sets, except numbers below 2^-126.
+/// Products of values that are rounded to bfloat16, with sums in float, and attention with such products. B is packed
+/// in panels that are the same for all instruction sets, except values below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
-  Index (*gemm_scratch)(Index k);  // numbers
+  Index (*gemm_scratch)(Index k);  // values
   void (*pack_rows)(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels);
   bool (*pack_transposed)(const float* b, Index k, Index n, Index stride, Index first, Index last,
                           std::uint16_t* panels);
@@ -3969,7 +4031,7 @@ struct Bf16Kernels {
   void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
                              float* scratch);
 };
-/// Columns of a panel, and its rows: k, filled up to whole tiles.
+/// The columns of a panel, and its rows: k, padded to whole tiles.
 inline constexpr Index bf16_columns = 32;
 constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }
 
@@ -4002,7 +4064,7 @@ MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
 
-// Without the optimiser the wider kernels would only take longer to compile.
+// Without the optimiser the wider kernels would only compile more slowly.
 #if defined(__x86_64__) && defined(__OPTIMIZE__)
 #define MOTIONLANG_WIDE_KERNELS
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
@@ -4035,10 +4097,10 @@ MOTIONLANG_TARGET_POP
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512 ",avx512bf16,amx-tile,amx-bf16")
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail::avx512 {
-// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would
-// need a large header, and their types differ between compilers.
+// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. They are in assembly, because the
+// intrinsics need a large header, and their types differ between compilers.
 
-/// Rounds in one instruction: numbers below 2^-126 to 0.
+/// Rounds in one instruction; values below 2^-126 become 0.
 class ConvertingTile {
  public:
   using Element = std::uint16_t;
@@ -4103,8 +4165,8 @@ MOTIONLANG_INLINE bool any_nan(const Vec<float>& x) {
   return any;
 }
 
-/// The three parts of floats in a panel of `k` rows, filled up to whole tiles: [k / 32][part][pair of k][column][2].
-/// The parts are cut off, not rounded: that takes a third of the time.
+/// The three parts of floats in a panel of `k` rows, padded to whole tiles: [k / 32][part][pair of k][column][2]. The
+/// parts are truncated, not rounded, which takes a third of the time.
 class PanelSplit {
  public:
   static constexpr Index parts = 3;
@@ -4147,18 +4209,18 @@ class PanelSplit {
   const std::byte* following_ = nullptr;
   Index k_ = 0, depth_ = 0, at_ = 0;
   std::uint16_t* begin_ = nullptr;
-  Vec<float> left_{};  // the sum of what the first two parts leave: NaN if a number is not finite
+  Vec<float> left_{};  // the rest after the first two parts: NaN if a value is not finite
 };
 
 /// AMX: registers of 16 rows of 64 bytes; one instruction multiplies 16 x 32 by 32 x 16. Intel since Sapphire Rapids.
 /// Registers 0 1 / 2 3 are the sums of 32 rows and 32 columns, 4 5 the rows of A, 6 7 the columns of B.
 ///
-/// These instructions are 16 times as fast as those in float, so that everything else counts. The sums begin with the
-/// bias (of bfloat16). A piece of a panel stays in the first-level cache while rows of A pass by it (tileloaddt1). What
-/// else is to be done with a tile is done beside the products of the next one, some rows with every step of k: the
-/// vector units are idle then.
+/// These instructions are 16 times as fast as those in float, so that all other work matters. The sums begin with the
+/// bias (of bfloat16). A piece of a panel stays in the first-level cache while rows of A pass by it (tileloaddt1). The
+/// other work for a tile is done during the products of the next one, some rows with every step of k, when the vector
+/// units are idle.
 ///
-/// Parts: of every number; more than one are those of floats (float_tiles.inc). The parts of 32 numbers lie together,
+/// parts: of every value. More than one are those of floats (float_tiles.inc). The parts of 32 values lie together,
 /// part after part.
 template <Index Parts>
 class AmxTile : public ConvertingTile {
@@ -4167,7 +4229,7 @@ class AmxTile : public ConvertingTile {
   static constexpr Index parts = Parts;
   static constexpr int rows = 32;
   static constexpr bool even = false;             // 32 rows cost as much as 17
-  static constexpr bool bias_first = parts == 1;  // else at last, as with multiply-adds
+  static constexpr bool bias_first = parts == 1;  // otherwise the bias is added last, as with multiply-adds
   static constexpr Index depth(Index k) { return bf16_depth(k); }
   static constexpr Index pieces(Index depth, Index tiles) { return tiles > 3 ? (depth + 511) / 512 : 1; }
 
@@ -4228,9 +4290,9 @@ class AmxTile : public ConvertingTile {
     }
     load_sums(bias, 0, lower);  // the same row, 16 times
   }
-  /// Part p of 32 rows (16 unless `lower`) of 32 numbers, into registers 4 and 5, and of 32 columns, into 6 and 7. What
-  /// does not stay in the first-level cache is loaded past it. Memory is read, which the compiler is not told: it knows
-  /// of those instructions that begin and store the sums.
+  /// Loads part p of 32 rows (16 unless `lower`) of 32 values into registers 4 and 5, and of 32 columns into 6 and 7.
+  /// Data that should not stay in the first-level cache bypass it. The compiler is not told that memory is read; it
+  /// knows it from the instructions that begin and store the sums.
   template <Index p, bool stays>
   MOTIONLANG_INLINE static void load_rows(const Element* upper, const Element* below, Index stride, bool lower) {
     if constexpr (stays) {
@@ -4258,7 +4320,7 @@ class AmxTile : public ConvertingTile {
     asm volatile("tdpbf16ps %tmm6, %tmm4, %tmm0\n\ttdpbf16ps %tmm7, %tmm4, %tmm1");
     if (lower) asm volatile("tdpbf16ps %tmm6, %tmm5, %tmm2\n\ttdpbf16ps %tmm7, %tmm5, %tmm3");
   }
-  /// 32 rows times 32 columns, 32 of k. Of parts the largest product comes last; the order saves loads.
+  /// 32 rows times 32 columns, 32 of k. With several parts the largest product comes last; the order saves loads.
   template <bool panel_stays>
   MOTIONLANG_INLINE static void add_products(const Element* upper, Index stride, const Element* below,
                                              const std::uint16_t* panel, bool lower) {
@@ -4309,7 +4371,7 @@ class AmxTile : public ConvertingTile {
     for (Index r = 0; r < n && (adds || !act); ++r) {
       constexpr Index l = lanes<float>;
       Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + l);
-      // Not by put_result, which may be given other rows than those of c.
+      // put_result is not used, because its rows may be other than those of c.
       if (w.e.accumulate)
         c0 += load_first(c + r * w.ldc, w.columns), c1 += load_first(c + r * w.ldc + l, w.columns - l);
       Epilogue<float> e = w.e.from_row(first + r);
@@ -4327,28 +4389,28 @@ class AmxTile : public ConvertingTile {
   TileProduct<Element> waiting_{
       .a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
   float* waiting_sums_ = nullptr;
-  Index put_ = 0;   // rows that are put already
+  Index put_ = 0;   // rows put so far
   Index turn_ = 0;  // which of two sums
 };
 using FloatTile = AmxTile<3>;
 //
 // Products of floats by AMX, which multiplies bfloat16 16 times as fast as other instructions multiply floats.
 //
-//   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two
-//            floats the six largest are added up, the others are at most 3 2^-24 of the whole together, a tenth of that
-//            mostly, and of either sign. The instruction adds up 32 products before it adds them to the sum, so that
-//            the error is about half of that of one multiply-add after the other.
-//   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are
-//            the rows of A.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the
-//            split panel.
+// Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two
+//          floats, only the six largest are added. The others are at most 3 2^-24 of the total together, mostly a tenth
+//          of that, and of either sign. The instruction adds 32 products before it adds them to the sum, so the error
+//          is about half of that of single multiply-adds.
+// Panels   those of gemm.inc. A panel is split into scratch during the products with the panel before it, and so are
+//          the rows of A.
+// Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB on processors with AMX) beside the
+//          split panel.
 //   Order    as in gemm.inc: depends on k alone.
-//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that
-//            overflows may be NaN. Rows of A and panels of B with a number that is not finite (or whose nearest
-//            bfloat16 is not: from 3.39e38 on) have no parts: they are multiplied by gemm.inc.
+// Limits   parts and their products below 2^-126 count as 0, so only products of more than 2^-108 are exact. A sum that
+//          overflows may be NaN. Rows of A and panels of B with a value that is not finite (or whose nearest bfloat16
+//          is not: from 3.39e38 on) have no parts. gemm.inc multiplies them.
 
-/// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN
-/// if there are no parts.
+/// 16 values, in parts: each is the bfloat16 nearest to the rest after the parts before it. Returns the last rest: 0,
+/// or NaN if there are no parts.
 MOTIONLANG_INLINE Vec<float> split_lanes(Vec<float> x, std::uint16_t* y) {
 #pragma GCC unroll 3
   for (Index p = 0; p < FloatTile::parts; ++p) {
@@ -4360,7 +4422,7 @@ MOTIONLANG_INLINE Vec<float> split_lanes(Vec<float> x, std::uint16_t* y) {
   }
   return x;
 }
-/// `count` rows of A, k numbers each, filled up to `depth`: [row][k / 32][part][k]. Whether all numbers have parts.
+/// `count` rows of A, k values each, filled up to `depth`: [row][k / 32][part][k]. True if all have parts.
 inline bool split_rows(const Rows<float>& a, Index count, Index k, Index depth, std::uint16_t* y, Index pitch) {
   constexpr Index l = lanes<float>;
   Vec<float> left{};
@@ -4404,7 +4466,7 @@ inline void multiply_odd_parts(const Gemm<float>& g, Index r0, Index r1, Index j
   }
 }
 
-/// How a product over k is split: blocks of k, and rows of A at a time.
+/// The split of a product over k: blocks of k, and rows of A at a time.
 struct FloatBlocks {
   Index all, count, depth, pitch, rows;  // depth: of a block at most; pitch: of rows in scratch
 
@@ -4424,7 +4486,7 @@ inline Index float_tile_scratch(Index k) {
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
 inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0, Index j1, float* scratch) {
-  bool sound = true;  // all numbers have parts
+  bool sound = true;  // all values have parts
   const FloatBlocks split(g.k);
   const Index panel_size = split.depth * FloatTile::parts * bf16_columns;
   auto* const panels = reinterpret_cast<std::uint16_t*>(scratch);  // two in turn
@@ -4489,7 +4551,7 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
   if (!sound) multiply_odd_parts(g, r0, r1, j0, j1, scratch);
 }
 
-/// The kernels of AVX-512 under the name of AMX, whose tiles (float_tiles) go with them.
+/// The kernels of AVX-512 under the name of AMX, because its tiles (float_tiles) belong to them.
 inline const Kernels<float>& amx_table() {
   static const Kernels<float> t = [] {
     Kernels<float> k = table<float>();
@@ -4530,7 +4592,7 @@ const Kernels<S>* kernels_for(Isa isa) {
   }
   return &portable::table<S>();
 }
-/// Those of training for the instruction set of `kernels`.
+/// The kernels for training of the instruction set of `kernels`.
 template <class S>
 const GradientKernels<S>& gradient_kernels_of(const Kernels<S>& kernels) {
 #if defined(MOTIONLANG_WIDE_KERNELS)
@@ -4541,7 +4603,7 @@ const GradientKernels<S>& gradient_kernels_of(const Kernels<S>& kernels) {
 #endif
   return portable::gradient_table<S>();
 }
-/// Tiles that belong to `kernels`, or nothing: all products are made of multiply-adds.
+/// The tiles that belong to `kernels`. Nothing if all products use multiply-adds.
 inline const FloatTiles* float_tiles_of(const Kernels<float>& kernels) {
 #if defined(MOTIONLANG_WIDE_KERNELS)
   if (kernels.isa == Isa::amx) return &avx512::float_tiles();
@@ -4550,8 +4612,8 @@ inline const FloatTiles* float_tiles_of(const Kernels<float>& kernels) {
 #endif
   return nullptr;
 }
-/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the
-/// speed of products in float); else float instructions.
+/// The same for products of bfloat16. AMX is best, then vdpbf16ps, then float instructions. On processors with AMX,
+/// vdpbf16ps runs at half the speed of products in float.
 inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
@@ -4596,11 +4658,10 @@ inline const Bf16Kernels*& current_bf16_kernels() {
   return chosen;
 }
 
-/// The kernels of precisions other than fp32. Only set_product_precision (backend/precision.hpp) and searches in
-/// bfloat16 name them: a program without either does not compile them.
+/// The kernels of precisions other than fp32. Only backend/precision.hpp and searches in bfloat16 compile them.
 inline std::atomic<const Bf16Kernels*& (*)()> bf16_products{nullptr};
 inline std::atomic<const FloatTiles* (*)(const Kernels<float>&)> tile_products{nullptr};
-/// Makes bf16_product_kernels() callable. Whoever packs panels in bfloat16 calls it before.
+/// Makes bf16_product_kernels() callable. Call it before packing panels in bfloat16.
 inline void use_bf16_products() { bf16_products.store(&current_bf16_kernels, std::memory_order_relaxed); }
 /// The kernels of products in bfloat16. Precondition: use_bf16_products() was called.
 inline const Bf16Kernels& bf16_product_kernels() { return *bf16_products.load(std::memory_order_relaxed)(); }
@@ -4609,95 +4670,12 @@ inline const Bf16Kernels& bf16_product_kernels() { return *bf16_products.load(st
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_CORE_PRECISION_HPP  // <motionlang/core/precision.hpp>
-#define MOTIONLANG_HAS_CORE_PRECISION_HPP
-/// How exactly products of matrices are computed.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// fp32    the numbers as they are.
-/// bf16    both factors rounded to bfloat16 (8 bits of significand), products and sums in float: half the memory for
-///         prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
-///         product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
-///         the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
-/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. From 128 rows on; else, and
-///         on other processors, fp32. Half its error while products are above 2^-108 (below 2^-126 they count as 0),
-///         other last digits (those of a few rows may differ alone and in a larger batch). For few threads: with two,
-///         large products take 0.6 to 0.9 of the time; with 8 and 16 of one machine they took 1.1 to 2.3 times as long,
-///         as all instructions of AMX are slower there when every core uses them.
-/// All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
-enum class Precision { fp32, bf16, bf16x3 };
-
-/// "fp32", ...
-inline const char* precision_name(Precision p) {
-  return p == Precision::bf16 ? "bf16" : p == Precision::bf16x3 ? "bf16x3" : "fp32";
-}
-/// The opposite. Nothing if no precision is called so.
-inline std::optional<Precision> precision_named(std::string_view name) {
-  for (const Precision p : {Precision::fp32, Precision::bf16, Precision::bf16x3}) {
-    if (name == precision_name(p)) return p;
-  }
-  return {};
-}
-
-namespace detail {
-inline std::atomic<Precision>& current_product_precision() {
-  static std::atomic<Precision> current{Precision::fp32};
-  return current;
-}
-}  // namespace detail
-
-/// Precision of products, for the whole process: set_product_precision (backend/precision.hpp) changes it.
-inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_acquire); }
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_CORE_ROWS_TOGETHER_HPP  // <motionlang/core/rows_together.hpp>
-#define MOTIONLANG_HAS_CORE_ROWS_TOGETHER_HPP
-/// How many rows belong together that are multiplied a few at a time.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail {
-
-/// While it lives, products of this thread count as parts of one of this many rows (0: each as what it is), unless
-/// another lives already. In bf16x3 the instructions depend on the number of rows, and with them the last digit: where
-/// that must not depend on how rows are shared by threads, or on what else is in a batch, say so by this. As `many`, a
-/// product of a few rows takes up to four times as long. Threads that help need one of
-/// their own (for_products, in_groups).
-class RowsTogether {
- public:
-  static constexpr Index few = 1, many = 1 << 20;
-
-  explicit RowsTogether(Index rows) : before_(counted()) {
-    if (before_ == 0) counted() = rows;
-  }
-  ~RowsTogether() { counted() = before_; }
-  RowsTogether(const RowsTogether&) = delete;
-  RowsTogether& operator=(const RowsTogether&) = delete;
-
-  /// 0: none lives.
-  static Index count() { return counted(); }
-
- private:
-  struct Count {
-    Index rows = 0;
-  };
-  static Index& counted() { return thread_object<Count, RowsTogether>().rows; }
-
-  Index before_;
-};
-
-}  // namespace detail
-MOTIONLANG_NAMESPACE_END
-#endif
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Memory that the kernels of a parallel region may scribble on, a piece for every thread. The caller takes it, so that
-/// a region that ran before takes nothing from the system, whichever threads do the work.
+/// Scratch memory for the kernels of a parallel region, a piece for every thread. The caller allocates it, so that a
+/// repeated region takes nothing from the system, for any choice of threads.
 template <class S>
 class Scratch {
  public:
@@ -4713,11 +4691,14 @@ class Scratch {
   BufferHandle memory_;
 };
 
-/// A matrix (k, n) in panels: of S for `kernels`, or of bfloat16.
+/// A matrix (k, n) in panels: of S for `kernels`, or of bfloat16. They know how products with them are made, so that
+/// nothing but the arguments of an operation decides its bits.
 template <class S>
 struct Panels {
   Index k = 0, n = 0;
-  const Kernels<S>* kernels = nullptr;  // none: bfloat16
+  Precision precision = Precision::fp32;
+  const Kernels<S>* kernels = nullptr;  // null: bfloat16
+  const FloatTiles* tiles = nullptr;    // null: multiply-adds
   BufferHandle memory;
 
   const S* data() const { return static_cast<const S*>(memory.data()); }
@@ -4730,8 +4711,8 @@ struct Panels {
   }
 };
 
-/// The panels of a weight that was prepared, and those of the weight that was prepared after it: probably multiplied
-/// with next. Of these only the place is known, for the cache: they may be gone.
+/// The panels of a prepared weight, and those of the weight prepared after it, which is probably multiplied next. For
+/// the latter only the address is known, for prefetching: they may have been freed.
 template <class S>
 struct PreparedPanels {
   PreparedPanels(Panels<S> p, Index t) : panels(std::move(p)), taps(t) {}
@@ -4744,27 +4725,39 @@ struct PreparedPanels {
 
 inline Index parts(Index count, Index size) { return (count + size - 1) / size; }
 
-/// Precision of products of S.
+/// Precision of products of S with what is not prepared.
 template <class S>
 Precision precision_of() {
   return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
 }
 
-/// Room for a matrix, packed.
+/// The rows that products with a weight are taken to have: more than any.
+inline constexpr Index any_rows = Index{1} << 20;
+/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less,
+/// splitting panels and rows takes as long as is saved. With a weight m is `any_rows`: a row of x has the same bits
+/// alone, in any batch, and on any number of threads.
+inline const FloatTiles* float_tiles(Precision precision, Index m, Index n, Index k) {
+  if (precision != Precision::bf16x3) return nullptr;
+  const bool pays = m >= 128 && n >= 128 && k >= 128 && m * n >= (k < 256 ? 131072 : 32768);
+  return pays ? tile_products.load(std::memory_order_relaxed)(kernels<float>()) : nullptr;
+}
+
+/// Room for a matrix, packed, that matrices of m rows are multiplied with.
 template <class S>
-Panels<S> panels_for(Index k, Index n, Precision precision) {
-  Panels<S> p{k, n, precision == Precision::bf16 ? nullptr : &kernels<S>(), {}};
+Panels<S> panels_for(Index k, Index n, Precision precision, Index m = any_rows) {
+  const bool bf16 = precision == Precision::bf16;
+  Panels<S> p{k, n, precision, bf16 ? nullptr : &kernels<S>(), float_tiles(precision, m, n, k), {}};
   p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
   return p;
 }
-/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a
-/// transposed B (stride_k is 1), becomes false if a number is not.
+/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a transposed B
+/// (stride_k is 1), becomes false if a value is not finite.
 template <class S>
 void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
   const Index k = p.k, n = p.n;
   const bool bf16 = p.kernels == nullptr;
-  // The rows that a task reads lie together: rows of B as stored (in pairs, for bfloat16), panels of a transposed B. A
-  // column is both, but only as transposed is it looked at.
+  // A task reads rows that lie together: rows of B as stored (in pairs, for bfloat16), or panels of a transposed B. A
+  // column is both, but is only checked for finite values as transposed.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
@@ -4797,17 +4790,12 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
 /// True if a product of m x k and k x n is split.
 inline bool worth_threads(Index m, Index n, Index k) { return m * n * k >= 100'000; }
 
-/// The kernels whose panels are wanted of weights; none: bfloat16.
-template <class S>
-const Kernels<S>* wanted_kernels() {
-  return precision_of<S>() == Precision::bf16 ? nullptr : &kernels<S>();
-}
-/// The prepared form of a weight, if it is the form that is wanted now.
+/// The prepared form of a weight, if these kernels can read it.
 template <class S>
 const PreparedPanels<S>* prepared_panels(const Dense<S>& weight, Index n, Index k, Index taps) {
   const auto* p = static_cast<const PreparedPanels<S>*>(weight.attached());
-  const bool fits = p != nullptr && p->panels.kernels == wanted_kernels<S>() && p->panels.n == n && p->panels.k == k &&
-                    p->taps == taps;
+  const bool fits = p != nullptr && p->panels.n == n && p->panels.k == k && p->taps == taps &&
+                    (p->panels.precision == Precision::bf16 || p->panels.kernels == &kernels<S>());
   return fits ? p : nullptr;
 }
 /// The weight (out, in, taps) of a convolution as the matrix (out, taps in) that windows of rows are multiplied with.
@@ -4817,45 +4805,34 @@ Dense<S> window_matrix(const Dense<S>& weight) {
   return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
 }
 
-/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less,
-/// splitting panels and rows takes as long as is saved. That depends on the product, not on how its rows are shared:
-/// the same numbers for any number of threads.
+/// Scratch of products with such panels.
 template <class S>
-const FloatTiles* float_tiles(Index m, Index n, Index k) {
-  if (precision_of<S>() != Precision::bf16x3) return nullptr;
-  const Index rows = RowsTogether::count() > 0 ? RowsTogether::count() : m;
-  const bool pays = rows >= 128 && n >= 128 && k >= 128 && rows * n >= (k < 256 ? 131072 : 32768);
-  return pays ? tile_products.load(std::memory_order_relaxed)(kernels<float>()) : nullptr;
-}
-/// Scratch of products of at most this many rows with such panels.
-template <class S>
-Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
+Scratch<S> gemm_scratch(const Panels<S>& p) {
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) return Scratch<S>(bf16_product_kernels().gemm_scratch(p.k));
   }
-  const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
-  return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
+  return Scratch<S>(std::max(p.tiles == nullptr ? 0 : p.tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
 }
-/// True if every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
-/// threads share. Its rows a thread finds where it wrote them, in its cache. Those of others come slowly: with 16
-/// threads a byte costs about what five of panels do, which are fetched ahead. Not if the rows are few and there is
-/// much more of the panels, or the rows do not fill tiles.
+/// True if every thread takes its own rows of A and multiplies them with all panels. Otherwise threads share rows and
+/// split the panels. A thread finds its own rows in its cache, where it wrote them. The rows of others come slowly:
+/// with 16 threads a byte of them costs about as much as five bytes of panels, which are prefetched. False if there are
+/// few rows and many panels, or if the rows do not fill tiles.
 inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index rows_at_once, Index tile_rows) {
   const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
   return each >= std::max(tile_rows, rows_at_once / 4) || (fills_tiles && 5 * a_bytes >= panel_bytes);
 }
-/// How a product is shared by threads.
+/// The sharing of a product among threads.
 struct Sharing {
   Index rows_at_once;     // in a block
   bool own_rows = false;  // takes_own_rows
-  // Each thread has a part. Other threads take what a slower thread (another kind of core, a busy one) left over.
+  // Each thread has a part. Fast threads take the rest of a slower one (another kind of core, a busy one).
   Index pieces = 1;
 };
 /// Calls block(r0, r1, j0, j1) for parts of a product of this many rows and panels.
 template <class F>
 void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const F& block) {
   const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, how.rows_at_once);
-  // As many for every thread.
+  // The same number for every thread.
   const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : how.own_rows ? threads : blocks;
   const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads * how.pieces, row_parts));
   parallel_for(row_parts * panel_parts, [&](Index task) {
@@ -4868,8 +4845,8 @@ void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const 
 struct NothingBehind {
   void operator()(Index, Index, Index, Index) const {}
 };
-/// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that
-/// thread.
+/// g with the right-hand side `p`; then each thread calls behind(r0, r1, c0, c1) for its own blocks of rows and
+/// columns.
 template <class S, class F = NothingBehind>
 void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
@@ -4899,29 +4876,25 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
         [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
   };
   if constexpr (std::is_same_v<S, float>) {
-    if (const FloatTiles* tiles = float_tiles<S>(g.m, g.n, g.k)) return run_floats(*tiles, 1);
+    if (p.tiles != nullptr) return run_floats(*p.tiles, 1);
   }
   run_floats(*p.kernels, parallel_width() > 2 ? 3 : 1);
 }
 
-/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every
-/// thread. The rest is made by all of them, one after the other.
+/// The number of the `count` products of m x k and k x n that single threads compute: a multiple of the threads. All
+/// threads together compute each of the others.
 inline Index products_apart(Index count, Index m, Index n, Index k) {
   return worth_threads(count * m, n, k) ? count - count % parallel_width() : 0;
 }
-/// product(i) for 0 ... count-1.
+/// Calls product(i) for 0 ... count-1.
 template <class F>
 void for_products(Index count, Index apart, const F& product) {
-  const Index together = RowsTogether::count();
-  parallel_for(apart, [&](Index i) {
-    const RowsTogether as_here(together);
-    product(i);
-  });
+  parallel_for(apart, product);
   for (Index i = apart; i < count; ++i) product(i);
 }
 
-/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows
-/// of a matrix do, but overlap.
+/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence have the layout of a matrix
+/// in memory, but they overlap.
 template <class S>
 struct WithMargins {
   const Offsets& inside;
@@ -4939,12 +4912,12 @@ struct WithMargins {
       }
     });
   }
-  /// Place among all numbers where sequence s begins, with its margin.
+  /// The start of sequence s with its margin, among all values.
   Index at(Index s) const { return (inside.begin(s) + 2 * margin * s) * width; }
 };
 
-/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a
-/// sequence by one thread.
+/// Calls f(place of a window's first value, its row among all windows) for every window of `size` values. One thread
+/// handles all windows of a sequence.
 template <class S, class F>
 void for_windows(const WithMargins<S>& margins, const Offsets& windows, Index stride, Index size, const F& f) {
   parallel_ranges(windows.count(), windows.longest() * size, [&](Index first, Index last) {
@@ -4960,7 +4933,7 @@ Dense<S> convolve(const Dense<S>& x, const Offsets& before, const Offsets& after
                   const S* bias, Index stride, Index padding, Activation act) {
   const WithMargins<S> margins(x, before, padding);
   Dense<S> y(Shape{after.rows(), matrix.n});
-  const Scratch<S> scratch = gemm_scratch(matrix, after.longest());
+  const Scratch<S> scratch = gemm_scratch(matrix);
   for_products(after.count(), products_apart(after.count(), after.longest(), matrix.n, matrix.k), [&](Index s) {
     run_gemm(Gemm<S>{.m = after.length(s),
                      .n = matrix.n,
@@ -4987,7 +4960,7 @@ Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offs
           .dropout = options.dropout};
 }
 template <class S>
-void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
+void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k, Precision precision) {
   const auto run = [&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
     // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and
@@ -5002,18 +4975,19 @@ void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
     });
   };
   if constexpr (std::is_same_v<S, float>) {
-    if (product_precision() == Precision::bf16) return run(bf16_product_kernels());
+    if (precision == Precision::bf16) return run(bf16_product_kernels());
   }
   run(kernels<S>());
 }
 template <class S>
-void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
+void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k,
+                       Precision precision) {
   const auto run = [&](const auto& scratch_of, const auto& vjp) {
     const Scratch<S> scratch(scratch_of(q.longest(), k.longest(), t.width));
     parallel_for(q.count() * t.heads, [&](Index i) { vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
   };
   if constexpr (std::is_same_v<S, float>) {
-    if (product_precision() == Precision::bf16) {
+    if (precision == Precision::bf16) {
       const Bf16Kernels& kernel = bf16_product_kernels();
       return run(kernel.attention_vjp_scratch, kernel.attention_head_vjp);
     }
@@ -5022,16 +4996,16 @@ void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, co
   run(kernel.attention_scratch, kernel.attention_head);
 }
 
-/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums
-/// in the same order as with panels of the weight, so the same bits (of multiply-adds; tiles do not treat both sides
-/// alike).
+/// `linear` with exchanged sides, y^T = weight x^T: the weight is read in its place, and only x is packed. The sums are
+/// the same in the same order as with panels of the weight, so the results have the same bits (for multiply-adds; tiles
+/// do not treat both sides alike).
 template <class S>
 Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bias, Activation act, const S* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
   Dense<S> z(Shape{n, m}), y(Shape{m, n});
   run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels,
-           gemm_scratch(panels, n));
+           gemm_scratch(panels));
   const Transposed<S> t{
       .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
   constexpr Index columns = 64;
@@ -5040,7 +5014,7 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   return y;
 }
 
-/// f(first, n) for pieces of a ... b-1 that stay in the first-level cache while several things are done with them.
+/// Calls f(first, n) for pieces of a ... b-1 that stay in the first-level cache during several operations.
 template <class F>
 void pieces_of(Index a, Index b, const F& f) {
   constexpr Index piece = 2048;
@@ -5062,7 +5036,7 @@ LayerNorm<S> layer_norm_arguments(const Dense<S>& x, const Dense<S>& weight, con
           .y = y};
 }
 
-/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused when nobody else holds it.
+/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused if nobody else holds it.
 template <class S>
 Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
   const Shape s = a.shape() == b.shape() ? a.shape() : broadcast_shapes(a.shape(), b.shape(), "binary operation");
@@ -5142,8 +5116,8 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
   const Index count = s.count(0, r - 2), apart = detail::products_apart(count, m, n, k);
   PoolVector<detail::Panels<S>> rooms;  // one for every thread that packs
   for (int i = 0; i < (apart > 0 ? parallel_width() : 1); ++i)
-    rooms.push_back(detail::panels_for<S>(k, n, detail::precision_of<S>()));
-  const auto scratch = detail::gemm_scratch(rooms[0], m);
+    rooms.push_back(detail::panels_for<S>(k, n, detail::precision_of<S>(), m));
+  const auto scratch = detail::gemm_scratch(rooms[0]);
   detail::for_products(count, apart, [&](Index i) {
     auto& panels = rooms[rooms.size() == 1 ? 0 : static_cast<std::size_t>(thread_number())];
     detail::pack_into(panels, b.data() + i * k * n, transpose_b ? 1 : n, transpose_b ? k : 1);
@@ -5166,14 +5140,16 @@ Index KernelOps<S>::rows_in_cache() {
 }
 
 template <Scalar S>
-bool KernelOps<S>::prepare(const Dense<S>& weight) {
+bool KernelOps<S>::prepare(const Dense<S>& weight, Precision precision) {
   const Index taps = weight.shape().rank() == 3 ? weight.shape()[2] : 1;
   const Dense<S> matrix = taps > 1 ? detail::window_matrix(weight) : weight;
   const Index n = weight.shape()[0], k = taps * weight.shape()[1];
   std::atomic<bool> finite{true};
   auto& before = thread_object<std::weak_ptr<const detail::PreparedPanels<S>>>();
   const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
-      detail::pack_panels(matrix.data(), k, n, Index{1}, k, detail::precision_of<S>(), &finite), taps);
+      detail::pack_panels(matrix.data(), k, n, Index{1}, k, std::is_same_v<S, float> ? precision : Precision::fp32,
+                          &finite),
+      taps);
   if (const auto last = before.lock()) {
     last->next_bytes = prepared->panels.bytes();
     last->next = static_cast<const std::byte*>(prepared->panels.memory.data());
@@ -5184,12 +5160,18 @@ bool KernelOps<S>::prepare(const Dense<S>& weight) {
 }
 
 template <Scalar S>
+Precision KernelOps<S>::precision_of(const Dense<S>& weight) {
+  const auto* p = static_cast<const detail::PreparedPanels<S>*>(weight.attached());
+  return p == nullptr ? detail::precision_of<S>() : p->panels.precision;
+}
+
+template <Scalar S>
 Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                               const Dense<S>* residual, const Dropout& drop) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto* prepared = detail::prepared_panels(weight, n, k, 1);
   const auto* ready = prepared == nullptr ? nullptr : &prepared->panels;
-  // The kernel applies the nonlinearity after everything, and knows no dropout.
+  // The kernel applies the nonlinearity last, and does not support dropout.
   const bool last = drop.p == 0 && (residual == nullptr || act == Activation::none);
   detail::Panels<S> packed;
   Dense<S> y;
@@ -5206,15 +5188,15 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
     for (Index r = r0; r < r1; ++r) finish(r * n + c0, c1 - c0);
   };
   if (ready == nullptr) {
-    if (detail::wanted_kernels<S>() != nullptr && m > 0 &&
-        m * (n + k) < n * k &&  // x and y are smaller than the weight
-        detail::float_tiles<S>(m, n, k) == nullptr) {
+    const Precision precision = detail::precision_of<S>();
+    if (precision != Precision::bf16 && m > 0 && m * (n + k) < n * k &&  // x and y are smaller than the weight
+        detail::float_tiles(precision, detail::any_rows, n, k) == nullptr) {
       y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
                                    residual == nullptr || !last ? nullptr : residual->data());
       behind(0, m, 0, n);
       return y;
     }
-    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>());
+    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, precision);
     ready = &packed;
   }
   y = Dense<S>(Shape{m, n});
@@ -5232,7 +5214,7 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                       .act = act,
                       .after = ready == &packed ? nullptr : prepared->next.load(std::memory_order_relaxed),
                       .after_bytes = ready == &packed ? 0 : prepared->next_bytes.load(std::memory_order_relaxed)},
-      *ready, detail::gemm_scratch(*ready, m), behind);
+      *ready, detail::gemm_scratch(*ready), behind);
   return y;
 }
 
@@ -5263,7 +5245,7 @@ template <Scalar S>
 Dense<S> KernelOps<S>::conv1d_input_vjp(const Dense<S>& weight, const Offsets& before, const Offsets& after,
                                         Index stride, Index padding, const Dense<S>& dy) {
   const Index n = weight.shape()[0], in = weight.shape()[1], taps = weight.shape()[2];
-  if (stride == 1 && padding < taps) {  // a convolution, too, with its taps in the opposite order
+  if (stride == 1 && padding < taps) {  // also a convolution, with its taps in the opposite order
     const std::array axes{1, 2, 0};
     Dense<S> turned = DenseOps<S>::permute(weight, axes);  // (in, taps, out)
     parallel_ranges(in, taps * n, [&](Index first, Index last) {
@@ -5371,7 +5353,7 @@ Dense<S> KernelOps<S>::attention(const Dense<S>& q, const Dense<S>& k, const Den
     t.relative_scores = relative_scores->data(), t.reach = relative_scores->shape()[1] / 2;
   t.q = q.data(), t.k = k.data(), t.v = v.data(), t.o = o.data();
   t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
-  detail::run_attention(t, q_offsets, k_offsets);
+  detail::run_attention(t, q_offsets, k_offsets, options.precision);
   return o;
 }
 template <Scalar S>
@@ -5384,7 +5366,7 @@ std::array<Dense<S>, 3> KernelOps<S>::attention_vjp(const Dense<S>& q, const Den
   t.q = q.data(), t.k = k.data(), t.v = v.data();
   t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
   detail::run_attention_vjp(t, detail::AttentionGradients<S>{dy.data(), dq.data(), dk.data(), dv.data()}, q_offsets,
-                            k_offsets);
+                            k_offsets, options.precision);
   return {std::move(dq), std::move(dk), std::move(dv)};
 }
 template <Scalar S>
@@ -5394,7 +5376,7 @@ Dense<S> KernelOps<S>::self_attention(const Dense<S>& qkv, const Offsets& offset
   auto t = detail::attention_arguments<S>(offsets, offsets, d, options);
   t.q = qkv.data(), t.k = qkv.data() + d, t.v = qkv.data() + 2 * d, t.o = o.data();
   t.q_stride = t.k_stride = t.v_stride = 3 * d, t.o_stride = d;
-  detail::run_attention(t, offsets, offsets);
+  detail::run_attention(t, offsets, offsets, options.precision);
   return o;
 }
 template <Scalar S>
@@ -5406,7 +5388,7 @@ Dense<S> KernelOps<S>::self_attention_vjp(const Dense<S>& qkv, const Offsets& of
   t.q = qkv.data(), t.k = qkv.data() + d, t.v = qkv.data() + 2 * d;
   t.q_stride = t.k_stride = t.v_stride = 3 * d, t.o_stride = d;
   detail::run_attention_vjp(t, detail::AttentionGradients<S>{dy.data(), g.data(), g.data() + d, g.data() + 2 * d},
-                            offsets, offsets);
+                            offsets, offsets, options.precision);
   return g;
 }
 
@@ -5423,7 +5405,7 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
       .v = v.data(),
       .g = gradient.data(),
       .beta1 = static_cast<S>(u.beta1),
-      .rest1 = static_cast<S>(1 - u.beta1),  // of doubles: of floats it is wrong in the fifth digit
+      .rest1 = static_cast<S>(1 - u.beta1),  // in double: in float the fifth digit would be wrong
       .beta2 = static_cast<S>(u.beta2),
       .rest2 = static_cast<S>(1 - u.beta2),
       .step = static_cast<S>(u.lr / (1 - std::pow(u.beta1, step))),
@@ -5460,11 +5442,11 @@ struct EigenFunctions {
   static tensor max(const tensor& a, int axis);
 };
 
-/// Complete where the bodies of these functions are.
+/// This type is complete where the bodies of these functions are.
 template <Scalar S>
 struct EigenBodies;
 
-/// The functions for units that may lack their bodies: the compiler says it, not the linker.
+/// The functions for units that may lack their bodies. The compiler then reports it, not the linker.
 template <Scalar S>
 struct CheckedEigenFunctions {
   using tensor = Dense<S>;
@@ -5514,25 +5496,25 @@ MOTIONLANG_NAMESPACE_END
 ///     timeline  := line { line }
 ///     file      := timelines separated by blank lines
 ///
-/// Source   STMC (Petrovich et al. 2024), src/stmc.py read_timelines and src/text.py; there is no comment syntax and a
-///          text cannot contain '#'
-/// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
-///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
-///          intervals do not concern the text: see PlanOptions.
-/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is
-///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
+/// Source   STMC (Petrovich et al. 2024), src/stmc.py read_timelines and src/text.py. There are no comments, and a text
+///          cannot contain '#'
+/// Differs  Lines of spaces count as blank, any line end is accepted (LF, CRLF, CR), and a byte order mark is skipped.
+///          An interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
+///          intervals do not matter here: see PlanOptions.
+/// Throws   timeline_error 501-504, 507, 509. Messages begin "name:line:column: "; columns count characters. Faults of
+///          a whole timeline are found when it is planned. Their messages name line and column of an interval
 
 #ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_HPP  // <motionlang/compose/timeline.hpp>
 #define MOTIONLANG_HAS_COMPOSE_TIMELINE_HPP
 /// A timeline: texts, each with its time and its body parts. Reading and writing is in timeline_text.hpp.
 ///
-/// Times are frames (Index) where motion is made, and seconds (double) where files are written and edited; the two are
-/// different types, so they cannot be mixed.
+/// Motion is made in frames (Index), and files are written and edited in seconds (double). The two are different types,
+/// so they cannot be mixed.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_HPP  // <motionlang/kinematics/body_partition.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_HPP
-/// The parts that a body is divided into: their names, and the part that carries the path over the floor. Timelines,
-/// plans and feature layouts hold one; the default is the human body of STMC (body_parts.hpp).
+/// The parts of a body: their names, and the part that carries the path over the floor. Timelines, plans and feature
+/// layouts hold such a partition; the default is the human body of STMC (body_parts.hpp).
 ///
 ///     const BodyPartition dog({.names = {"front left", "front right", "hind left", "hind right", "trunk"},
 ///                              .path = "trunk",
@@ -5545,15 +5527,15 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP  // <motionlang/kinematics/body_parts.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP
-/// Body parts: the five of STMC with their names, sets of parts, and the joints of each part on a skeleton. Parts of
-/// other bodies are named by a BodyPartition (body_partition.hpp).
+/// Body parts: the five of STMC with their names, sets of parts, and the joints of each part on a skeleton. A
+/// BodyPartition (body_partition.hpp) names the parts of other bodies.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_HPP  // <motionlang/kinematics/skeleton.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SKELETON_HPP
 /// A kinematic tree: names, parents and rest offsets of joints, depth first.
 ///
-/// Established here and relied upon everywhere: parents[0] = -1, 0 <= parents[j] < j, names are unique. Algorithms over
-/// a skeleton are therefore one loop over j in which the parent has been visited already.
+/// Every skeleton guarantees this: parents[0] = -1, 0 <= parents[j] < j, names are unique. So algorithms over a
+/// skeleton are one loop over j, which visits the parent first.
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_VEC_HPP  // <motionlang/geometry/vec.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_VEC_HPP
@@ -5587,7 +5569,7 @@ template <class S>
 S norm(const Vec3<S>& a) {
   return sqrt(dot(a, a));
 }
-/// |a| of a vector or quaternion, with slope 0 where a is 0 (shorter than 1e-15) and |a| has none.
+/// a| of a vector or quaternion. The slope is 0 where a is 0 (shorter than 1e-15) and |a| has no slope.
 template <class V>
 auto norm_or_zero(const V& a) {
   const auto squared = dot(a, a);
@@ -5603,7 +5585,7 @@ Vec3<S> normalized(const Vec3<S>& a, double floor = 1e-12) {
   const S squared = dot(a, a), least = S(floor * floor);
   const S floored = where_less(squared, least, least, squared);
   if constexpr (requires { inverse_sqrt(floored); }) {
-    return inverse_sqrt(floored) * a;  // in a register that is cheaper than three divisions
+    return inverse_sqrt(floored) * a;  // cheaper in a register than three divisions
   } else {
     const S length = sqrt(floored);
     return {a.x / length, a.y / length, a.z / length};
@@ -5621,7 +5603,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One joint as it is written down: its parent by name ("" for the root) and its rest position relative to the parent,
+/// One joint in its written form: its parent by name ("" for the root) and its rest position relative to the parent,
 /// metres.
 struct Joint {
   std::string name;
@@ -5633,8 +5615,8 @@ struct Skeleton {
   std::vector<std::string> names;
   std::vector<int> parents;
   std::vector<Vec3<double>> offsets;
-  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have
-  /// them. One for each joint, (0, 0, 0) where it is not known, or none at all.
+  /// The ends of the bones of joints without children, relative to them: tips of toes and fingers, as in BVH files. One
+  /// for each joint, (0, 0, 0) if it is not known, or none at all.
   std::vector<Vec3<double>> ends{};
 
   /// From joints in an order in which parents come first. Throws config_error 106.
@@ -5664,7 +5646,7 @@ struct Skeleton {
 
   /// Throws config_error 106 unless the promises above hold.
   void validate() const;
-  /// Poses of one fit the other: `ends` are of no account.
+  /// True if poses of one fit the other. `ends` do not count.
   bool operator==(const Skeleton& s) const { return names == s.names && parents == s.parents && offsets == s.offsets; }
 };
 
@@ -5768,7 +5750,7 @@ inline constexpr std::array<std::pair<std::string_view, BodyPart>, 6> body_part_
     {"left leg", BodyPart::legs},
     {"right leg", BodyPart::legs},
 }};
-/// A body has this many parts at most.
+/// A body has at most this many parts.
 inline constexpr int most_body_parts = 32;
 
 /// A set of body parts, one bit for each.
@@ -5790,7 +5772,7 @@ struct BodyParts {
   constexpr bool operator==(const BodyParts&) const = default;
 };
 
-/// The human part that a timeline file names, also by a synonym. Case-sensitive, as published. Nothing for an unknown
+/// The human part with this name or synonym in a timeline file. Case-sensitive, as published. Nothing for an unknown
 /// name.
 constexpr std::optional<BodyPart> parse_body_part(std::string_view name) {
   for (int p = 0; p < body_part_count; ++p) {
@@ -5836,7 +5818,7 @@ struct PartSynonym {
   std::string name, part;
 };
 
-/// A word that tells which parts a text moves: lower-case letters, the beginning of the word ("walk" for "walking").
+/// A word that tells which parts a text moves: lower-case letters, the beginning of a word ("walk" for "walking").
 struct PartWord {
   std::string stem;
   std::vector<std::string> parts;
@@ -5850,19 +5832,19 @@ struct BodyPartNames {
   std::vector<PartWord> words{};        // for guesses, see guess_body_parts
 };
 
-/// A value that copies share; it never changes.
+/// A value that copies share. It never changes.
 class BodyPartition {
  public:
   /// The human body: the five parts of STMC, whose legs carry the path.
   BodyPartition() = default;
   /// Throws config_error 101 without a part, for more than `most_body_parts`, for a name that a timeline file cannot
-  /// hold (it is empty, has '#', a line end or outer blanks, or is not UTF-8) and for a word of other characters than
-  /// a ... z; 102 for a name that is duplicated; 103 for a part that is not one of the names.
+  /// hold (it is empty, has '#', a line end or outer blanks, or is not UTF-8), and for a word with characters other
+  /// than a ... z. Throws 102 for a duplicate name, and 103 for a part that is not one of the names.
   explicit BodyPartition(const BodyPartNames& names);
 
   int size() const { return static_cast<int>(names().size()); }
   const std::vector<std::string>& names() const { return state().names; }
-  /// Throws config_error 101 for a number that the body does not have.
+  /// Throws config_error 101 for a number that the body lacks.
   const std::string& name(BodyPart part) const;
   /// The part that carries the path: its texts are preferred as base texts, and features of the root belong to it.
   BodyPart path() const { return state().path; }
@@ -5888,7 +5870,7 @@ class BodyPartition {
   /// Empty for the human body, whose lexicon is in compose/body_part_lexicon.hpp.
   const std::vector<Word>& words() const { return state().words; }
 
-  /// The same names in the same order, and the same part for the path. Synonyms and words do not count.
+  /// True for the same names in the same order and the same part for the path. Synonyms and words do not count.
   bool operator==(const BodyPartition& other) const;
 
  private:
@@ -5915,15 +5897,15 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_TEXT_LINES_HPP  // <motionlang/core/text_lines.hpp>
 #define MOTIONLANG_HAS_CORE_TEXT_LINES_HPP
-/// Texts line by line, their blanks and small letters.
+/// Splits texts into lines, trims blanks, and lower-cases letters.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// A letter of ASCII in small, whatever the locale.
+/// The lower case of an ASCII letter, in any locale.
 constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-/// Without the blanks at both ends.
+/// The text without the blanks at both ends.
 constexpr std::string_view trim(std::string_view s) {
   constexpr std::string_view blanks = " \t\r\n\v\f";
   const std::size_t first = s.find_first_not_of(blanks);
@@ -5963,7 +5945,7 @@ MOTIONLANG_BODY BodyPartition::BodyPartition(const BodyPartNames& names) {
     raise<config_error>(101, "BodyPartition: ", counted(names.names.size(), "part"), ", expected 1 to ",
                         most_body_parts);
   const auto made = std::make_shared<State>();
-  state_ = made;  // find and parts look at what is there so far
+  state_ = made;  // find and parts read the present state
   const auto check_new = [&](const std::string& name) {
     detail::check_part_name(name);
     if (find(name)) raise<config_error>(102, "BodyPartition: '", name, "' is the name of two body parts");
@@ -6041,7 +6023,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Where an interval was read, for messages. It says nothing about the interval: all places are equal.
+/// The place where an interval was read, for messages. It is not part of the interval's value: all places are equal.
 struct TextPlace {
   Index line = 0, column = 0;  // from 1; 0: not from a text
   constexpr bool operator==(const TextPlace&) const { return true; }
@@ -6057,7 +6039,7 @@ struct BasicInterval {
   bool operator==(const BasicInterval&) const = default;
 };
 
-/// Intervals in the order of the file, which matters: it decides ties.
+/// Intervals in the order of the file, which decides ties.
 template <class T>
 struct BasicTimeline {
   std::vector<BasicInterval<T>> intervals;
@@ -6080,7 +6062,7 @@ using TimelineInSeconds = BasicTimeline<double>;
 /// Times beyond this number of frames or seconds are refused.
 inline constexpr Index latest_time = 1'000'000'000;
 
-/// trunc(fps * seconds), calculated in double as the published readers do. Throws config_error 101 if it is not a time.
+/// trunc(fps * seconds), computed in double like the published readers. Throws config_error 101 if it is not a time.
 Index frame_at(double seconds, double fps);
 
 /// Moves a timeline so that it begins at 0.
@@ -6143,13 +6125,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct TimelineTextOptions {
   double fps = 20;  // frame = trunc(fps * seconds)
-  /// Take intervals without a frame and texts without parts as they are. Else texts without parts move the whole body.
+  /// Accept intervals without a frame and texts without parts as they are. Otherwise texts without parts move the whole
+  /// body.
   bool as_published = false;
   std::string_view name = "timeline";  // of the file, for messages
   BodyPartition body{};                // whose parts the texts move
 };
 
-/// A text with a length, for motions of one text each: it moves the whole body.
+/// A text with a duration, for a motion of its own. It moves the whole body.
 struct TimedText {
   std::string text;
   Index frames = 0;
@@ -6161,24 +6144,24 @@ std::vector<Timeline> parse_timelines(std::string_view text, const TimelineTextO
 /// All timelines of a file, in seconds; options.fps has no effect.
 std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
                                                           const TimelineTextOptions& options = {});
-/// The only timeline of a text. Throws timeline_error 509 if there are several.
+/// The timeline of a text that has only one. Throws timeline_error 509 if there are several.
 ///
 ///     auto timeline = parse_timeline("walking in a circle # 0.0 # 6.0 # legs\n"
 ///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
 Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {});
 
-/// True if a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
-/// three fields, or a body part where timelines have their second time. The published programs ask for one line of
-/// fewer than three fields only (`as_published`), and then blame the others.
+/// True if a file is a list of single texts ("text # duration") rather than of timelines. Then every line has fewer
+/// than three fields, or a body part instead of the second time. The published programs (`as_published`) only need one
+/// line of fewer than three fields, and then refuse the others.
 bool is_text_list(std::string_view text, const TimelineTextOptions& options = {});
 
-/// Lines "text # duration"; blank lines are skipped. Body parts may follow, as in timelines, and have no effect: a
-/// single text moves the whole body. `as_published` takes any further field. Throws timeline_error 501 ... 504, 507.
+/// Lines "text # duration"; blank lines are skipped. Body parts may follow, as in timelines, but have no effect: a
+/// single text moves the whole body. `as_published` accepts any further field. Throws timeline_error 501 ... 504, 507.
 std::vector<TimedText> parse_text_list(std::string_view text, const TimelineTextOptions& options = {});
 
 /// The text form: fields joined by " # ", body parts in alphabetical order, an empty line after each timeline. Reading
-/// it gives the same timelines back (texts trimmed, begin at 0). Throws timeline_error 510 if a text contains '#' or a
-/// line end.
+/// it gives the same timelines (texts trimmed, start at 0). Throws timeline_error 510 if a text contains '#' or a line
+/// end.
 std::string write_timelines(std::span<const TimelineInSeconds> timelines);
 std::string write_timeline(const TimelineInSeconds& timeline);
 
@@ -6200,7 +6183,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A time in seconds, finite and not beyond `latest_time`; nothing if the whole text is none.
+/// A finite time in seconds, at most `latest_time`. Nothing if the text is not such a time.
 std::optional<double> parse_seconds(std::string_view text);
 
 /// Shortest decimal form, as Python prints a float: 5.5, 8.0, 1e-05, 1e+16.
@@ -6254,7 +6237,7 @@ template <class... T>
   raise<timeline_error>(id, name, ":", place.line, ":", place.column, ": ", what...);
 }
 
-/// One line of a file, split at '#'. Knows where it stands.
+/// One line of a file, split at '#'. It knows its place in the file.
 class TimelineLine {
  public:
   TimelineLine(std::string_view line, Index number, std::string_view name) : line_(line), number_(number), name_(name) {
@@ -6295,7 +6278,7 @@ class TimelineLine {
     return *t;
   }
 
-  /// The parts that the fields from `first` on name.
+  /// The parts that are named by the fields from `first` on.
   BodyParts parts(std::size_t first, const BodyPartition& body) const {
     BodyParts parts;
     for (std::size_t i = first; i < fields_.size(); ++i) {
@@ -6320,14 +6303,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
 #define MOTIONLANG_HAS_CORE_SORT_HPP
-/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty
-/// functions.
+/// Sorts short lists. std::sort is faster on long ones, but each use of it compiles some thirty functions.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps
-/// whatever the list. `List` is a vector.
+/// Sorts by `less`. The order of equal elements is not defined. Heap sort: n log n steps for any list. `List` is a
+/// vector.
 template <class List, class Less>
 void sort(List& list, Less less) {
   const auto sift_down = [&](std::size_t i, std::size_t size) {
@@ -6488,7 +6470,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's
-/// io.
+/// own.
 class FilePath {
  public:
   FilePath(const char* text) : text_(text) {}
@@ -6499,7 +6481,7 @@ class FilePath {
 
   const std::string& string() const { return text_; }
   const char* c_str() const { return text_.c_str(); }
-  /// The name of a file in this folder; "" is the current folder, as parent_path() of a bare name has it.
+  /// The name of a file in this folder. "" is the current folder, like parent_path() of a bare name.
   std::string inside(const std::string& name) const { return text_.empty() ? name : text_ + "/" + name; }
   /// The last part without its extension: "walk" of "clips/walk.bvh".
   std::string stem() const {
@@ -6522,17 +6504,19 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_GENERATE_GENERATE_MOTION_HPP  // <motionlang/generate/generate_motion.hpp>
 #define MOTIONLANG_HAS_GENERATE_GENERATE_MOTION_HPP
-/// From a timeline of texts to a finished motion, as the program `motionlang generate` makes it: it cuts texts
-/// where a model needs that, samples all of them together, smooths the motion and fixes its feet.
+/// From a timeline of texts to a finished motion, like the program `motionlang generate`. It cuts texts where a model
+/// needs that, samples all of them together, smooths the motion and fixes floor and feet.
 ///
 ///     const auto stmc = load_stmc<EigenBackend<float>>("stmc_free.safetensors");
 ///     const auto timeline = parse_timeline("walk forward # 0 # 6 # legs\nwave # 2 # 5 # left arm\n");
 ///     const Motion motion = generate_motion(stmc, timeline, {.seed = 7});
 ///
-/// Motion  Y up, metres, on SMPL's 24 joints (KIT's 21 by a model of KIT-ML); of the bundled model it starts facing -Z
-/// Models  any Stmc; every other system behind MotionModel (generate/motion_model.hpp)
-/// Bodies  motionlang::instantiated has those for Stmc<EigenBackend<float>>. A unit that is compiled with
-///         MOTIONLANG_INSTANTIATED and uses another Stmc also includes <motionlang/generate/generate_motion.ipp>
+/// Motion  Y up, metres, on SMPL's 24 joints (KIT's 21 for a model of KIT-ML). With the bundled model it starts facing
+///         -Z
+/// Models  any Stmc; all other systems through MotionModel (generate/motion_model.hpp)
+/// Bodies  motionlang::instantiated has those for Stmc<EigenBackend<float>>. If a unit is compiled with
+///         MOTIONLANG_INSTANTIATED and uses another Stmc, it must also include
+///         <motionlang/generate/generate_motion.ipp>
 
 #ifndef MOTIONLANG_HAS_GENERATE_GENERATE_OPTIONS_HPP  // <motionlang/generate/generate_options.hpp>
 #define MOTIONLANG_HAS_GENERATE_GENERATE_OPTIONS_HPP
@@ -6543,14 +6527,193 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// The defaults are those of the program `motionlang generate`.
 
-#ifndef MOTIONLANG_HAS_CORE_OPTION_ERROR_HPP  // <motionlang/core/option_error.hpp>
-#define MOTIONLANG_HAS_CORE_OPTION_ERROR_HPP
-/// Options that a caller cannot have meant.
+#ifndef MOTIONLANG_HAS_COMPOSE_BASELINES_HPP  // <motionlang/compose/baselines.hpp>
+#define MOTIONLANG_HAS_COMPOSE_BASELINES_HPP
+/// STMC and the baselines that it is compared with, by name; and the timelines of those that put everything on one
+/// track, or into one sentence.
+///
+/// Source  thesis 6.3.3; STMC (Petrovich et al. 2024) mtt/create_baselines.py. The published script works in seconds
+///         and writes files, which are then read at 20 fps. Converting with to_frames gives the same.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Options that a model or a file does not take, or that contradict each other; a result that would take the place of
-/// what it is made from: a config_error that is the caller's, not the file's.
+namespace detail {
+
+inline BodyParts united(BodyParts a, BodyParts b) { return {a.bits | b.bits}; }
+
+}  // namespace detail
+
+/// One track (DiffCollage): each piece between cuts has its active texts joined by " while ", with all their parts.
+/// Pieces without a text are left out.
+TimelineInSeconds single_track(const TimelineInSeconds& timeline);
+
+/// One sentence, "T0 and then T1 while T2", with the parts of all texts. It lasts from 0 to at most 9.8 s, the longest
+/// motion that the models were trained on. The published rule is for timelines of three texts. From longer timelines
+/// the sentence takes the first three texts; for shorter ones it ends earlier.
+TimelineInSeconds one_text(const TimelineInSeconds& timeline);
+
+/// The ways of making a motion from a timeline (thesis, table 6.1).
+///   stmc          every step of denoising is a collage of the texts
+///   sinc          each text is sampled alone, and parts are stitched once at the end, with hard cuts
+///   sinc_lerp     the same; around cuts parts are interpolated (systems/sinc_baseline.hpp)
+///   single_track  STMC of `single_track`: DiffCollage
+///   one_text      STMC of `one_text`, which is plain text to motion
+enum class StmcMode { stmc, sinc, sinc_lerp, single_track, one_text };
+
+inline constexpr std::array stmc_modes{StmcMode::stmc, StmcMode::sinc, StmcMode::sinc_lerp, StmcMode::single_track,
+                                       StmcMode::one_text};
+/// "stmc", "sinc", "sinc-lerp", "single-track", "one-text".
+std::string_view to_string(StmcMode mode);
+/// Throws config_error 103 for another name.
+StmcMode parse_stmc_mode(std::string_view name, std::string_view where = "mode");
+
+/// The timeline that a mode samples: that of a baseline with one track or one sentence, or the timeline as it is. In
+/// frames cuts stay where they are.
+/// fps  of the frames
+Timeline timeline_of_mode(StmcMode mode, const Timeline& timeline, double fps);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_BASELINES_IPP  // <motionlang/compose/baselines.ipp>
+#define MOTIONLANG_HAS_COMPOSE_BASELINES_IPP
+// Bodies of baselines.hpp.
+
+#ifndef MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP  // <motionlang/compose/intervals.hpp>
+#define MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP
+/// Cutting a timeline at every start and end: between two neighbouring cuts the set of active texts is constant.
+///
+/// Source  thesis 6.2.3, "Resolving unassigned timeframes"; STMC (Petrovich et al. 2024) src/stmc.py process_timeline
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A range without cuts inside, and the intervals that cover it, in file order.
+template <class T>
+struct BasicPiece {
+  T start{}, end{};
+  std::vector<Index> intervals;
+  bool operator==(const BasicPiece&) const = default;
+};
+using Piece = BasicPiece<Index>;
+
+/// The pieces between neighbouring cuts; those of gaps have no intervals. Throws config_error 101 if so many intervals
+/// overlap that the lists would have more than 10 million entries.
+template <class T>
+std::vector<BasicPiece<T>> elementary_pieces(const BasicTimeline<T>& timeline) {
+  std::vector<std::pair<T, Index>> events;  // every start and end, with the number of its interval
+  for (Index i = 0; const auto& interval : timeline.intervals) {
+    events.emplace_back(interval.start, i);
+    events.emplace_back(interval.end, i++);
+  }
+  detail::sort(events, [](const auto& a, const auto& b) { return a < b; });
+
+  std::vector<BasicPiece<T>> pieces;
+  std::vector<Index> active;  // ascending
+  std::size_t entries = 0;
+  for (std::size_t at = 0; at < events.size();) {
+    const T cut = events[at].first;
+    for (; at < events.size() && events[at].first == cut; ++at) {
+      const Index i = events[at].second;
+      const auto& interval = timeline.intervals[static_cast<std::size_t>(i)];
+      const auto place = std::lower_bound(active.begin(), active.end(), i);
+      const bool is_active = place != active.end() && *place == i;
+      if (is_active && interval.end == cut) active.erase(place);
+      if (!is_active && interval.start == cut && interval.end > cut) active.insert(place, i);
+    }
+    if (at == events.size()) break;
+    entries += active.size();
+    if (entries > 10'000'000) {
+      raise<config_error>(101, "elementary_pieces: too many of ", timeline.intervals.size(), " intervals overlap");
+    }
+    pieces.push_back({cut, events[at].first, active});
+  }
+  return pieces;
+}
+
+/// Adds an interval with the unconditional text "" and all body parts for every gap between 0 and the end.
+template <class T>
+void fill_gaps(BasicTimeline<T>& timeline) {
+  std::vector<std::pair<T, T>> covered;
+  for (const auto& i : timeline.intervals) covered.emplace_back(i.start, i.end);
+  detail::sort(covered, [](const auto& a, const auto& b) { return a < b; });
+  T reached{};
+  for (const auto& [start, end] : covered) {
+    if (start > reached) timeline.intervals.push_back({"", reached, start, timeline.body.all()});
+    reached = std::max(reached, end);
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::array<std::string_view, stmc_modes.size()> stmc_mode_names{"stmc", "sinc", "sinc-lerp",
+                                                                                 "single-track", "one-text"};
+
+}  // namespace detail
+
+MOTIONLANG_BODY TimelineInSeconds single_track(const TimelineInSeconds& timeline) {
+  TimelineInSeconds out{{}, timeline.body};
+  for (const auto& piece : elementary_pieces(timeline)) {
+    if (piece.intervals.empty()) continue;
+    IntervalInSeconds joined{"", piece.start, piece.end, {}};
+    for (Index i : piece.intervals) {
+      const IntervalInSeconds& active = timeline.intervals[static_cast<std::size_t>(i)];
+      joined.text += (i == piece.intervals.front() ? "" : " while ") + active.text;
+      joined.parts = detail::united(joined.parts, active.parts);
+    }
+    out.intervals.push_back(std::move(joined));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
+  constexpr double longest = 9.8;
+  constexpr const char* words[] = {"", " and then ", " while "};
+  if (timeline.intervals.empty()) return {{}, timeline.body};
+  IntervalInSeconds joined{"", 0.0, 0.0, {}};
+  double first = timeline.intervals.front().start;
+  for (std::size_t i = 0; i < timeline.intervals.size(); ++i) {
+    const IntervalInSeconds& interval = timeline.intervals[i];
+    if (i < std::size(words)) joined.text += words[i] + interval.text;
+    joined.parts = detail::united(joined.parts, interval.parts);
+    first = std::min(first, interval.start);
+  }
+  joined.end = std::min(timeline.end() - first, longest);
+  return {{std::move(joined)}, timeline.body};
+}
+
+MOTIONLANG_BODY std::string_view to_string(StmcMode mode) {
+  return detail::stmc_mode_names[static_cast<std::size_t>(mode)];
+}
+
+MOTIONLANG_BODY StmcMode parse_stmc_mode(std::string_view name, std::string_view where) {
+  for (const StmcMode mode : stmc_modes) {
+    if (name == to_string(mode)) return mode;
+  }
+  raise<config_error>(103, where, " '", name, "' is not one of ", join_text(detail::stmc_mode_names));
+}
+
+MOTIONLANG_BODY Timeline timeline_of_mode(StmcMode mode, const Timeline& timeline, double fps) {
+  if (mode == StmcMode::single_track) return to_frames(single_track(to_seconds(timeline, fps)), fps);
+  if (mode == StmcMode::one_text) return to_frames(one_text(to_seconds(timeline, fps)), fps);
+  return timeline;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_OPTION_ERROR_HPP  // <motionlang/core/option_error.hpp>
+#define MOTIONLANG_HAS_CORE_OPTION_ERROR_HPP
+/// The error for a mistake in a caller's options.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A config_error that the caller caused, not a file. Examples are options that a model or a file does not take,
+/// options that contradict each other, and a result that would overwrite its source.
 struct option_error : config_error {
   using config_error::config_error;
 };
@@ -6563,9 +6726,9 @@ MOTIONLANG_NAMESPACE_END
 /// From noise to a sample: ancestral (DDPM), DDIM with its inversion, and PLMS.
 ///
 /// The loops know nothing of motion. They call
-///     network(x, t) -> what the network predicts at index t of the process (already guided), same shape as x
-///     noise(draw)   -> standard normal numbers of that shape; draw 0 is the first after the initial tensor
-///     fix(x0, t)    -> the clean estimate that is used (inpainting, stitching); identity if not given
+///    network(x, t) -> the network's prediction at index t of the process (already guided), with the shape of x
+///    noise(draw)   -> standard normal values of that shape; draw 0 is the first after the initial tensor
+///    fix(x0, t)    -> the clean estimate to use (inpainting, stitching); identity if not given
 
 #ifndef MOTIONLANG_HAS_CORE_PROGRESS_HPP  // <motionlang/core/progress.hpp>
 #define MOTIONLANG_HAS_CORE_PROGRESS_HPP
@@ -6573,9 +6736,9 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
-/// Without exceptions false ends the program, like an error: there the C functions can be cancelled (motionlang/c).
-/// Like a pointer: the callable must outlive it, so a temporary one does not compile.
+/// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. It may be empty.
+/// Without exceptions, false ends the program like an error, but the C functions can be cancelled (motionlang/c). The
+/// callable must outlive it, so a temporary one does not compile.
 class Progress {
  public:
   Progress() = default;
@@ -6586,7 +6749,7 @@ class Progress {
           return (*reinterpret_cast<F*>(object))(done, total);
         }) {}
 
-  /// Throws `cancelled` if the caller answers false.
+  /// Throws `cancelled` if the caller returns false.
   void operator()(Index done, Index total) const {
     if (call_ != nullptr && !call_(object_, done, total)) detail::throw_exception(cancelled());
   }
@@ -6609,18 +6772,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_GAUSSIAN_HPP  // <motionlang/diffusion/gaussian.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_GAUSSIAN_HPP
-/// The Gaussian diffusion process: all coefficients of a schedule, noising, the posterior, and the four things that a
-/// network may predict, converted into each other.
+/// The Gaussian diffusion process: the coefficients of a schedule, noising, the posterior, and conversions between the
+/// four quantities that a network may predict.
 ///
 /// Notation (Ho et al. 2020)   beta_t, alpha_t = 1 - beta_t, abar_t = prod_{s <= t} alpha_s, abarp_t = abar_{t-1} (1
 ///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications
 ///                             of noise.
-/// Precision   tables are built in double, the entry for t is rounded to the tensor's scalar, then one multiplication
-///             and one addition per term in the order written: what the published code does, and what parity needs.
+/// Precision   Tables are built in double, and the entry for t is rounded to the tensor's scalar. Each term then takes
+///             one multiplication and one addition in the order written, as in the published code. Parity needs this.
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_SCHEDULE_HPP  // <motionlang/diffusion/schedule.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_SCHEDULE_HPP
-/// Noise schedules: how much noise step t adds.
+/// Noise schedules: the amount of noise that step t adds.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -6644,7 +6807,7 @@ struct LinearSchedule {
   double beta(Index t) const;
 };
 
-/// Linear in the square root, as latent diffusion has it.
+/// Linear in the square root, as in latent diffusion.
 struct ScaledLinearSchedule {
   Index steps = 1000;
   double b0 = 0.00085, b1 = 0.012;
@@ -6652,8 +6815,8 @@ struct ScaledLinearSchedule {
   double beta(Index t) const;
 };
 
-/// Nichol and Dhariwal (2021), eq. 17; the schedule of MDM and, with 100 steps, of STMC (the thesis cites Chen 2023,
-/// the released code has this one):
+/// Nichol and Dhariwal (2021), eq. 17. The schedule of MDM and, with 100 steps, of STMC (the thesis cites Chen 2023,
+/// but the released code has this one):
 ///     f(u) = cos((u + s) / (1 + s) pi / 2)^2,   beta_t = min(1 - f((t + 1) / steps) / f(t / steps), 0.999)
 struct CosineSchedule {
   Index steps = 100;
@@ -6662,7 +6825,7 @@ struct CosineSchedule {
   double beta(Index t) const;
 };
 
-/// Chen (2023), what the thesis cites; no published checkpoint uses it.
+/// Chen (2023), which the thesis cites; no published checkpoint uses it.
 ///     v(u) = cos((u (end - start) + start) pi / 2)^(2 tau)
 ///     alpha_bar(u) = clip((v(1) - v(u)) / (v(1) - v(0)), clip_min, 1)
 struct ChenCosineSchedule {
@@ -6731,9 +6894,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The quantity that a network predicts from x_t.
 enum class Prediction { x0, eps, score, x_prev };
 
-/// How much noise an ancestral step adds.
+/// The amount of noise that an ancestral step adds.
 ///   posterior_std        the standard deviation of q(x_{t-1} | x_t, x0), 0 at t = 0: DDPM as written in the papers
-///   posterior_variance   the variance itself: a quirk of the released STMC code with which all its results were made
+///   posterior_variance   the variance itself: a quirk of the released STMC code, which made all its results
 enum class NoiseScale { posterior_std, posterior_variance };
 
 /// fixed_small: the posterior variance; fixed_large: beta_t (and the posterior variance at t = 1 for t = 0).
@@ -6760,13 +6923,13 @@ class GaussianDiffusion {
   double beta(Index t) const { return beta_[at(t)]; }
   double alpha(Index t) const { return 1 - beta_[at(t)]; }
   double abar(Index t) const { return abar_[at(t)]; }
-  /// 1 / abar. Throws config_error 104 where nothing of x0 is left: neither noise nor score tell anything of it.
+  /// 1 / abar. Throws config_error 104 if nothing of x0 is left, since then neither noise nor score determine it.
   double inverse_abar(Index t) const;
   double abarp(Index t) const { return t == 0 ? 1 : abar_[at(t) - 1]; }
   double abarn(Index t) const { return t + 1 == steps() ? 0 : abar_[at(t) + 1]; }
   /// Variance of the posterior (thesis eq. 6.4): beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
   double posterior_variance(Index t) const { return beta(t) * (1 - abarp(t)) / (1 - abar(t)); }
-  /// Its logarithm, with index 1 in place of index 0.
+  /// Its logarithm. Index 0 takes the value of index 1.
   double posterior_log_variance(Index t) const;
   double large_variance(Index t) const;
   /// Weights of x0 and x_t in the posterior mean (thesis eq. 6.3).
@@ -6797,8 +6960,8 @@ Tensor<B, R> coefficients(std::span<const Index> t, F f) {
   return Tensor<B, R>::from(std::span<const typename B::scalar>(values), s);
 }
 
-/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps: the steps 0 ... t of thesis eq. 6.1 at once (Ho et al. 2020, eq. 4).
-/// One t per leading index, or one for all.
+/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps. This is steps 0 ... t of thesis eq. 6.1 at once (Ho et al. 2020, eq.
+/// 4). One t per leading index, or one for all.
 template <Backend B, int R>
 Tensor<B, R> q_sample(const GaussianDiffusion& d, const Tensor<B, R>& x0, std::span<const Index> t,
                       const Tensor<B, R>& eps) {
@@ -6830,7 +6993,7 @@ Tensor<B, R> posterior_mean_from_score(const GaussianDiffusion& d, const Tensor<
          coefficients<B, R>(t, [&](Index i) { return d.beta(i) / std::sqrt(d.alpha(i)); }) * score;
 }
 
-/// x0 from whatever the network predicted.
+/// x0 from any prediction of the network.
 ///     eps:    sqrt(1/abar) x_t - sqrt(1/abar - 1) eps
 ///     score:  x_t / sqrt(abar) + (1 - abar) / sqrt(abar) score
 ///     x_prev: x_prev / c0 - ct / c0 x_t
@@ -6866,7 +7029,7 @@ Tensor<B, R> score_from_x0(const GaussianDiffusion& d, const Tensor<B, R>& x0, c
   return coefficients<B, R>(t, [&](Index i) { return std::sqrt(d.abar(i)) / (1 - d.abar(i)); }) * x0 -
          coefficients<B, R>(t, [&](Index i) { return 1 / (1 - d.abar(i)); }) * x_t;
 }
-/// Any prediction into any other (not into x_prev, which is a sample).
+/// Converts any prediction into any other (except x_prev, which is a sample).
 template <Backend B, int R>
 Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Prediction to, const Tensor<B, R>& value,
                                 const Tensor<B, R>& x_t, std::span<const Index> t) {
@@ -6886,7 +7049,7 @@ Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Pre
     case Prediction::score:
       return score_from_x0(d, x0, x_t, t);
     case Prediction::x_prev:
-      raise<config_error>(102, "convert_prediction: x_prev is a sample, not a statement about x0");
+      raise<config_error>(102, "convert_prediction: x_prev is a sample, which does not predict x0");
   }
   return x0;
 }
@@ -6899,17 +7062,17 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP  // <motionlang/diffusion/respacing.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP
-/// Which steps of a long process a short sampling run keeps.
+/// The steps of a long process that a short sampling run keeps.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One section of nearly equal size per count; in each, `count` steps evenly from its first to its last, rounded half
-/// to even; of 0, none. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error
-/// 105.
+/// One section of nearly equal size per count. Each section gives `count` steps, evenly from its first to its last,
+/// rounded half to even; a count of 0 gives none. Source  improved diffusion (Nichol and Dhariwal 2021),
+/// `space_timesteps`. Throws config_error 105.
 std::vector<Index> respace(Index steps, std::span<const Index> counts);
 
-/// "ddimN": the smallest stride that keeps N steps, starting at 0; or a list of counts "10,15,20" (one number is one
-/// section). Empty: all steps. Throws config_error 105.
+/// "ddimN": the smallest stride that keeps N steps, starting at 0. A list of counts "10,15,20": one section for each.
+/// Empty: all steps. Throws config_error 105.
 std::vector<Index> respace(Index steps, std::string_view specification);
 
 MOTIONLANG_NAMESPACE_END
@@ -7035,11 +7198,11 @@ struct StepOptions {
   bool clip = false;  // x0 to [-1, 1]
 };
 
-/// The process with this many of its steps, evenly kept; all of them for 0. Throws config_error 105.
+/// The process with this many of its steps, evenly chosen; 0: all of them. Throws config_error 105.
 GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps);
 
-/// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a
-/// batch it sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
+/// Standard normal values (sequences, frames, features). Every sequence has its own stream, so it sees the same noise
+/// alone and in a batch. draw: 0 for the initial tensor, 1, 2, ... for the steps.
 template <Backend B>
 Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
   using S = typename B::scalar;
@@ -7052,15 +7215,18 @@ Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
   return Tensor<B, 3>::from(std::span<const S>(values), shape);
 }
 
-/// How a whole reverse process is run.
+/// Options of a whole reverse process.
 struct SamplingOptions {
   enum class Sampler { ddpm, ddim };
   Sampler sampler = Sampler::ddpm;
   double eta = 0;  // of ddim
-  /// As in STMC's released code. The noise of thesis eq. 6.2 is NoiseScale::posterior_std.
-  NoiseScale noise_scale = NoiseScale::posterior_variance;
+  /// As thesis eq. 6.2 has it: N(mu, Sigma) is mu + sqrt(Sigma) noise.
+  NoiseScale noise_scale = NoiseScale::posterior_std;
   bool clip = false;
 };
+/// As STMC's released code samples MDM-SMPL, and all of its published results: the factor of the noise is Sigma itself.
+/// Differs from thesis eq. 6.2: as Sigma is below 1, motions have less noise than the distribution says.
+inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseScale::posterior_variance};
 std::string_view to_string(SamplingOptions::Sampler sampler);
 /// "ddpm" or "ddim". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
@@ -7094,9 +7260,9 @@ Tensor<B, R> clean_estimate(const GaussianDiffusion& d, const Tensor<B, R>& x, c
 
 }  // namespace detail
 
-/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise, a sample of thesis eq. 6.2.
-/// t: one index per sample, or one for all. When the network predicts x_{t-1}, that is the mean.
-/// Differs from thesis eq. 6.2 with NoiseScale::posterior_variance: the factor is the variance, as STMC's code has it.
+/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise, a sample of thesis eq. 6.2. t: one index
+/// per sample, or one for all. If the network predicts x_{t-1}, this is the mean. Differs from thesis eq. 6.2 with
+/// NoiseScale::posterior_variance: the factor is the variance, as in STMC's code.
 template <Backend B, int R, class Fix = detail::KeepX0>
 AncestralStep<B, R> ancestral_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
                                    const Tensor<B, R>& noise, std::span<const Index> t, const StepOptions& options = {},
@@ -7110,14 +7276,14 @@ AncestralStep<B, R> ancestral_step(const GaussianDiffusion& d, const Tensor<B, R
   return {std::move(x0), std::move(mean), std::move(x_prev)};
 }
 
-/// Called after every step with the index just made and the tensors of that step. Does nothing by default.
+/// Called after every step with the new index and the tensors of that step. Does nothing by default.
 struct IgnoreSteps {
   void operator()(Index, const auto&) const {}
 };
 
-/// All steps from index `first` (the last of the process when -1) down to 0. Returns the x0 of the last step, which is
-/// also the last x (c0 is 1 and the noise factor 0 at t = 0); of a network that predicts x_{t-1}, what it says last.
-/// Throws `cancelled` if progress says so.
+/// All steps from index `first` (-1: the last of the process) down to 0. Returns the x0 of the last step. It equals the
+/// last x, because c0 is 1 and the noise factor 0 at t = 0. If the network predicts x_{t-1}, returns its last
+/// prediction. Throws `cancelled` if progress returns false.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise,
                               const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
@@ -7150,8 +7316,8 @@ AncestralStep<B, R> ddim_step(const GaussianDiffusion& d, const Tensor<B, R>& x,
   return {std::move(x0), std::move(mean), std::move(x_prev)};
 }
 
-/// A whole DDIM run, from index `first` (the last of the process when -1) on. It saves time only on a respaced process.
-/// `noise` is asked for only if eta > 0, but then at every step.
+/// A whole DDIM run, from index `first` on (-1: the last of the process). It saves time only on a respaced process.
+/// `noise` is called only if eta > 0, but then at every step.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ddim(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise, double eta,
                          const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
@@ -7171,7 +7337,7 @@ Tensor<B, R> sample_ddim(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
   return x;
 }
 
-/// From a sample towards its noise: one step from index t to t + 1 (DDIM, eta = 0, backwards).
+/// From a sample towards its noise: one step of DDIM from index t to t + 1 (eta = 0, backwards).
 ///     x_{t+1} = sqrt(abarn) x0 + sqrt(1 - abarn) eps
 template <Backend B, int R>
 Tensor<B, R> ddim_inversion_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output, Index t,
@@ -7182,7 +7348,7 @@ Tensor<B, R> ddim_inversion_step(const GaussianDiffusion& d, const Tensor<B, R>&
 }
 
 /// Pseudo linear multistep (Liu et al. 2022) of order 2 ... 4: DDIM steps with an extrapolated eps. The first step
-/// averages the eps at (x, t) and at the Euler prediction; later ones use as many old values as there are. Returns the
+/// averages the eps at (x, t) and at the Euler prediction. Later steps use as many old values as there are. Returns the
 /// x0 of the last step. Throws config_error 101 for another order.
 template <Backend B, int R, class Network, class Watch = IgnoreSteps>
 Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, int order,
@@ -7203,7 +7369,7 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
     const T e = predict(x, t);
     T used = e;
     switch (t == 0 ? 0 : std::min<std::size_t>(old.size() + 1, static_cast<std::size_t>(order))) {
-      case 0:  // the last step takes x0 of the network itself
+      case 0:  // the last step returns the network's own x0
         break;
       case 1:
         used = (e + predict(advance(x, e, t).x_prev, t - 1)) * 0.5;
@@ -7259,14 +7425,14 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_KINEMATICS_MOTION_HPP
 /// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
 ///
-/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
-/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
-/// to the last printed digit.
+/// Inside the library every clip is Y up, right-handed and in metres, and a rest pose faces +Z. Readers and writers
+/// convert from and to other conventions (BVH files in centimetres, AMASS with Z up, ...). Values are double, so files
+/// and features are exact to the last printed digit.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
-/// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
-/// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see
+/// Forward kinematics: from local rotations to joint positions. One function serves a single pose (S = float, double),
+/// derivatives (Dual), poses side by side in a register (Lane) and a differentiable batch (Tensor; see
 /// forward_batch.hpp).
 ///
 ///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
@@ -7287,7 +7453,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Three by three numbers, row by row: m[3 * row + column].
+/// Three by three values, row by row: m[3 * row + column].
 template <class S>
 struct Matrix3 {
   std::array<S, 9> m{};
@@ -7392,7 +7558,7 @@ Vec3<S> rotate(const Quaternion<S>& q, const Vec3<S>& v) {
   return v + S(2) * (q.w * uv + cross(q.vec(), uv));
 }
 
-/// Matrix of a quaternion; one that is not of unit length is tolerated: factor 2 / (q . q).
+/// The matrix of a quaternion. One that is not of unit length is tolerated: factor 2 / (q . q).
 template <class S>
 Matrix3<S> to_matrix(const Quaternion<S>& q) {
   const S k = S(2) / dot(q, q);
@@ -7403,9 +7569,9 @@ Matrix3<S> to_matrix(const Quaternion<S>& q) {
            k * (xz - wy), k * (yz + wx), S(1) - k * (xx + yy)}};
 }
 
-/// The quaternion with w >= 0 of a rotation matrix; accurate everywhere, also near half turns.
-/// Source  Shepperd (1978): divide by the largest of |w|, |x|, |y|, |z|. All four candidates are computed and one is
-///         chosen by where_less, so that SIMD lanes and tensors can do it, too.
+/// The quaternion with w >= 0 of a rotation matrix. It is accurate everywhere, also near half turns.
+/// Source  Shepperd (1978): divide by the largest of |w|, |x|, |y|, |z|. All four candidates are computed, and
+///         where_less chooses one, so that SIMD lanes and tensors can do it, too.
 template <class S>
 Quaternion<S> to_quaternion(const Matrix3<S>& r) {
   const S m00 = r(0, 0), m11 = r(1, 1), m22 = r(2, 2), zero = S(0), tiny = S(1e-12);
@@ -7468,7 +7634,7 @@ Quaternion<S> from_axis_angle(const Vec3<S>& axis, const S& angle) {
   return to_quaternion(AxisAngle<S>{angle * axis});
 }
 
-/// The shortest rotation vector (length at most pi). Right up to and at pi; smooth at 0.
+/// The shortest rotation vector (length at most pi). Correct up to and at pi; smooth at 0.
 ///     v = 2 atan2(n, |w|) / n (x, y, z) sign(w),   n = |(x, y, z)|
 ///     for small n the factor is 2/w (1 - n^2 / (3 w^2))
 template <class S>
@@ -7502,7 +7668,7 @@ struct Pose {
   Vec3<S> root{};
   std::vector<Quaternion<S>> local;
 
-  /// All rotations the identity, the root where the skeleton puts it.
+  /// All rotations are the identity, and the root is at its place in the skeleton.
   static Pose rest(const Skeleton& skeleton) {
     return {vec_cast<S>(skeleton.offset(0)),
             std::vector<Quaternion<S>>(static_cast<std::size_t>(skeleton.size()), Quaternion<S>::identity())};
@@ -7518,7 +7684,7 @@ struct JointTransforms {
 
 namespace detail {
 
-/// Position of joint j, whose parent is done, and its rotation unless nothing hangs on it.
+/// Computes the position of joint j after its parent, and its rotation if it has children.
 template <Rotation R, ScalarLike S>
 void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate,
                  JointTransforms<S>& world) {
@@ -7566,7 +7732,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Rotations (frames x joints) of a clip that is made by sampling another; 1.6 GB. More are a frame rate typed wrong.
+/// The limit for rotations (frames x joints) of a clip that samples another one; 1.6 GB. More come from a mistyped
+/// frame rate.
 inline constexpr double max_rotations = 5e7;
 
 struct Motion {
@@ -7658,17 +7825,17 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP  // <motionlang/systems/stmc_reuse.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP
-/// How much a run of STMC reused of the run before (systems/stmc_edit.hpp).
+/// The report on how much a run of STMC reused of the run before (systems/stmc_edit.hpp).
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How much a run reused.
+/// The amount that a run reused.
 struct StmcReuse {
-  Index frames = 0, kept = 0;      // of the result; those that have the numbers of before
-  Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run that takes nothing over
+  Index frames = 0, kept = 0;      // of the result; those with unchanged values
+  Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run without reuse
   Index steps = 0;                 // of the run
-  Index everywhere = 0;  // the step (from 1) after which no frame of an edited timeline is that of before; 0: none is
-  bool exact = true;     // the result is that of a run that takes nothing over, bit for bit
+  Index everywhere = 0;  // the step (from 1) after which no frame of an edited timeline is unchanged; 0: there is none
+  bool exact = true;     // the result equals that of a run without reuse, bit for bit
 };
 
 MOTIONLANG_NAMESPACE_END
@@ -7676,11 +7843,11 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A motion of which something is kept: the model makes the rest. Frame 0 is that of the timeline.
+/// A motion of which a part is kept. The model makes the rest. Its frame 0 is that of the timeline.
 struct KeptClip {
   Motion motion{};                                   // on any skeleton that can be put on SMPL's joints, at any rate
-  std::vector<std::pair<double, double>> seconds{};  // from and to, of what is kept; none: all of it
-  BodyParts parts = BodyParts::all();                // that are kept; the way over the ground belongs to the legs
+  std::vector<std::pair<double, double>> seconds{};  // from and to, of the kept parts; none: all of it
+  BodyParts parts = BodyParts::all();                // the kept parts; the path over the floor belongs to the legs
 };
 
 /// The report of a run besides its motions. Only models that go through STMC fill it.
@@ -7696,24 +7863,26 @@ struct GenerateOptions {
   std::uint64_t seed = 0;                             // same seed, same motion, on any number of threads
   std::optional<Index> steps{};                       // of denoising, 0: all; the default is the model's
   std::optional<SamplingOptions::Sampler> sampler{};  // the default is the model's
+  std::optional<NoiseScale> noise_scale{};            // of ddpm; the default is the model's
   std::optional<double> guidance{};                   // weight of the text, 1: none; the default is the model's
-  std::optional<double> fact{};  // scales the latent noise: 0 gives the mean motion; the default is 1
-  double overlap = 0.5;          // seconds that neighbouring texts share around a cut
-  bool cut_texts = true;         // where they lend body parts or regain them, and where they are too long
-  bool smooth = true;            // removes jitter, and jerks where texts meet
-  bool fix_feet = true;          // keeps standing feet from sliding
-  bool fix_floor = true;         // the floor carries the body: no hovering, no sinking, flights are arcs
-  bool overlay_arms = false;     // an arm that loses its text moves as the text alone moves it; a second pass
-  FilePath noise = "";           // file with noise/000 (initial), noise/001, ... instead of the seed
-  FilePath record = "";          // file to write, which a later run can reuse
+  std::optional<double> fact{};    // scales the latent noise: 0 gives the mean motion; the default is 1
+  StmcMode mode = StmcMode::stmc;  // or a baseline, which never cuts texts
+  double overlap = 0.5;            // seconds that neighbouring texts share around a cut
+  bool cut_texts = true;           // where they lend body parts or regain them, and where they are too long
+  bool smooth = true;              // removes jitter, and jerks where texts meet
+  bool fix_feet = true;            // keeps standing feet from sliding
+  bool fix_floor = true;           // the floor carries the body: no hovering, no sinking, flights are arcs
+  bool overlay_arms = false;       // an arm that loses its text moves as the text alone moves it; a second pass
+  FilePath noise = "";             // file with noise/000 (initial), noise/001, ... instead of the seed
+  FilePath record = "";            // file to write, which a later run can reuse
   FilePath reuse = "";  // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run
-  std::optional<double> keep_beyond{};  // of reuse: frames further from the edit, in seconds, stay
-  std::optional<KeptClip> keep{};       // of every timeline
+  std::optional<double> keep_beyond{};  // with reuse: keep frames that are further from the edit than this, in seconds
+  std::optional<KeptClip> keep{};       // for every timeline
   Progress progress{};                  // called after every step, or after every motion; may cancel
   GenerateNotes* notes = nullptr;       // filled if given
 };
 
-/// Few steps that do as many prompts as all steps. `motionlang judge --compare` measures that.
+/// A small number of steps that does as many prompts as all steps, measured by `motionlang judge --compare`.
 inline constexpr Index fast_steps = 10;
 inline void use_fast_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddim, o.steps = fast_steps; }
 inline void use_full_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddpm, o.steps = 0; }
@@ -7723,13 +7892,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_HPP  // <motionlang/systems/stmc.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_HPP
-/// STMC: spatio-temporal motion collage. A timeline of texts on several tracks in, one motion out.
+/// STMC: spatio-temporal motion collage. It turns a timeline of texts on several tracks into one motion.
 ///
 /// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human
-///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training
-/// Bodies  motionlang::instantiated has those of Stmc<EigenBackend<float>>. A unit that is compiled with
-///         MOTIONLANG_INSTANTIATED and uses another Stmc also includes <motionlang/systems/stmc.ipp>; the compiler says
-///         so
+///         motion generation" (2024). It works at test time with any denoiser of explicit poses, without training
+/// Bodies  motionlang::instantiated has those of Stmc<EigenBackend<float>>. If a unit is compiled with
+///         MOTIONLANG_INSTANTIATED and uses another Stmc, it must also include <motionlang/systems/stmc.ipp>; otherwise
+///         the compiler asks for it
 
 #ifndef MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP  // <motionlang/compose/plan_options.hpp>
 #define MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP
@@ -7739,12 +7908,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// The rule for frames without a text: let the model move freely, or throw timeline_error 505.
 enum class Gaps { fill, refuse };
-/// The rule for a cut at which no part changes its owner, because other texts hide a text: throw timeline_error
-/// 506, or leave the transition out (the result is the same without it).
+/// The rule for a cut at which no part changes its owner, because other texts hide a text. `refuse` throws
+/// timeline_error 506, and `ignore` leaves the transition out. The result is the same without it.
 enum class HiddenTexts { refuse, ignore };
 
-/// The default number of frames that go through the denoiser together. It is more than 12 s on five tracks have, with
-/// and without their texts. The published network holds about 90 MB for them.
+/// The default number of frames that go through the denoiser together. Timelines of 12 s with five tracks have fewer,
+/// with and without their texts. The published network needs about 90 MB for them.
 inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {
@@ -7779,7 +7948,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct Context {
   std::optional<Philox> dropout{};
   mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
-  bool recompute = false;  // training keeps what enters a layer and calculates its inside again: less memory, more time
+  bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
 
   /// The generator of the next dropout mask. Only when `dropout` is set.
   Philox next_mask() const { return dropout->split(drawn++); }
@@ -7790,7 +7959,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_FIELDS_HPP  // <motionlang/core/fields.hpp>
 #define MOTIONLANG_HAS_CORE_FIELDS_HPP
-/// Member lists: what a module is made of, and how to walk over it.
+/// Member lists: the parts of a module, and walks over them.
 ///
 ///     struct Model {
 ///       Tensor<B, 2> weight;
@@ -7801,9 +7970,9 @@ MOTIONLANG_NAMESPACE_END
 ///     visit(model, [](const std::string& path, auto& tensor) { use(path, tensor); });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is not a module here, and be empty where
-/// the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are a
-/// compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
+/// may contain dots ("tx_embedding.0") where the official key has a level that is not a module here. It may be empty
+/// where the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are
+/// a compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
 /// text, or a type that says so (is_option, tensor/module.hpp).
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -7840,7 +8009,7 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// True if a list has a member of this name. One of two optional members may be there, under the same name.
+/// True if a list has a member of this name. Two optional members may share a name if only one is there.
 template <bool optional, class M, class T, class Rest>
 constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name);
 template <bool optional>
@@ -7851,7 +8020,7 @@ template <bool optional, class M, class T, class Rest>
 constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name) {
   return (list.first.name == name && !(optional && is_optional<T>)) || has_name<optional>(list.rest, name);
 }
-/// The first name that is there twice, "" if there is none. (Several members may have no level of their own.)
+/// The first name that occurs twice, "" if there is none. (Several members may have no level of their own.)
 constexpr std::string_view repeated_name(const NoFields&) { return {}; }
 template <class M, class T, class Rest>
 constexpr std::string_view repeated_name(const FieldList<Field<M, T>, Rest>& list) {
@@ -7863,8 +8032,8 @@ template <class M>
 concept ConstantFields = requires {
   typename std::bool_constant<(static_cast<void>(M::fields()), true)>;
 };
-/// Two members of one name would share what is kept by name: a place in a file, the moments of an optimiser. A compile
-/// error where fields() is constexpr, else config_error 102.
+/// Two members of one name would share what is stored by name: a place in a file, the moments of an optimiser. This is
+/// a compile error where fields() is constexpr, else config_error 102.
 template <Module M>
 void check_names() {
   if constexpr (ConstantFields<M>) {
@@ -7905,7 +8074,7 @@ void visit_member(const std::string& path, F& f, First& first, Others&... others
   }
 }
 
-/// An object and those of its fields that are still to be walked over.
+/// An object and its remaining fields.
 template <class List, class Object>
 struct Walk {
   List list;
@@ -7955,7 +8124,7 @@ void zip(M& a, N& b, F f) { detail::visit_fields("", f, a, b); }
 
 namespace detail {
 
-/// A place that is another for every type.
+/// A variable whose address differs for every type.
 template <class M>
 inline constexpr char type_place = 0;
 
@@ -8018,7 +8187,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP  // <motionlang/nn/text_features.hpp>
 #define MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP
-/// The output of a text encoder and input of a denoiser: token vectors for every text.
+/// The output of a text encoder, and input of a denoiser: token vectors for every text.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -8026,7 +8195,7 @@ template <Backend B>
 struct TextFeatures {
   Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
   std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
-  Index padded_tokens = 0;            // of a batch that is padded beyond its longest text: MDM-SMPL counts padding
+  Index padded_tokens = 0;            // for a batch that is padded beyond its longest text: MDM-SMPL counts padding
 
   Index count() const { return tokens.count(); }
 
@@ -8034,7 +8203,7 @@ struct TextFeatures {
   static TextFeatures pooled(const Tensor<B, 2>& rows) { return {{rows, Offsets::equal(rows.size(0), 1)}}; }
 };
 
-/// Texts picked by number, with repetition.
+/// Selects texts by number, with repetition.
 template <Backend B>
 TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which) {
   TextFeatures<B> out;
@@ -8057,7 +8226,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///     all            everything (the released GRU of MDM)
 enum class BatchMates { none, longest_text, all };
 
-/// Properties of a denoiser that a host has to know.
+/// Properties of a denoiser that its caller must know.
 struct DenoiserTraits {
   Prediction prediction = Prediction::x0;
   Index crop_frames = 0;            // > 0: every crop has exactly this many frames (MDM and MotionDiffuse: 196)
@@ -8070,10 +8239,9 @@ struct DenoiserTraits {
   Index longest() const { return crop_frames > 0 ? crop_frames : longest_crop; }
 };
 
-/// A network that cleans noisy sequences given a text for each.
+/// A network that removes noise from sequences, given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), except
-///          the last digits in bf16x3 (core/precision.hpp)
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws)
 /// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
 template <class D, class B>
 concept Denoiser = Module<D> &&
@@ -8082,7 +8250,7 @@ concept Denoiser = Module<D> &&
   { d.traits() } -> std::same_as<DenoiserTraits>;
 };
 
-/// A denoiser that does a part of its work on the texts alone, which is the same at every step:
+/// A denoiser that does part of its work on the texts alone, once for all steps:
 ///     d(x, t, d.encode(text)) == d(x, t, text)
 /// Models   MdmSmplDenoiser, MotionDiffuseDenoiser, AnyDenoiser
 template <class D, class B>
@@ -8091,10 +8259,10 @@ concept EncodesText = Denoiser<D, B> &&
   { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
 };
 
-/// Denoises frames with several texts each: sequence i of x with the texts uses.begin(i) ...
-/// uses.end(i) - 1, such as a text and none, for guidance. t: a step for each text. Throws shape_error 204 for other
-/// numbers of sequences, texts or steps. A denoiser that computes once what the texts of a sequence have in common
-/// takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
+/// Denoises frames with several texts each. Sequence i of x has the texts uses.begin(i) ... uses.end(i) - 1, such as a
+/// text and the empty one for guidance. t: a step for each text. Throws shape_error 204 for other numbers of sequences,
+/// texts or steps. A denoiser that shares work between the texts of a sequence takes `uses` after x (MdmSmplDenoiser,
+/// AnyDenoiser):
 ///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
 template <Backend B, Denoiser<B> D, class Text>
 Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
@@ -8105,7 +8273,7 @@ Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const 
     return denoiser(repeat_sequences(x, uses), t, text);
 }
 
-/// The texts as they are passed to a denoiser at every step.
+/// The texts in the form that a denoiser receives at every step.
 template <Backend B, Denoiser<B> D>
 auto encoded_text(const D& denoiser, TextFeatures<B> text) {
   if constexpr (EncodesText<D, B>)
@@ -8147,7 +8315,7 @@ Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   });
 }
 
-/// The table of a model: computed from its size, so it is neither saved nor loaded.
+/// The table of a model. It is computed from its size, so it is neither saved nor loaded.
 template <Backend B>
 class PositionTable {
  public:
@@ -8163,7 +8331,7 @@ class PositionTable {
   Tensor<B, 2> rows_;
 };
 
-/// Positions of a sequence that are left out, as if padding stood there: `rows` of them before row `before`.
+/// Positions of a sequence that are skipped, as for padding: `rows` of them before row `before`.
 struct PositionGap {
   Index before = 0, rows = 0;
 };
@@ -8179,8 +8347,8 @@ void require_positions(std::string_view op, const Tensor<B, 2>& table, Index wan
 
 }  // namespace detail
 
-/// Adds row i of the table to row i of each sequence; with `gaps`, one for each sequence, later rows move up.
-/// Throws shape_error 203 for a sequence longer than the table, 204 for another number of gaps.
+/// Adds row i of the table to row i of each sequence. With `gaps`, one for each sequence, later rows take higher
+/// positions. Throws shape_error 203 for a sequence longer than the table, and 204 for another number of gaps.
 template <Backend B>
 Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std::span<const PositionGap> gaps = {}) {
   if (!gaps.empty() && static_cast<Index>(gaps.size()) != x.count()) {
@@ -8197,8 +8365,8 @@ Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std
   return x.with(gather(table, rows) + x.rows);
 }
 
-/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence
-/// has one row: 0 instead of a division by 0.
+/// The relative time of each row in its sequence, (rows, 1): t / (length - 1). Differs from published code for a
+/// sequence of one row: 0 instead of a division by 0.
 template <Backend B>
 Tensor<B, 2> relative_time(const Offsets& offsets) {
   std::vector<typename B::scalar> time;
@@ -8215,7 +8383,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_TIMESTEP_EMBEDDING_HPP  // <motionlang/nn/timestep_embedding.hpp>
 #define MOTIONLANG_HAS_NN_TIMESTEP_EMBEDDING_HPP
-/// The token that tells a denoiser which diffusion step it is at.
+/// The token that gives the diffusion step to a denoiser.
 
 #ifndef MOTIONLANG_HAS_NN_LINEAR_HPP  // <motionlang/nn/linear.hpp>
 #define MOTIONLANG_HAS_NN_LINEAR_HPP
@@ -8223,15 +8391,15 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_INIT_HPP  // <motionlang/nn/init.hpp>
 #define MOTIONLANG_HAS_NN_INIT_HPP
-/// Initial values of parameters, as PyTorch draws them (the distributions, not the same numbers).
+/// Initial values of parameters, from PyTorch's distributions but not its random numbers.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// While it lives, this thread makes no more parameters than a file of weights justifies: twice its numbers and 16 Mi.
-/// So a small file whose sizes are huge is refused before memory is taken for them.
+/// While it lives, this thread makes at most as many parameters as a file of weights justifies: twice its values and 16
+/// Mi. So a small file with huge sizes is refused before memory is taken for them.
 class ParameterRoom {
  public:
-  /// file: its name in messages; numbers: of all its tensors
+  /// file: its name for messages; numbers: of all its tensors
   ParameterRoom(std::string file, Index numbers);
   ~ParameterRoom();
   ParameterRoom(const ParameterRoom&) = delete;
@@ -8250,7 +8418,7 @@ class ParameterRoom {
   ParameterRoom* before_;
 };
 
-/// A generator that gives zeros at no cost: for models whose parameters are about to be loaded.
+/// A generator that gives zeros at no cost, for models whose parameters will be loaded.
 struct NoInit {
   template <class S>
   void normal(std::span<S> out) {
@@ -8267,7 +8435,7 @@ static_assert(Rng<NoInit>);
 
 namespace detail {
 
-/// Zeros that take no memory before somebody reads them, where the backend's tensors can lie in memory of others.
+/// Zeros that take no memory before they are read, if the backend's tensors can use foreign memory.
 template <Backend B, int R>
 Tensor<B, R> untouched_zeros(const Shape& shape) {
   using S = typename B::scalar;
@@ -8316,7 +8484,7 @@ Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
   if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
   return t;
 }
-/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if
+/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), followed by the kernel if
 /// there is one.
 template <Backend B, int R>
 Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {
@@ -8355,7 +8523,7 @@ MOTIONLANG_BODY ParameterRoom*& ParameterRoom::innermost() {
 }
 
 MOTIONLANG_BODY void ParameterRoom::take_numbers(const Shape& shape) {
-  double count = 1;  // may be beyond Index
+  double count = 1;  // may be too large for Index
   for (const Index n : shape.sizes()) count *= static_cast<double>(n);
   taken_ += count;
   if (taken_ > 2 * static_cast<double>(numbers_) + (1 << 24))
@@ -8382,9 +8550,10 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
-/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
-/// itself (`static constexpr bool is_option = true`, or a specialisation of this variable): sizes, computed tables.
-/// Other types need fields() of their own. Without them their tensors would be skipped, hence a compile error.
+/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and types that say
+/// so (`static constexpr bool is_option = true`, or a specialisation of this variable), such as sizes and computed
+/// tables. Other types need fields() of their own. Without them their tensors would be skipped, so this is a compile
+/// error.
 template <class T>
 inline constexpr bool is_option = [] {
   if constexpr (requires { T::is_option; })
@@ -8393,7 +8562,7 @@ inline constexpr bool is_option = [] {
     return std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
 }();
 
-/// A tensor of a module, whatever its rank: its path, and its data to read or replace. (In a const module it is const.)
+/// A tensor of a module, of any rank: its path, and its data to read or replace. (In a const module it is const.)
 template <Backend B, class Data = typename B::tensor>
 struct ModuleTensor {
   std::string path;
@@ -8403,14 +8572,14 @@ struct ModuleTensor {
   bool trainable = true;  // is_trainable of the module that lists it
 
   Shape shape() const { return B::shape(*data); }
-  /// The numbers, row-major.
+  /// The values, row-major.
   std::span<const typename B::scalar> span() const { return B::to_span(*data); }
 };
 
 namespace detail {
 
-/// The common properties of the tensors below a type: their backend (void: there are none), and which ranks they have,
-/// a bit for each.
+/// The common properties of the tensors below a type: their backend (void: there are none), and their ranks, one bit
+/// for each.
 template <class T>
 struct TensorsBelow {
   static_assert(is_option<T>,
@@ -8444,8 +8613,8 @@ struct TensorsBelow<FieldList<Field<M, T>, Rest>> {
 template <Module M>
 struct TensorsBelow<M> : TensorsBelow<decltype(M::fields())> {};
 
-/// Lists tensors. One function for every type of module, whatever is done with the tensors then: models are large, and
-/// each of their modules would be walked over again for every purpose.
+/// Lists tensors. It is one function for every type of module and every use of the tensors. Models are large, and
+/// otherwise each of their modules would be compiled again for every use.
 template <Backend B>
 class TensorLister {
  public:
@@ -8496,7 +8665,7 @@ class TensorLister {
   bool trainable_ = true;
 };
 
-/// f(path, tensor) with the tensor's rank as a type again.
+/// Calls f(path, tensor) with the tensor's rank as a type.
 template <class M, unsigned ranks, Backend B, class F, int R = 0>
 void with_rank(const ModuleTensor<B>& t, F& f) {
   if constexpr ((ranks >> R & 1) != 0) {
@@ -8538,8 +8707,8 @@ void visit_tensors(M& module, F f) {
   }
 }
 
-/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, perhaps over
-/// different backends. Throws shape_error 204 if they are not.
+/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, possibly over
+/// different backends. Throws shape_error 204 if the structures differ.
 template <class M, class N, class F>
 void zip_tensors(M& a, N& b, F f) {
   const auto first = tensors_of(a);
@@ -8553,7 +8722,7 @@ void zip_tensors(M& a, N& b, F f) {
   }
 }
 
-/// Numbers in all tensors of a module.
+/// The number of values in all tensors of a module.
 template <Module M>
 Index parameter_count(const M& module) {
   Index n = 0;
@@ -8584,7 +8753,7 @@ void convert_member(To& to, const From& from) {
   } else if constexpr (std::is_same_v<To, From>) {
     to = from;
   } else {
-    to = To(from);  // tables that are computed, not stored
+    to = To(from);  // computed tables, not stored
   }
 }
 
@@ -8596,7 +8765,7 @@ void convert_module(To& to, const From& from) {
 
 }  // namespace detail
 
-/// The same model over another backend, with copies of all numbers. On an Autodiff backend every trainable tensor
+/// The same model over another backend, with copies of all values. On an Autodiff backend every trainable tensor
 /// becomes a variable.
 template <Backend To, template <class> class M, class From>
 M<To> convert(const M<From>& model) {
@@ -8604,7 +8773,7 @@ M<To> convert(const M<From>& model) {
   detail::convert_module(out, model);
   return out;
 }
-/// From training to use: the model without a tape.
+/// The model without a tape, after training.
 template <template <class> class M, AutodiffBackend A>
 M<typename A::inner> to_inner(const M<A>& model) {
   return convert<typename A::inner>(model);
@@ -8612,33 +8781,50 @@ M<typename A::inner> to_inner(const M<A>& model) {
 
 namespace detail {
 
-/// Matrices, and what has the axes of a convolution's weight: (out, in, taps), (out, in, taps, 1).
+/// True for the ranks of matrices and of a convolution's weight: (out, in, taps), (out, in, taps, 1).
 template <class B>
 bool has_panels(int rank) {
   return PackingBackend<B> && rank >= 2 && rank <= 4;
 }
 
-/// Packs a weight; returns whether all its values are finite.
+/// Packs a weight; returns true if all its values are finite.
 template <PackingBackend B>
-bool pack_weight(const typename B::tensor& weight) {
+bool pack_weight(const typename B::tensor& weight, Precision precision = product_precision()) {
   const Shape shape = B::shape(weight);
-  if (shape.rank() < 4) return B::prepare(weight);
-  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}));
+  if (shape.rank() < 4) return B::prepare(weight, precision);
+  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}), precision);
+}
+
+template <Module M>
+void prepare_in(M& model, Precision precision) {
+  using B = module_backend<M>;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (has_panels<B>(t.rank)) pack_weight<B>(*t.data, precision);
+    }
+  }
 }
 
 }  // namespace detail
 
-/// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
-/// (and whatever else has two to four axes). The model must not be changed afterwards. Nothing happens on backends
-/// without such a layout.
+/// Prepares a model for inference: packs the weights of linear layers and convolutions for the backend's kernels (and
+/// other tensors with two to four axes). It uses the precision of the process; backend/precision.hpp offers others. The
+/// model must not change afterwards. Does nothing on backends without such a layout.
 template <Module M>
 void prepare(M& model) {
+  detail::prepare_in(model, product_precision());
+}
+
+/// The precision of products with the first weight of a model.
+template <Module M>
+Precision precision_of(const M& model) {
   using B = module_backend<M>;
   if constexpr (PackingBackend<B>) {
     for (const auto& t : tensors_of(model)) {
-      if (detail::has_panels<B>(t.rank)) detail::pack_weight<B>(*t.data);
+      if (detail::has_panels<B>(t.rank)) return B::precision_of(*t.data);
     }
   }
+  return product_precision();
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -8741,11 +8927,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_DROPOUT_HPP  // <motionlang/nn/dropout.hpp>
 #define MOTIONLANG_HAS_NN_DROPOUT_HPP
-/// Dropout that runs only when the call brings a generator.
+/// Dropout that runs only if the call has a generator.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
+/// The next mask of a context; its probability is 0 without a generator. Throws config_error 101 unless 0 <= p < 1.
 inline Dropout next_dropout(double p, const Context& context) {
   detail::check_dropout({.p = p});
   if (!context.dropout || p == 0) return {};
@@ -8780,7 +8966,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Ba, Kiros, Hinton (2016). eps = 1e-5, as everywhere in the published systems.
+/// Ba, Kiros, Hinton (2016). eps = 1e-5, as in all published systems.
 template <Backend B>
 struct LayerNorm {
   Tensor<B, 1> weight, bias;  // (width)
@@ -8812,7 +8998,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Throws config_error 101 if the heads do not divide the width. In a constant expression the compiler refuses it.
+/// Throws config_error 101 if the heads do not divide the width. In a constant expression this is a compile error.
 constexpr void check_heads(Index width, Index heads) {
   if (heads < 1 || width % heads != 0) {
     raise<config_error>(101, "MultiheadAttention: ", heads, " heads do not divide width ", width);
@@ -8846,8 +9032,8 @@ struct MultiheadAttention {
     out_proj.bias = constant_init<B, 1>({width}, 0);
   }
 
-  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability
-  /// `drop` (where the context brings a generator) and added to `residual`.
+  /// x (rows, width) attends to itself within each sequence. The result is projected, gets dropout with probability
+  /// `drop` (if the context has a generator), and is added to `residual`.
   Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
                     const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     return attend(project(x), offsets, context, residual, causal, drop);
@@ -8857,15 +9043,18 @@ struct MultiheadAttention {
     const ModuleScope scope(*this);
     return linear(x, in_proj_weight, &in_proj_bias);
   }
-  /// `self` behind `project`.
+  /// `self` after `project`.
   Tensor<B, 2> attend(Tensor<B, 2> qkv, const Offsets& offsets, const Context& context,
                       const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     const ModuleScope scope(*this);
     const auto read = self_attention(std::move(qkv), offsets,
-                                     {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
+                                     {.heads = heads,
+                                      .causal = causal,
+                                      .dropout = next_dropout(dropout_p, context),
+                                      .precision = precision_of(in_proj_weight)});
     return out_proj(read, Activation::none, residual, next_dropout(drop, context));
   }
-  /// x attends to `memory`. Where every memory has one row, softmax over one key is 1 and the result is that row's
+  /// x attends to `memory`. If every memory has one row, the softmax over one key is 1 and the result is that row's
   /// value.
   Tensor<B, 2> cross(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                      const Context& context) const {
@@ -8876,8 +9065,9 @@ struct MultiheadAttention {
       return linear(t, slice(in_proj_weight, 0, first * d, last * d), &bias);
     };
     const auto q = project(x, 0, 1), k = project(memory.rows, 1, 2), v = project(memory.rows, 2, 3);
-    return out_proj(
-        attention(q, k, v, offsets, memory.offsets, {.heads = heads, .dropout = next_dropout(dropout_p, context)}));
+    return out_proj(attention(
+        q, k, v, offsets, memory.offsets,
+        {.heads = heads, .dropout = next_dropout(dropout_p, context), .precision = precision_of(in_proj_weight)}));
   }
 };
 
@@ -8886,11 +9076,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_RECOMPUTE_HPP  // <motionlang/nn/recompute.hpp>
 #define MOTIONLANG_HAS_NN_RECOMPUTE_HPP
-/// Layers whose inside is calculated again in the backward pass, where the context asks for it.
+/// Layers whose inner values are recomputed in the backward pass, if the context enables it.
 
 #ifndef MOTIONLANG_HAS_TENSOR_GRADIENT_HPP  // <motionlang/tensor/gradient.hpp>
 #define MOTIONLANG_HAS_TENSOR_GRADIENT_HPP
-/// Differentiation as user code sees it: variables, `backward`, and gradients as a value.
+/// Differentiation for user code: variables, `backward`, and gradients as a value.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -8922,7 +9112,7 @@ class Gradients {
   typename A::GradientMap map_;
 };
 
-/// Gradients of a scalar with respect to all variables behind it. Only for Autodiff backends.
+/// Gradients of a scalar with respect to all variables behind it. It needs an Autodiff backend.
 template <Backend A>
 auto backward(const Tensor<A, 0>& loss) {
   static_assert(AutodiffBackend<A>,
@@ -8930,25 +9120,25 @@ auto backward(const Tensor<A, 0>& loss) {
   return Gradients<A>(A::gradients(loss.data()));
 }
 
-/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...),
-/// which has to give y once more. Training needs the memory of one such piece instead of all, for a second forward
-/// pass.
+/// Returns y, but the graph keeps only `inputs` and not the path from them to y. The backward pass calls
+/// again(inputs...), which must compute y again. Training then needs the memory of one such piece instead of all, and a
+/// second forward pass.
 /// Source   Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost" (2016), section 4.1
-/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been
-///          calculated has to be an input (config_error 102). Gradients are the same bits as without
+/// Caution  `again` is copied and called by `backward`. It may hold parameters and constants, but every computed tensor
+///          must be an input (config_error 102). Gradients have the same bits as without it
 template <AutodiffBackend A, int R, class F, int... Q>
 Tensor<A, R> keep_inputs(const Tensor<A, R>& y, F again, const Tensor<A, Q>&... inputs) {
   return Tensor<A, R>(A::checkpoint(
       y.data(), [again = std::move(again)](const auto&... values) { return again(Tensor<A, Q>(values)...).data(); },
       inputs.data()...));
 }
-/// f(inputs...), of which the graph keeps the inputs only.
+/// f(inputs...), but the graph keeps only the inputs.
 template <class F, AutodiffBackend A, int... Q>
 auto checkpoint(const F& f, const Tensor<A, Q>&... inputs) {
   return keep_inputs(f(inputs...), f, inputs...);
 }
 
-/// A leaf that gradients are wanted for.
+/// A leaf for which gradients are computed.
 template <AutodiffBackend A, int R>
 Tensor<A, R> variable(const Tensor<typename A::inner, R>& value) {
   return Tensor<A, R>(A::variable(value.data()));
@@ -8958,7 +9148,7 @@ template <AutodiffBackend A, int R>
 Tensor<typename A::inner, R> value_of(const Tensor<A, R>& t) {
   return Tensor<typename A::inner, R>(A::value(t.data()));
 }
-/// The same value as a constant: gradients stop here. Where there are none it is the tensor itself.
+/// The same value as a constant: gradients stop here. On a backend without gradients it is the tensor itself.
 template <Backend B, int R>
 Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
   if constexpr (AutodiffBackend<B>)
@@ -8972,8 +9162,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what
-/// happens inside is calculated once more with the same dropout masks, so gradients are the same bits.
+/// Calls layer(x, offsets, context). With `context.recompute` the graph keeps only x and a copy of the layer's handles.
+/// The inner values are recomputed with the same dropout masks, so gradients have the same bits.
 template <class Layer, Backend B>
 Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) {
   if constexpr (AutodiffBackend<B>) {
@@ -9007,29 +9197,29 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP  // <motionlang/nn/sequence_groups.hpp>
 #define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP
-/// A few sequences of a batch at a time through a whole stack of layers, every thread with its own.
+/// Runs a few sequences of a batch at a time through a whole stack of layers, every thread with its own sequences.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// How threads share sequences: the thread of each of the first ones.
+/// The assignment of the first sequences to threads: the thread of each.
 using SequenceShares = PoolVector<Index>;
-/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread
-/// has a twentieth more than the mean, and that is at least the 128 rows from which on it pays to read all weights in
-/// every thread. None if there is no such number.
+/// Each sequence goes to the thread with the fewest rows so far. Takes as many sequences as give equal shares: no
+/// thread has a twentieth more than the mean. The mean is at least 128 rows, from which on it pays to read all weights
+/// in every thread. None if there is no such number.
 SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads);
 
-/// All sequences, the longest first: shares become more equal.
+/// All sequences, the longest first, which makes shares more equal.
 PoolVector<Index> longest_first(const Offsets& offsets);
 
-/// The first sequences that have at most this many rows together; at least one. There must be one.
+/// The first sequences with at most this many rows together, but at least one. There must be one.
 std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows);
 
-/// Calls put(group) for the sequences that each thread has, in groups of at most this many rows. All threads at once.
+/// Calls put(group) for the sequences of each thread, in groups of at most this many rows. All threads run at once.
 template <class F>
 void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
                 Index rows, const F& put) {
-  const auto modules = ModulePath::steps();  // a copy: this thread goes into modules itself
+  const auto modules = ModulePath::steps();  // a copy: this thread enters modules itself
   parallel_for(threads, [&](Index thread) {
     const ModulePath::Continued path(modules);
     PoolVector<Index> mine;
@@ -9044,11 +9234,11 @@ void put_shares(const Offsets& offsets, std::span<const Index> order, const Sequ
 }
 
 /// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width`
-/// numbers. f treats each sequence on its own, so that it can be called for a few at a time, as many as have
-/// B::rows_in_cache() rows (a longer one alone): what one layer writes is still in the cache when the next reads it.
-/// Threads that can share the sequences evenly go through the layers without waiting for each other; what is left over
-/// they do together. The numbers are those of all at once. Where the backend says nothing, gradients are kept or
-/// dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
+/// values. f treats each sequence on its own, so it can be called for a few at a time, with at most B::rows_in_cache()
+/// rows (a longer one alone). Then the output of one layer is still in the cache when the next reads it. Threads that
+/// can share the sequences evenly run through the layers without waiting for each other. They do the rest together. The
+/// results are those of all sequences at once. If the backend has no such function, gradients are kept or dropout
+/// counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
   const auto whole = [&] {
@@ -9057,14 +9247,12 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
     return f(std::span<const Index>(all));
   };
   if constexpr (requires { B::rows_in_cache(); }) {
-    const RowsTogether in_any_groups(offsets.rows());
-    const Index threads = parallel_width(), at_once = B::rows_in_cache(), together = RowsTogether::count();
+    const Index threads = parallel_width(), at_once = B::rows_in_cache();
     const PoolVector<Index> order = longest_first(offsets);
     const bool grouped = offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty();
     if (grouped && !context.dropout) {
       typename B::tensor y(Shape{results.rows(), width});
       const auto put = [&, out = y.data()](std::span<const Index> which) {
-        const RowsTogether as_here(together);
         const auto rows = f(which);
         const auto* from = rows.span().data();
         for (Index s : which) {
@@ -9088,7 +9276,7 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
   }
   return whole();
 }
-/// The same with f(some), `some` being these sequences of x, and results as wide as x.
+/// The same with f(some), where `some` are these sequences of x, and results are as wide as x.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Context& context, F f) {
   const auto some = [&](std::span<const Index> which) { return f(some_sequences(x, which)); };
@@ -9159,7 +9347,7 @@ struct TransformerConfig {
   double dropout = 0.1;
   bool causal = false;
 
-  /// Itself. A constant configuration is checked while compiling:
+  /// Returns itself. A constant configuration is checked at compile time:
   ///     constexpr auto config = TransformerConfig{.d_model = 256, .heads = 4}.checked();
   constexpr const TransformerConfig& checked() const {
     check_heads(d_model, heads);
@@ -9170,8 +9358,8 @@ struct TransformerConfig {
 ///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
 ///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
 /// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
-///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has
-///         it.
+///         with a context) follows both halves, inside the feed-forward part and on the attention weights, as in
+///         PyTorch.
 template <Backend B>
 struct TransformerEncoderLayer {
   MultiheadAttention<B> self_attn;
@@ -9209,7 +9397,7 @@ struct TransformerEncoderLayer {
     const ModuleScope scope(*this);
     return self_attn.project(norm_first ? norm1(x) : x);
   }
-  /// The layer behind `project`.
+  /// The layer after `project`.
   Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets,
                               const Context& context = {}) const {
     const ModuleScope scope(*this);
@@ -9245,9 +9433,9 @@ struct TransformerEncoder {
       return some.rows;
     }));
   }
-  /// Encodes sequences that share endings: sequence j has the rows of heads[j], then those of tails[i], where
-  /// uses.begin(i) <= j < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail
-  /// is computed once. No dropout. Throws shape_error 204 for other numbers of heads or tails.
+  /// Encodes sequences that share endings. Sequence j has the rows of heads[j], then those of tails[i], where
+  /// uses.begin(i) <= j < uses.end(i). The results equal those of whole sequences, but the first layer projects a tail
+  /// only once. There is no dropout. Throws shape_error 204 for other numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
     const ModuleScope scope(*this);
     const Offsets repeated = repeat_lengths(tails.offsets, uses);
@@ -9296,22 +9484,21 @@ struct MdmSmplConfig {
   Index ff_size = 2048;
   Index num_layers = 8;
   Index num_heads = 8;
-  Index nb_registers = 2;  // may be none
+  Index nb_registers = 2;  // may be 0
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
 
-  /// Frames that fit behind the tokens of time and of a text of one token.
+  /// Frames that fit after the tokens of time and of a text of one token.
   Index longest_crop() const { return max_len - 2 - nb_registers; }
 };
 
-/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
-/// the frames are read off its end.
+/// The sequence [time, text ..., registers, frames] plus sinusoidal positions goes through a pre-norm transformer
+/// encoder. The frames are the last rows of the result.
 /// Source   thesis 6.2.4 ("Multi-track timeline control", Petrovich et al. 2024); nv-tlabs/stmc src/model/mdm_smpl.py,
-///          whose state-dict keys (behind "denoiser.") are the field names
-/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
-///          the batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) none
-///          does.
+///          whose state-dict keys (after "denoiser.") are the field names
+/// Caution  Texts of several tokens are placed as the published code pads them: frames follow the longest text of the
+///          batch. So such a sequence depends on the rest of its batch. Texts of one token (CLIP, ours) do not
 /// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {
@@ -9353,7 +9540,7 @@ struct MdmSmplDenoiser {
         positions(c.max_len, c.latent_dim),
         dropout_p(c.dropout) {}
 
-  /// Behind the tokens for time and text and the registers.
+  /// The frames that fit after the tokens for time and text and the registers.
   DenoiserTraits traits() const {
     return {.longest_crop =
                 MdmSmplConfig{.nb_registers = register_count(), .max_len = positions.rows().size(0)}.longest_crop(),
@@ -9385,8 +9572,8 @@ struct MdmSmplDenoiser {
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
     return sequence(x, t, encode(text));
   }
-  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is
-  /// computed once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
+  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout. Work that they share is done
+  /// once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
     const ModuleScope scope(*this);
@@ -9423,7 +9610,7 @@ struct MdmSmplDenoiser {
     if (!registers) return concat_tokens(time, text.tokens);
     return concat_tokens(time, text.tokens, repeat_sequence(*registers, text.tokens.count()));
   }
-  /// Rows after a text have the positions that they have behind the longest text of the batch and its padding.
+  /// Rows after a text have the positions that follow the longest text of the batch and its padding.
   static PoolVector<PositionGap> gaps(const EncodedText& text) {
     const Offsets& texts = text.tokens.offsets;
     PoolVector<PositionGap> out;
@@ -9437,13 +9624,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
 #define MOTIONLANG_HAS_FEATURES_LAYOUT_HPP
-/// Which numbers of a feature vector belong to which body part, and what they mean. Composition needs nothing but the
-/// former from a representation.
+/// The body part and the meaning of each value of a feature vector. Composition needs only the body parts of a
+/// representation.
 ///
-/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
-///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule. In
-///         other bodies the part with the path takes the place of the legs.
-///         Meanings and units: HumanML3D motion_representation.ipynb; STMC src/tools/smplrifke_feats.py; TEMOS
+/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity. The
+///         values of the root and the foot contacts belong to the legs. The tables are generated from that rule. In
+///         other bodies the part with the path takes the place of the legs. Meanings and units: HumanML3D
+///         motion_representation.ipynb; STMC src/tools/smplrifke_feats.py; TEMOS
 ///         temos/transforms/joints2jfeats/rifke.py; TMR src/rifke.py
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -9458,24 +9645,24 @@ struct IndexRange {
 /// The meaning of some values of a feature vector. A table of these covers the vector without gap or overlap.
 struct FeatureRange {
   IndexRange numbers;
-  std::string_view meaning;  // with `joints`: of each of them
+  std::string_view meaning;  // with `joints`: of each joint
   std::string_view unit;     // "1": none; frames are those of the features
-  IndexRange joints{};       // they follow one another, each with as many numbers; empty: the root's numbers, contacts
+  IndexRange joints{};       // in order, each with equally many values; empty: the root's values, contacts
 };
 
-/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
-/// and their ranges, or `from_owner`:
+/// A feature vector divided into body parts: every value belongs to exactly one. Your own representation is a name, a
+/// size and the ranges, or `from_owner`:
 ///
 ///     const auto owner = [](Index i) { return i < 40 ? BodyPart::legs : BodyPart::head; };
 ///     auto layout = FeatureLayout::from_owner("my features", 64, owner);
 struct FeatureLayout {
   std::string name;
-  Index size = 0;                                              // numbers of one frame
+  Index size = 0;                                              // values of one frame
   std::array<std::vector<IndexRange>, most_body_parts> parts;  // ascending and separate, in the order of the parts
   BodyPartition body{};                                        // whose parts; the human body unless given
 
   /// From a function position -> BodyPart, or the number of a part. Throws config_error 102 for a part that the body
-  /// does not have.
+  /// lacks.
   template <class F>
   static FeatureLayout from_owner(std::string name, Index size, F owner) {
     return from_owner(std::move(name), size, BodyPartition(), std::move(owner));
@@ -9520,7 +9707,7 @@ inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
     {{136, 205}, "position relative to the pelvis, seen from the body: x, y, z", "m", {1, 24}},
 }};
 
-/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+/// The places in the vector of HumanML3D (22 joints: 263 values) and of KIT (21: 251); 12 J - 1 in all.
 ///
 ///     0              turn of the heading to the next frame: half the angle, radians
 ///     1:3            velocity of the root along x and z, seen from the body of the next frame
@@ -9537,14 +9724,14 @@ struct Guoh3dSlots {
   constexpr IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
   constexpr IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
   constexpr Index size() const { return contacts().end; }
-  /// The seven groups whose deviations are published as one number each.
+  /// The seven groups for which one deviation each was published.
   constexpr std::array<IndexRange, 7> groups() const {
     return {{{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()}};
   }
 };
 
-/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs, or to
-/// the part with the path.
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts belong to the legs,
+/// or to the part with the path.
 FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
                                  const BodyPartition& body = {});
 
@@ -9672,12 +9859,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
 #define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
-/// Features to zero mean and unit deviation, and back.
+/// Converts features to zero mean and unit deviation, and back.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
-/// Statistics are saved with a model but not trained. eps matters only where std is 0.
+/// Statistics are saved with a model but not trained. eps matters only if std is 0.
 template <Backend B>
 struct Normalizer {
   static constexpr bool trainable = false;
@@ -9707,8 +9894,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP  // <motionlang/text/caption_encoder.hpp>
 #define MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP
-/// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come
-/// with a motion model and be trained together with it.
+/// A small text encoder of our own: word pieces, a transformer, one vector per caption. It is below 2 MB, so it can be
+/// part of a motion model and be trained together with it. With word vectors it also understands words that no training
+/// caption contains.
 
 #ifndef MOTIONLANG_HAS_NN_EMBEDDING_HPP  // <motionlang/nn/embedding.hpp>
 #define MOTIONLANG_HAS_NN_EMBEDDING_HPP
@@ -9749,30 +9937,19 @@ Tensor<B, 2> one_hot(std::span<const Index> labels, Index classes) {
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP  // <motionlang/text/text_encoder.hpp>
-#define MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP
-/// The concept of a text encoder.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Turns texts into vectors: one sequence of tokens for each, a single row if it pools.
-/// Laws     a text gives the same features alone and among others (except the last digits in bf16x3); "" is a text like
-///          any other
-/// Models   CaptionEncoder, and yours
-template <class E, class B>
-concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {
-  { e.template encode<B>(texts) } -> std::same_as<TextFeatures<B>>;
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
+#ifndef MOTIONLANG_HAS_TEXT_HEARD_WORDS_HPP  // <motionlang/text/heard_words.hpp>
+#define MOTIONLANG_HAS_TEXT_HEARD_WORDS_HPP
+/// The tokens of a text for an encoder that has an embedding of its own and, if wanted, vectors of many words.
+///
+/// A word that is one piece is that piece. Another word with a vector is [UNK], and its vector says which word it is.
+/// Every other word is split into pieces. A token has the vector of its word, or zeros.
 
 #ifndef MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP  // <motionlang/text/word_piece.hpp>
 #define MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP
-/// A small word-piece tokenizer whose vocabulary is learnt from the captions of a training set.
+/// A small word-piece tokenizer that learns its vocabulary from the captions of a training set.
 ///
-/// For plain captions: ASCII letters are lowered, everything that is neither letter nor digit separates words. The
-/// tokenizers of BERT and CLIP, with their Unicode rules, are other headers.
+/// It is for plain captions: ASCII letters are lower-cased, and characters that are neither letters nor digits separate
+/// words. Other headers have the tokenizers of BERT and CLIP, with their Unicode rules.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -9787,28 +9964,35 @@ class WordPiece {
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;
-  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source`
-  /// stands in messages.
+  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no duplicate piece. Messages
+  /// name `source`.
   explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece");
 
   /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at
-  /// least `least` times, until `size` pieces; ties go to the alphabetically first.
+  /// least `least` times, up to `size` pieces. Among equals the alphabetically first wins.
   /// Source  the WordPiece criterion as described for BERT (Schuster and Nakajima 2012)
   static WordPiece learn(std::span<const std::string> texts, Index size, Index least = 2);
+
+  /// All letters and digits of the texts, and each word that they say at least `least` times. Encoders with vectors of
+  /// words (text/word_vectors.hpp) know the other words by those.
+  static WordPiece of_words(std::span<const std::string> texts, Index least = 2);
 
   const std::vector<std::string>& vocabulary() const { return pieces_; }
   Index size() const { return static_cast<Index>(pieces_.size()); }
 
-  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that
+  /// [CLS] pieces [SEP], at most `longest` ids. Every word is split greedily into the longest known pieces; a word that
   /// cannot be split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
   std::vector<Index> encode(std::string_view text, Index longest = 64) const;
+
+  /// The id of a word that is one piece.
+  std::optional<Index> find(const std::string& word) const;
+  /// Adds the pieces of a word to ids.
+  void append_word(std::vector<Index>& ids, const std::string& word) const;
 
   /// Lower-case runs of letters and digits.
   static std::vector<std::string> words(std::string_view text);
 
  private:
-  void append_word(std::vector<Index>& ids, const std::string& word) const;
-
   std::vector<std::string> pieces_;
   std::shared_ptr<const detail::WordPieceIds> ids_;  // of the pieces; copies share it
 };
@@ -9820,17 +10004,18 @@ MOTIONLANG_NAMESPACE_END
 // Bodies of word_piece.hpp.
 
 #include <map>            // word counts, in a fixed order
+#include <set>            // pieces in order
 #include <unordered_map>  // piece -> id
 
 #ifndef MOTIONLANG_HAS_TEXT_DETAIL_LONGEST_PIECES_HPP  // <motionlang/text/detail/longest_pieces.hpp>
 #define MOTIONLANG_HAS_TEXT_DETAIL_LONGEST_PIECES_HPP
-/// Words in their longest known pieces, as word-piece tokenizers split them.
+/// Splits words into their longest known pieces, for word-piece tokenizers.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Splits a word from the left into the longest known pieces and appends their ids; `unknown` alone if that fails.
+/// Splits a word from the left into the longest known pieces and appends their ids; only `unknown` if that fails.
 /// find(text, first) is the id of a piece that begins the word (first) or continues it, -1 if there is none.
 template <class Find>
 void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown,
@@ -9882,11 +10067,31 @@ MOTIONLANG_BODY WordPiece::WordPiece(std::vector<std::string> vocabulary, std::s
   ids_ = std::move(ids);
 }
 
-MOTIONLANG_BODY WordPiece WordPiece::learn(std::span<const std::string> texts, Index size, Index least) {
+namespace detail {
+/// How often texts say each word.
+inline std::map<std::string, Index> word_counts(std::span<const std::string> texts) {
   std::map<std::string, Index> counts;
   for (const std::string& t : texts) {
-    for (const std::string& w : words(t)) ++counts[w];
+    for (const std::string& w : WordPiece::words(t)) ++counts[w];
   }
+  return counts;
+}
+}  // namespace detail
+
+MOTIONLANG_BODY WordPiece WordPiece::of_words(std::span<const std::string> texts, Index least) {
+  std::vector<std::string> vocabulary{"[CLS]", "[SEP]", "[UNK]"};
+  std::set<std::string> letters, whole;
+  for (const auto& [word, count] : detail::word_counts(texts)) {
+    for (std::size_t i = 0; i < word.size(); ++i) letters.insert((i == 0 ? "" : "##") + word.substr(i, 1));
+    if (count >= least && word.size() > 1) whole.insert(word);
+  }
+  vocabulary.insert(vocabulary.end(), letters.begin(), letters.end());
+  vocabulary.insert(vocabulary.end(), whole.begin(), whole.end());
+  return WordPiece(std::move(vocabulary));
+}
+
+MOTIONLANG_BODY WordPiece WordPiece::learn(std::span<const std::string> texts, Index size, Index least) {
+  const auto counts = detail::word_counts(texts);
   struct Word {
     std::vector<std::string> pieces;
     Index count;
@@ -9954,6 +10159,12 @@ MOTIONLANG_BODY std::vector<std::string> WordPiece::words(std::string_view text)
   return out;
 }
 
+MOTIONLANG_BODY std::optional<Index> WordPiece::find(const std::string& word) const {
+  if (ids_ == nullptr) return std::nullopt;
+  const auto found = ids_->ids.find(word);
+  return found == ids_->ids.end() ? std::nullopt : std::optional(found->second);
+}
+
 MOTIONLANG_BODY void WordPiece::append_word(std::vector<Index>& ids, const std::string& word) const {
   const std::size_t longest = ids_ == nullptr ? 0 : ids_->longest;
   detail::append_longest_pieces(ids, word, longest, unknown_id, [&](std::string_view part, bool first) {
@@ -9966,6 +10177,313 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_TEXT_WORD_VECTORS_HPP  // <motionlang/text/word_vectors.hpp>
+#define MOTIONLANG_HAS_TEXT_WORD_VECTORS_HPP
+/// Vectors of many words, in 8 bits a number: a text encoder that adds them to its own embedding hears that "stroll" is
+/// near "walk", although no caption of its training says "stroll".
+///
+///     const WordVectors vectors = read_word_vectors("words.safetensors");        // weights/word_vector_file.hpp
+///     if (const auto row = vectors.find("strolled")) use(vectors.vector(*row));  // of "stroll", if that is all it has
+///
+/// Number k of a vector is code_k * scale_k. 30,000 words of 64 numbers take 1.9 MB, and 0.25 MB for their letters.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+class WordVectors {
+ public:
+  static constexpr bool is_option = true;  // holds no tensors
+
+  /// No words.
+  WordVectors() = default;
+  /// The words are sorted; codes has a row of scales.size() for each. `source` stands in messages. Throws config_error
+  /// 107 for words out of order or a scale that is not finite, shape_error 205 for another number of codes.
+  WordVectors(std::vector<std::string> words, std::vector<std::int8_t> codes, std::vector<float> scales,
+              std::string_view source = "WordVectors");
+  /// Rounds vectors (words, width), in any order, to 8 bits: the largest number of a column becomes 127.
+  /// Throws numeric_error 301 for a number that is not finite.
+  static WordVectors rounded(std::span<const std::string> words, std::span<const float> vectors);
+
+  bool empty() const { return size() == 0; }
+  Index size() const { return table_ ? static_cast<Index>(table_->words.size()) : 0; }
+  Index width() const { return table_ ? static_cast<Index>(table_->scales.size()) : 0; }
+  const std::vector<std::string>& words() const { return table().words; }
+  std::span<const std::int8_t> codes() const { return table().codes; }
+  std::span<const float> scales() const { return table().scales; }
+
+  /// The row of a word in lower case, or that of the word without -s, -es, -ed or -ing (text/word_forms.hpp).
+  std::optional<Index> find(std::string_view word) const;
+  /// 16 digits that change with any word or value.
+  std::string checksum() const;
+  /// The numbers of a row. Throws shape_error 203 if there is no such row.
+  std::vector<float> vector(Index row) const;
+
+ private:
+  struct Table {
+    std::vector<std::string> words{};  // sorted
+    std::vector<std::int8_t> codes{};  // (words, width)
+    std::vector<float> scales{};       // (width)
+  };
+  const Table& table() const;
+  std::optional<Index> exact(std::string_view word) const;
+
+  std::shared_ptr<const Table> table_;
+};
+
+/// The cosine between two vectors; 0 if one of them has no length.
+double word_likeness(std::span<const float> a, std::span<const float> b);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_WORD_VECTORS_IPP  // <motionlang/text/word_vectors.ipp>
+#define MOTIONLANG_HAS_TEXT_WORD_VECTORS_IPP
+// Bodies of word_vectors.hpp.
+
+#ifndef MOTIONLANG_HAS_FILE_DETAIL_CONTENT_HASH_HPP  // <motionlang/file/detail/content_hash.hpp>
+#define MOTIONLANG_HAS_FILE_DETAIL_CONTENT_HASH_HPP
+/// A checksum of many bytes at the speed of memory. It protects against accidents, not against forgery.
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the remaining bytes and the length. Every step is
+/// invertible, so one changed word always changes the result.
+inline std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t before = 0xCBF29CE484222325u) {
+  constexpr std::uint64_t prime = 0x100000001B3u;
+  std::uint64_t lanes[4] = {before, before ^ 1u, before ^ 2u, before ^ 3u}, words[4];
+  const std::uint64_t size = bytes.size();
+  for (; bytes.size() >= sizeof words; bytes = bytes.subspan(sizeof words)) {
+    std::memcpy(words, bytes.data(), sizeof words);
+    for (int i = 0; i < 4; ++i) lanes[i] = (lanes[i] ^ words[i]) * prime;
+  }
+  std::uint64_t h = before;
+  for (const std::uint64_t lane : lanes) h = (h ^ lane) * prime;
+  for (const std::byte b : bytes) h = (h ^ static_cast<std::uint64_t>(b)) * prime;
+  h = (h ^ size) * prime;
+  return h ^ h >> 32;
+}
+
+inline std::string hexadecimal(std::uint64_t value) {
+  std::string out(16, '0');
+  for (std::size_t i = 16; i-- > 0; value >>= 4) out[i] = "0123456789abcdef"[value & 15u];
+  return out;
+}
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_WORD_FORMS_HPP  // <motionlang/text/word_forms.hpp>
+#define MOTIONLANG_HAS_TEXT_WORD_FORMS_HPP
+/// The forms of English words: "strolled" is looked up as "stroll" where only that is known.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The word itself if it is known, else its first known form without -ing, -ed, -es or -s ("hopping" is "hop", "waving"
+/// is "wave", "hurries" is "hurry"), else the word.
+/// known  whether a word has an entry
+template <class Known>
+std::string known_form(const std::string& word, const Known& known) {
+  if (known(word)) return word;
+  for (const std::string_view end : {"ies", "ied", "ing", "ed", "es", "s"}) {
+    if (!word.ends_with(end) || word.size() < end.size() + 2) continue;
+    std::string stem = word.substr(0, word.size() - end.size());
+    if (end.front() == 'i' && end != "ing") {
+      if (known(stem + "y")) return stem + "y";
+      continue;
+    }
+    if (known(stem)) return stem;
+    if (known(stem + "e")) return stem + "e";
+    if (stem.back() == stem[stem.size() - 2] && known(stem.substr(0, stem.size() - 1)))
+      return stem.substr(0, stem.size() - 1);
+  }
+  return word;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY WordVectors::WordVectors(std::vector<std::string> words, std::vector<std::int8_t> codes,
+                                         std::vector<float> scales, std::string_view source) {
+  if (scales.empty() || codes.size() != words.size() * scales.size())
+    raise<shape_error>(205, source, ": ", counted(codes.size(), "number"), " for ", counted(words.size(), "word"),
+                       " of ", scales.size());
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (!(words[i - 1] < words[i]))
+      raise<config_error>(107, source, ": word ", i, " is '", words[i], "' behind '", words[i - 1],
+                          "', but words are sorted and each is there once");
+  }
+  for (std::size_t k = 0; k < scales.size(); ++k) {
+    if (!std::isfinite(scales[k])) raise<config_error>(107, source, ": scale ", k, " is ", scales[k]);
+  }
+  table_ = std::make_shared<const Table>(Table{std::move(words), std::move(codes), std::move(scales)});
+}
+
+MOTIONLANG_BODY WordVectors WordVectors::rounded(std::span<const std::string> words, std::span<const float> vectors) {
+  if (words.empty() || vectors.empty() || vectors.size() % words.size() != 0)
+    raise<shape_error>(205, "WordVectors: ", counted(vectors.size(), "number"), " for ", counted(words.size(), "word"));
+  const std::size_t width = vectors.size() / words.size();
+  std::vector<float> scales(width);
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    if (!std::isfinite(vectors[i]))
+      raise<numeric_error>(301, "WordVectors: number ", i % width, " of '", words[i / width], "' is ", vectors[i]);
+    scales[i % width] = std::max(scales[i % width], std::abs(vectors[i]) / 127);
+  }
+  std::vector<std::size_t> order(words.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return words[a] < words[b]; });
+  std::vector<std::string> sorted;
+  std::vector<std::int8_t> codes;
+  for (const std::size_t i : order) {
+    sorted.push_back(words[i]);
+    for (std::size_t k = 0; k < width; ++k) {
+      const float scale = scales[k];
+      const double steps = scale == 0 ? 0 : std::round(vectors[i * width + k] / scale);
+      codes.push_back(static_cast<std::int8_t>(std::clamp(steps, -127.0, 127.0)));
+    }
+  }
+  return {std::move(sorted), std::move(codes), std::move(scales)};
+}
+
+MOTIONLANG_BODY const WordVectors::Table& WordVectors::table() const {
+  static const Table none;
+  return table_ ? *table_ : none;
+}
+
+MOTIONLANG_BODY std::optional<Index> WordVectors::exact(std::string_view word) const {
+  const auto& words = table().words;
+  const auto found = std::lower_bound(words.begin(), words.end(), word);
+  if (found == words.end() || *found != word) return std::nullopt;
+  return static_cast<Index>(found - words.begin());
+}
+
+MOTIONLANG_BODY std::optional<Index> WordVectors::find(std::string_view word) const {
+  if (empty()) return std::nullopt;
+  return exact(known_form(std::string(word), [this](const std::string& form) { return exact(form).has_value(); }));
+}
+
+MOTIONLANG_BODY std::vector<float> WordVectors::vector(Index row) const {
+  if (row < 0 || row >= size()) raise<shape_error>(203, "WordVectors: row ", row, " of ", size());
+  const auto codes = this->codes().subspan(static_cast<std::size_t>(row * width()));
+  std::vector<float> out;
+  for (std::size_t k = 0; k < scales().size(); ++k) out.push_back(static_cast<float>(codes[k]) * scales()[k]);
+  return out;
+}
+
+MOTIONLANG_BODY std::string WordVectors::checksum() const {
+  std::uint64_t hash = detail::content_hash(std::as_bytes(codes()));
+  hash = detail::content_hash(std::as_bytes(scales()), hash);
+  for (const std::string& word : words()) hash = detail::content_hash(std::as_bytes(std::span(word)), hash);
+  return detail::hexadecimal(hash);
+}
+
+MOTIONLANG_BODY double word_likeness(std::span<const float> a, std::span<const float> b) {
+  if (a.size() != b.size())
+    raise<shape_error>(202, "word_likeness: vectors of ", a.size(), " and ", b.size(), " numbers");
+  double ab = 0, aa = 0, bb = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const double x = a[k], y = b[k];
+    ab += x * y, aa += x * x, bb += y * y;
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct HeardWords {
+  static constexpr Index no_vector = -1;
+  std::vector<Index> ids{};      // of pieces, those of all texts
+  std::vector<Index> rows{};     // of vectors, or no_vector
+  std::vector<Index> lengths{};  // tokens of each text, with begin and end
+};
+
+/// At most `longest` tokens of each text. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
+HeardWords heard_words(const WordPiece& pieces, const WordVectors& vectors, std::span<const std::string> texts,
+                       Index longest);
+
+/// For training: each word that has a vector becomes [UNK] with this chance, so that the encoder learns to do with the
+/// vector alone.
+void hide_words(HeardWords& words, double chance, Philox& rng);
+
+/// (tokens, vectors.width())
+template <Backend B>
+Tensor<B, 2> word_rows(const HeardWords& words, const WordVectors& vectors) {
+  using S = typename B::scalar;
+  const auto width = static_cast<std::size_t>(vectors.width());
+  std::vector<S> values(words.rows.size() * width);
+  for (std::size_t i = 0; i < words.rows.size(); ++i) {
+    if (words.rows[i] == HeardWords::no_vector) continue;
+    const auto vector = vectors.vector(words.rows[i]);
+    std::copy(vector.begin(), vector.end(), values.begin() + static_cast<std::ptrdiff_t>(i * width));
+  }
+  return Tensor<B, 2>::from(values, {std::ssize(words.rows), vectors.width()});
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_HEARD_WORDS_IPP  // <motionlang/text/heard_words.ipp>
+#define MOTIONLANG_HAS_TEXT_HEARD_WORDS_IPP
+// Bodies of heard_words.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY HeardWords heard_words(const WordPiece& pieces, const WordVectors& vectors,
+                                       std::span<const std::string> texts, Index longest) {
+  if (longest < 2) raise<config_error>(101, "heard_words: at most ", longest, " tokens, the frame has 2");
+  HeardWords out;
+  for (const std::string& text : texts) {
+    const std::size_t first = out.ids.size(), end = first + static_cast<std::size_t>(longest) - 1;
+    out.ids.push_back(WordPiece::begin_id);
+    for (const std::string& word : WordPiece::words(text)) {
+      const auto row = vectors.find(word);
+      out.rows.resize(out.ids.size(), HeardWords::no_vector);
+      if (const auto id = pieces.find(word); id || row)
+        out.ids.push_back(id.value_or(WordPiece::unknown_id));
+      else
+        pieces.append_word(out.ids, word);
+      if (row) out.rows.push_back(*row);
+    }
+    out.ids.resize(std::min(out.ids.size(), end));
+    out.ids.push_back(WordPiece::end_id);
+    out.rows.resize(std::min(out.rows.size(), end));
+    out.rows.resize(out.ids.size(), HeardWords::no_vector);
+    out.lengths.push_back(static_cast<Index>(out.ids.size() - first));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY void hide_words(HeardWords& words, double chance, Philox& rng) {
+  for (std::size_t i = 0; i < words.ids.size(); ++i) {
+    if (words.rows[i] != HeardWords::no_vector && rng.uniform() < chance) words.ids[i] = WordPiece::unknown_id;
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP  // <motionlang/text/text_encoder.hpp>
+#define MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP
+/// The concept of a text encoder.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Turns texts into vectors: a sequence of tokens for each, or a single row if it pools.
+/// Laws     a text gives the same features alone and among others; "" is a text like any other
+/// Models   CaptionEncoder, and yours
+template <class E, class B>
+concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {
+  { e.template encode<B>(texts) } -> std::same_as<TextFeatures<B>>;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct CaptionEncoderConfig {
@@ -9975,26 +10493,32 @@ struct CaptionEncoderConfig {
   Index layers = 2;
   Index out = 128;
   double dropout = 0.1;
-  Index longest = 64;  // word pieces of a caption, with begin and end
+  Index longest = 64;         // word pieces of a caption, with the tokens of start and end
+  double hidden_words = 0.3;  // training: probability that only the vector of a word is used, if it has one
 };
 
-/// Pieces -> embedding + positions -> pre-norm transformer -> norm -> the row of [CLS] -> linear.
+/// Pieces -> embedding (+ projected word vectors) + positions -> pre-norm transformer -> norm -> the row of [CLS] ->
+/// linear.
 template <Backend B>
 struct CaptionEncoder {
   Embedding<B> embedding;
   TransformerEncoder<B> encoder;
   LayerNorm<B> norm;
   Linear<B> projection;
+  std::optional<LinearMap<B>> vector_projection;  // (width, vectors.width()); none without vectors
   PositionTable<B> positions;
   WordPiece tokenizer;
+  WordVectors vectors;
+  double hidden_words = 0;
 
   static constexpr auto fields() {
     using M = CaptionEncoder;
     return motionlang::fields("embedding", &M::embedding, "encoder", &M::encoder, "norm", &M::norm, "projection",
-                              &M::projection, "positions", &M::positions, "tokenizer", &M::tokenizer);
+                              &M::projection, "vector_projection", &M::vector_projection, "positions", &M::positions,
+                              "tokenizer", &M::tokenizer, "vectors", &M::vectors, "hidden_words", &M::hidden_words);
   }
   CaptionEncoder() = default;
-  CaptionEncoder(const CaptionEncoderConfig& c, WordPiece pieces, Rng auto& rng)
+  CaptionEncoder(const CaptionEncoderConfig& c, WordPiece pieces, Rng auto& rng, WordVectors words = {})
       : embedding(pieces.size(), c.width, rng, 0.5),
         encoder({.d_model = c.width,
                  .heads = c.heads,
@@ -10006,19 +10530,26 @@ struct CaptionEncoder {
         norm(c.width),
         projection(c.width, c.out, rng),
         positions(c.longest, c.width),
-        tokenizer(std::move(pieces)) {}
+        tokenizer(std::move(pieces)),
+        vectors(std::move(words)),
+        hidden_words(c.hidden_words) {
+    if (!vectors.empty()) vector_projection.emplace(vectors.width(), c.width, rng);
+  }
 
   /// (texts, out)
   Tensor<B, 2> operator()(std::span<const std::string> texts, const Context& context = {}) const {
     const ModuleScope scope(*this);
-    std::vector<Index> ids, lengths, first;
-    for (const std::string& t : texts) {
-      const auto pieces = tokenizer.encode(t, positions.rows().size(0));
-      first.push_back(static_cast<Index>(ids.size()));
-      ids.insert(ids.end(), pieces.begin(), pieces.end());
-      lengths.push_back(static_cast<Index>(pieces.size()));
+    HeardWords words = heard_words(tokenizer, vectors, texts, positions.rows().size(0));
+    if (context.dropout && vector_projection) {
+      auto rng = context.next_mask();
+      hide_words(words, hidden_words, rng);
     }
-    const auto tokens = add_positions(Sequences<B>(embedding(ids), Offsets(lengths)), positions.rows());
+    auto rows = embedding(words.ids);
+    if (vector_projection) rows = rows + (*vector_projection)(word_rows<B>(words, vectors));
+    const Offsets offsets(words.lengths);
+    std::vector<Index> first;
+    for (Index s = 0; s < offsets.count(); ++s) first.push_back(offsets.begin(s));
+    const auto tokens = add_positions(Sequences<B>(std::move(rows), offsets), positions.rows());
     return projection(norm(gather(encoder(tokens, context).rows, first)));
   }
   template <Backend C>
@@ -10035,13 +10566,13 @@ struct BatchPlan;
 
 namespace detail {
 
-/// Complete where the bodies of Stmc are.
+/// This type is complete where the bodies of Stmc are.
 template <class T>
 struct StmcBodies;
 /// True if motionlang::instantiated has the bodies.
 template <class T>
 inline constexpr bool is_compiled_stmc = false;
-/// Says what a unit without the bodies lacks for a function that no library can have compiled. Argument: of it.
+/// Names the missing header for a function that no library can have compiled. Argument: of that function.
 template <class T, class Argument>
 struct HasStmcBodies {
   static constexpr bool value = true;
@@ -10059,14 +10590,14 @@ struct StmcOptions {
   std::optional<SamplingOptions> sampling{};  // the model's own unless given
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
-  Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
+  Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Affects only the memory
   Progress progress{};                      // called after every step; may cancel
 };
 
-/// Clean motions, normalised, one below the other.
+/// Clean motions, normalised, in consecutive rows.
 template <Backend B>
 struct CleanMotions {
-  Tensor<B, 2> rows{};  // (motions * stride, features); those behind the end of a motion mean nothing
+  Tensor<B, 2> rows{};  // (motions * stride, features); rows behind the end of a motion mean nothing
   Index stride = 0;     // rows of every motion
 };
 
@@ -10086,12 +10617,12 @@ struct Stmc {
   Normalizer<B> motion_normalizer, text_normalizer;
   GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
   FeatureLayout layout = smplrifke_layout();
-  double guidance = 2.5;       // what the model should be sampled with, where the caller does not say
+  double guidance = 2.5;       // for sampling, if the caller does not set it
   SamplingOptions sampling{};  // the same
   Index steps = 0;             // the same; 0: all of the process
   double fps = 20;             // of its motions
 
-  /// A text encoder without fields has its weights in files of its own.
+  /// The weights of a text encoder without fields are in files of its own.
   static constexpr auto fields() {
     if constexpr (Module<E>)
       return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
@@ -10101,47 +10632,47 @@ struct Stmc {
                                 "text_normalizer", &Stmc::text_normalizer);
   }
 
-  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends
+  /// One motion per timeline, (frames, features), not normalised. All are sampled together. The noise of each depends
   /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
   std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
                                      const StmcOptions& options = {}) const;
   Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
 
   /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
-  /// (sequences, frames, features) as `shape` says.
+  /// (sequences, frames, features) of the given shape.
   template <class Noise, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
-  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
-  /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes.
+  /// The same with clean estimates from a function: estimate(collage, whole, x, t) -> x0, all of shape (rows of the
+  /// collage, features). whole(collage, x, t) is the estimate of a plain run.
   template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options, Estimate&& estimate) const;
-  /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
+  /// The same from a plan made with `plan_options`, for example with other rules for texts that claim the same part.
   template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                           Estimate&& estimate) const;
 
-  /// The same motions as they are sampled: still normalised.
+  /// The same motions before denormalisation.
   template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   CleanMotions<B> sample(BatchPlan plan, Noise&& noise, const StmcOptions& options, Estimate&& estimate) const;
-  /// Each of them by itself, not normalised: (frames of its timeline in the plan, features).
+  /// Separates them, not normalised: (frames of its timeline in the plan, features) each.
   std::vector<Tensor<B, 2>> separate(const CleanMotions<B>& clean, const BatchPlan& plan) const;
 
-  /// How timelines are planned for this model.
+  /// The options for planning timelines for this model.
   PlanOptions plan_options(const StmcOptions& options) const;
 
-  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same
-  /// noise.
+  /// Standard normal values of every sequence from its own stream, so a timeline has the same noise alone and in a
+  /// batch.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with this many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
+  /// The process with this many evenly chosen steps, all if 0; the model's own number unless given. Throws config_error
   /// 105.
   GaussianDiffusion process(std::optional<Index> wanted) const;
 
  private:
-  /// Features of the text of every interval, and of "". Each text goes through the encoder once.
+  /// Features of the text of every interval, and of "". Each text is encoded once.
   struct PlanTexts {
     TextFeatures<B> text, null;
   };
@@ -10149,7 +10680,7 @@ struct Stmc {
 };
 
 /// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the
-/// skeleton's: the rotations are used, not the predicted positions. Published generation starts facing pi.
+/// skeleton's, because the rotations are used and not the predicted positions. Published generation starts facing pi.
 template <Backend B>
 Motion stmc_motion(const Tensor<B, 2>& features, double fps = 20);
 
@@ -10161,36 +10692,36 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP  // <motionlang/compose/collage.hpp>
 #define MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP
-/// The denoising step of STMC: all crops of all timelines through the network in ragged batches, guided, stitched.
+/// The denoising step of STMC: all crops of all timelines go through the network in ragged batches, and are guided and
+/// stitched.
 ///
-/// Independent of the feature type and of the network: any layout with a partition into parts, any `Denoiser`.
+/// It does not depend on the feature type or the network: any layout with a partition into parts, any `Denoiser`.
 
 #ifndef MOTIONLANG_HAS_COMPOSE_STITCHING_HPP  // <motionlang/compose/stitching.hpp>
 #define MOTIONLANG_HAS_COMPOSE_STITCHING_HPP
-/// Values of a composition: crops cut out of a motion, and a motion put together from crops, per body part and
-/// interval.
+/// Cuts crops out of a motion, and puts a motion together from crops, per body part and interval.
 ///
-/// All index lists are made once per plan; cutting and stitching are then gathers and scatters of whole rows.
+/// All index lists are made once per plan. Cutting and stitching are then gathers and scatters of whole rows.
 
 #ifndef MOTIONLANG_HAS_COMPOSE_PLAN_HPP  // <motionlang/compose/plan.hpp>
 #define MOTIONLANG_HAS_COMPOSE_PLAN_HPP
-/// From timelines to the integers of a composition: which crops to denoise, and which frames of which crop are added to
-/// and subtracted from which frames of the motion, for each body part. No tensors here.
+/// From timelines to the integers of a composition: the crops to denoise, and the frames of each crop that are added to
+/// or subtracted from frames of the motion, for each body part. There are no tensors here.
 ///
 /// Source     thesis 6.2.3; STMC (Petrovich et al. 2024); reference: nv-tlabs/stmc src/stmc.py process_timelines
 /// Notation   a, b -> start, end of an interval; T -> frames; O, l, r -> Overlap; x -> cut
-/// Property   for every body part and frame, additions minus subtractions = 1, however close the cuts are, if extension
-///            and transition crops are both on or both off; see net_weights
-/// Differs    from the reference, where told to: gaps are filled with the unconditional text "" (the reference stops),
-///            and transitions at which no part changes can be left out
+/// Property   For every body part and frame, additions minus subtractions = 1, however close the cuts are. This holds
+///            if extension and transition crops are both on or both off; see net_weights
+/// Differs    from the reference, if the options say so: gaps are filled with the unconditional text "" (the reference
+///            stops), and transitions at which no part changes can be left out
 
 #ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP  // <motionlang/compose/overlap.hpp>
 #define MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP
 /// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
 ///
 /// Source   thesis 6.2.3, "Temporal stitching"; STMC (Petrovich et al. 2024) src/stmc.py
-/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap, the longer half to the
-///          right
+/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap. The longer half is on
+///          the right
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -10236,90 +10767,22 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP  // <motionlang/compose/sinc_assignment.hpp>
 #define MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP
-/// Which text owns which body part while several texts are active.
+/// Assigns each body part to one text while several texts are active.
 ///
 /// Source   thesis 6.2.3, figure 6.4: the heuristic of SINC (thesis B.2.1) as STMC src/stmc.py applies it. Where papers
-///          and code differ (the base is a text with legs first, ties are random), the code is followed.
-/// Rule     1. Base: of the texts with the part that carries the path, the legs of a human, the one with the most body
-///             parts (of all texts, if none has that part). It gets all parts.
-///          2. The others, by number of parts, largest first, in file order among equals, take their parts away from
-///             whoever holds them: the text with fewer parts wins, among equals the later one.
+///          and code differ (the base is a text with legs first, ties are random), this follows the code.
+/// Rule     1. The base is the text with the most body parts. It must have the part that carries the path (the legs of
+///             a human), unless no text has it. It gets all parts.
+///          2. The others take their parts from the present owners. They come by number of parts, the largest first, in
+///             file order among equals. So the text with fewer parts wins, and among equals the later one.
 /// Ties     between base texts: the first in the file, or random as published when a generator is given
-
-#ifndef MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP  // <motionlang/compose/intervals.hpp>
-#define MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP
-/// Cutting a timeline at every start and end: between two neighbouring cuts the set of active texts is constant.
-///
-/// Source  thesis 6.2.3, "Resolving unassigned timeframes"; STMC (Petrovich et al. 2024) src/stmc.py process_timeline
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// A stretch without cuts inside, and the intervals that cover it, in file order.
-template <class T>
-struct BasicPiece {
-  T start{}, end{};
-  std::vector<Index> intervals;
-  bool operator==(const BasicPiece&) const = default;
-};
-using Piece = BasicPiece<Index>;
-
-/// The pieces between neighbouring cuts; those of gaps have no intervals. Throws config_error 101 if so many intervals
-/// lie over each other that the lists would not be reasonable (10 million entries).
-template <class T>
-std::vector<BasicPiece<T>> elementary_pieces(const BasicTimeline<T>& timeline) {
-  std::vector<std::pair<T, Index>> events;  // every start and end, with the number of its interval
-  for (Index i = 0; const auto& interval : timeline.intervals) {
-    events.emplace_back(interval.start, i);
-    events.emplace_back(interval.end, i++);
-  }
-  detail::sort(events, [](const auto& a, const auto& b) { return a < b; });
-
-  std::vector<BasicPiece<T>> pieces;
-  std::vector<Index> active;  // ascending
-  std::size_t entries = 0;
-  for (std::size_t at = 0; at < events.size();) {
-    const T cut = events[at].first;
-    for (; at < events.size() && events[at].first == cut; ++at) {
-      const Index i = events[at].second;
-      const auto& interval = timeline.intervals[static_cast<std::size_t>(i)];
-      const auto place = std::lower_bound(active.begin(), active.end(), i);
-      const bool is_active = place != active.end() && *place == i;
-      if (is_active && interval.end == cut) active.erase(place);
-      if (!is_active && interval.start == cut && interval.end > cut) active.insert(place, i);
-    }
-    if (at == events.size()) break;
-    entries += active.size();
-    if (entries > 10'000'000) {
-      raise<config_error>(101, "elementary_pieces: too many of ", timeline.intervals.size(), " intervals overlap");
-    }
-    pieces.push_back({cut, events[at].first, active});
-  }
-  return pieces;
-}
-
-/// Adds an interval with the unconditional text "" and all body parts for every stretch from 0 to the end that no text
-/// covers.
-template <class T>
-void fill_gaps(BasicTimeline<T>& timeline) {
-  std::vector<std::pair<T, T>> covered;
-  for (const auto& i : timeline.intervals) covered.emplace_back(i.start, i.end);
-  detail::sort(covered, [](const auto& a, const auto& b) { return a < b; });
-  T reached{};
-  for (const auto& [start, end] : covered) {
-    if (start > reached) timeline.intervals.push_back({"", reached, start, timeline.body.all()});
-    reached = std::max(reached, end);
-  }
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Number of the interval that owns each body part.
 using PartOwners = std::vector<Index>;
 
-/// A generator that can put a list into random order: PythonRandom (as published), NumpyRandom.
+/// A generator that can shuffle a list: PythonRandom (as published), NumpyRandom.
 template <class G>
 concept Shuffler = requires(G& g, std::span<Index> list) {
   g.shuffle(list);
@@ -10332,9 +10795,8 @@ struct FirstWins {
 
 namespace detail {
 
-/// Among texts with the path (or all, if none has it), the one with the most parts; on a tie, the first after a
-/// shuffle.
-/// Shuffling one text draws nothing.
+/// Among texts with the path (or all, if none has it), the one with the most parts. On a tie, the first after a
+/// shuffle. Shuffling a single text takes no random numbers.
 template <class T, Shuffler G>
 Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
   const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts; };
@@ -10376,8 +10838,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A stretch of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
-/// numbers agree with the reference; they take part in nothing.
+/// A range of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
+/// numbers agree with the reference; they have no effect.
 struct Crop {
   Index interval = 0;  // -1: a transition, with the unconditional text
   FrameRange range;
@@ -10385,7 +10847,7 @@ struct Crop {
   bool operator==(const Crop&) const = default;
 };
 
-/// A part belongs to one text for a stretch; neighbours have different owners.
+/// A part belongs to one text for a range of frames. Neighbours have different owners.
 struct PartInterval {
   BodyPart part{};
   Index owner = 0;
@@ -10393,7 +10855,7 @@ struct PartInterval {
   bool operator==(const PartInterval&) const = default;
 };
 
-/// Frames `from` of a crop go to frames `to` of the motion, for the features of one part.
+/// The frames `from` of a crop become the frames `to` of the motion, for the features of one part.
 struct Slice {
   BodyPart part{};
   Index crop = 0;
@@ -10538,8 +11000,8 @@ inline void merge_pieces(TimelinePlan& plan) {
   }
 }
 
-/// The cuts at which a transition is made, ascending: all but the first and the last. Throws timeline_error 506 at one
-/// where no part changes its owner, or leaves it out.
+/// The cuts with a transition, ascending: all except the first and the last. At a cut where no part changes its owner,
+/// it throws timeline_error 506 or leaves the cut out.
 inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts hidden) {
   std::vector<Index> cuts;
   for (std::size_t k = 1; k < plan.pieces.size(); ++k) {
@@ -10580,7 +11042,7 @@ inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const
   check_crops(plan, options.longest_crop);
 }
 
-/// For each stretch of a part: its extended frames are added from the crop of its owner; where it starts, the window of
+/// For each stretch of a part, its extended frames are added from the crop of its owner. At its start, the window of
 /// the transition, which both neighbours have added, is subtracted once.
 inline void make_slices(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
                         const PlanOptions& options) {
@@ -10690,21 +11152,21 @@ struct CropRows {
   Offsets offsets;          // of the crops
   Index stride = 0;
 
-  /// With crop_frames > 0 every crop has exactly that many frames, whatever follows its range (MDM); the motions need
-  /// as many rows behind their end. A crop without frames has no rows.
+  /// With crop_frames > 0 every crop has exactly that many frames, whatever follows its range (MDM). The motions then
+  /// need as many rows behind their end. A crop without frames has no rows.
   static CropRows of(const BatchPlan& plan, Index crop_frames = 0);
 };
 
 namespace detail {
 
-/// Rows of crops that are added to rows of motions for one part, with 1 or -1 each.
+/// Rows of crops that are added to rows of motions for one part, with the factor 1 or -1.
 struct PartMoves {
   std::vector<Index> from, to;
   std::vector<signed char> sign;
 };
 PartMoves moves_of_part(const BatchPlan& plan, const Offsets& crops, Index stride, BodyPart part);
 
-/// Throws config_error 102 unless the layout gives each number to one body part of the body that the timelines have.
+/// Throws config_error 102 unless the layout gives each value to one body part of the body of the timelines.
 void check_layout(const FeatureLayout& layout, const BatchPlan& plan);
 
 }  // namespace detail
@@ -10718,7 +11180,7 @@ class Stitcher {
  public:
   Stitcher() = default;
   /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that
-  /// does not give each number to one body part, and for one of another body.
+  /// does not give each value to one body part, and for a layout of another body.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
     detail::check_layout(layout, plan);
@@ -10733,7 +11195,7 @@ class Stitcher {
     }
   }
 
-  /// crops (rows of all crops, features) -> (motions * stride, features); rows that nothing is added to are 0.
+  /// crops (rows of all crops, features) -> (motions * stride, features). Rows to which nothing is added are 0.
   Tensor<B, 2> operator()(const Tensor<B, 2>& crops) const {
     auto motion = Tensor<B, 2>::zeros({rows_, features_});
     for (const Part& p : parts_)
@@ -10753,8 +11215,8 @@ class Stitcher {
 /// Softens hard cuts (the SINC+lerp baseline): in every window of the plan the part is interpolated
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
-/// All windows read the hard-cut motion; where they overlap the later one wins. Source: STMC src/stmc.py.
-/// Throws config_error 102 for a layout that does not give each number to one body part, and for one of another body.
+/// All windows read the hard-cut motion. Where they overlap, the later one wins. Source: STMC src/stmc.py. Throws
+/// config_error 102 for a layout that does not give each value to one body part, and for a layout of another body.
 template <Backend B>
 Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout& layout, const Tensor<B, 2>& motion,
                                      Index stride) {
@@ -10847,8 +11309,8 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     guided = null + w (cond - null)
-/// Source  Ho and Salimans (2022), eq. 6 in the form that all motion models use. Applied to whatever the network
-///         predicts, before clipping, inpainting and stitching. With w = 1 the unconditional call can be left out.
+/// Source  Ho and Salimans (2022), eq. 6 in the form that all motion models use. It applies to any prediction of the
+///         network, before clipping, inpainting and stitching. With w = 1 the unconditional call can be left out.
 template <Backend B, int R>
 Tensor<B, R> guide(const Tensor<B, R>& cond, const Tensor<B, R>& null, double w) {
   return null + (cond - null) * w;
@@ -10864,7 +11326,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The results of one step, for those who want to see them. Rows are those of the crops, in batch order.
+/// The results of one step, for callers who want to see them. Rows are those of the crops, in batch order.
 template <Backend B>
 struct CollageStep {
   Tensor<B, 2> crops, cond, null, guided, x0;
@@ -10880,24 +11342,24 @@ struct JobBatch {
 };
 struct JobBatches {
   std::vector<JobBatch> batches;
-  std::vector<Index> cond, null;  // for every row of the crops its row of all batches, with its text and without
+  std::vector<Index> cond, null;  // for every row of the crops its row in all batches, with its text and without
 };
 struct JobOptions {
   bool guided = true;
-  bool divide = true;  // whether a sequence has the same result in any batch
+  bool divide = true;  // a sequence has the same result in any batch
   Index rows_at_once = 0;
 };
 
 /// texts: of every crop; null: the unconditional one.
 JobBatches plan_jobs(const CropRows& crops, std::span<const Index> texts, Index null, const JobOptions& options);
 
-/// For every crop its text as a number: equal texts have the same, "" that of the unconditional one.
+/// The text of every crop as a number. Equal texts have the same number, and "" has that of the unconditional text.
 std::vector<Index> texts_of_crops(const BatchPlan& plan, Index null);
 
 /// Throws shape_error 204 unless there is a text for every interval, and one unconditional one.
 void check_texts(const BatchPlan& plan, Index texts, Index nulls);
 
-/// The rows of crops of fixed size without those behind their own frames.
+/// The rows of crops of fixed size, without the rows behind their own frames.
 CropRows own_frames(const BatchPlan& plan, Index stride, Index crop_frames);
 
 Offsets joined(const Offsets& a, const Offsets& b);
@@ -10905,19 +11367,20 @@ Offsets joined(const Offsets& a, const Offsets& b);
 }  // namespace detail
 
 /// Source  thesis 6.2.3, figure 6.3 c; STMC (Petrovich et al. 2024) src/model/gaussian.py p_sample_stmc
-/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow
-///         with the timelines. Sequences of the same frames and the same text go through it once: both calls of
-///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together; what
-///         a denoiser can compute for the frames of a crop whatever its text is computed once as well. The longest come
-///         first, so that threads end together; crops without frames are left out. Texts, offsets and index lists are
+/// Cost    One call of the network per step and `rows_at_once` frames, so its memory does not grow with the timelines.
+///         Sequences with the same frames and the same text go through it once. These are both calls of guidance if a
+///         crop's text is "", and the unconditional calls of texts that begin and end together. Work of a denoiser that
+///         depends on the frames of a crop but not on its text is done once, too. The longest sequences come first, so
+///         that threads end together. Crops without frames are left out. Texts, offsets and index lists are prepared
+///         here, not in the loop.
 ///         prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
   /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
-  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the
-  /// denoiser, config_error 101 for a negative rows_at_once.
+  /// Throws shape_error 204 if the number of texts is wrong, timeline_error 508 if a crop is too long for the denoiser,
+  /// and config_error 101 for a negative rows_at_once.
   Collage(const D& denoiser, BatchPlan plan, FeatureLayout layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
@@ -10934,7 +11397,7 @@ class Collage {
     detail::check_texts(plan_, text.count(), null.count());
     prepare_step();
   }
-  /// The same with some crops and slices of its plan only (compose/edits.hpp).
+  /// The same with only some of the crops and slices of its plan (compose/edits.hpp).
   Collage with_plan(BatchPlan plan) const {  // NOLINT(performance-unnecessary-value-param): it is moved from
     Collage out = *this;
     out.plan_ = std::move(plan);
@@ -10963,8 +11426,8 @@ class Collage {
             (texts_.padded_tokens >= texts.longest() || texts.rows() == texts.count() * texts.longest()));
   }
 
-  /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops
-  /// into x0 where it predicts something else: to_x0(output rows, crop rows).
+  /// x (rows, features) at network step t -> composite clean estimate. If the network predicts something else than x0,
+  /// `to_x0` converts its output for the crops: to_x0(output rows, crop rows).
   template <class F>
   CollageStep<B> step(const Tensor<B, 2>& x, Index t, F to_x0) const {
     CollageStep<B> s;
@@ -10995,7 +11458,7 @@ class Collage {
     for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
     const bool fixed = traits.crop_frames > 0;
     motion_ = CropRows::of(plan_, traits.crop_frames);
-    // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
+    // With a mask, a crop of fixed size shrinks to its own frames again: masked frames are ignored.
     crops_ = fixed && traits.uses_lengths ? detail::own_frames(plan_, motion_.stride, traits.crop_frames) : motion_;
     stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
     build_batch();
@@ -11003,7 +11466,6 @@ class Collage {
 
   /// The outputs of the network for all jobs, one after the other.
   Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
-    const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const auto of = [&](const Batch& b) {
       const PoolVector<Index> steps(static_cast<std::size_t>(b.uses.rows()), t);
       return denoise_with_texts(*denoiser_, Sequences<B>(gather(x, b.rows), b.frames), b.uses, steps, b.text).rows;
@@ -11016,7 +11478,6 @@ class Collage {
   }
 
   void build_batch() {
-    const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const Index null = texts_.count() - 1;
     auto jobs = detail::plan_jobs(crops_, detail::texts_of_crops(plan_, null), null,
                                   {.guided = guidance_ != 1, .divide = can_divide(), .rows_at_once = rows_at_once_});
@@ -11037,7 +11498,7 @@ class Collage {
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
   std::vector<Batch> batches_;
-  std::vector<Index> cond_, null_;  // for every row of the crops its row of all batches, with its text and without
+  std::vector<Index> cond_, null_;  // for every row of the crops its row in all batches, with its text and without
 };
 
 /// x0 of all timelines at index t of the process.
@@ -11050,10 +11511,10 @@ Tensor<B, 2> clean_motion(const Collage<B, D>& collage, const GaussianDiffusion&
   return collage.step(x, diffusion.network_t(t), to_clean).x0;
 }
 
-/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x, noise(1), noise(2), ... belong to
-/// the steps; all of shape (rows, features).
-/// -> clean motions (rows, features), normalised; rows behind a timeline's end mean nothing. `watch(t, step)` sees
-/// every step. Throws `cancelled` if progress says so.
+/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x; noise(1), noise(2), ... belong to
+/// the steps. All have the shape (rows, features).
+/// -> clean motions (rows, features), normalised. Rows behind a timeline's end mean nothing. `watch(t, step)` sees
+/// every step. Throws `cancelled` if progress returns false.
 template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,
                                   const SamplingOptions& options = {}, Progress progress = {},
@@ -11089,14 +11550,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Frames of a crop with a text: what the network sees as one sequence.
+/// Frames of a crop with a text, which the network reads as one sequence.
 struct CropJob {
   Index first, length, text;                         // first: row of the motions
   auto operator<=>(const CropJob&) const = default;  // NOLINT(modernize-use-nullptr): there is no 0
 };
 
-/// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
-/// texts.
+/// For a network whose sequences depend on each other: as published, all crops in their order, and then the same
+/// without their texts.
 inline JobBatches two_calls(const CropRows& crops, std::span<const Index> texts, Index null, bool guided) {
   JobBatches out;
   const Index rows = crops.offsets.rows();
@@ -11119,7 +11580,7 @@ MOTIONLANG_BODY JobBatches plan_jobs(const CropRows& crops, std::span<const Inde
                                      const JobOptions& options) {
   if (!options.divide) return two_calls(crops, texts, null, options.guided);
   std::vector<std::pair<CropJob, CropJob>> pairs;  // with its text, and without
-  std::map<CropJob, Index> begin;                  // of all jobs, where their rows begin in the batch
+  std::map<CropJob, Index> begin;                  // the first row of each job in the batch
   for (Index i = 0; const Index text : texts) {
     const Index length = crops.offsets.length(i);
     const Index first = length == 0 ? 0 : crops.rows[static_cast<std::size_t>(crops.offsets.begin(i))];
@@ -11137,7 +11598,7 @@ MOTIONLANG_BODY JobBatches plan_jobs(const CropRows& crops, std::span<const Inde
   const Index most = options.rows_at_once > 0 ? options.rows_at_once : std::numeric_limits<Index>::max();
   JobBatches out;
   std::vector<Index> rows, lengths, uses, which;  // of the next batch
-  Index results = 0, before = 0;                  // rows of its results, and of those of the batches so far
+  Index results = 0, before = 0;                  // rows of its results, and of all earlier batches
   const CropJob* last = nullptr;                  // of the batch
   const auto end_batch = [&] {
     out.batches.push_back({rows, Offsets(lengths), Offsets(uses), which});
@@ -11232,7 +11693,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The texts of a plan, each once; "" is the first one.
+/// The different texts of a plan; "" is the first one.
 struct DifferentTexts {
   std::vector<std::string> texts{""};
   std::vector<Index> which;  // of every interval
@@ -11253,8 +11714,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP  // <motionlang/features/smplrifke.hpp>
 #define MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP
-/// The 205-vector "smplrifke" of MDM-SMPL and STMC: forward, inverse, and from and to `Motion`. Index ranges of body
-/// parts are in layout.hpp.
+/// The 205-vector "smplrifke" of MDM-SMPL and STMC: forward, inverse, and conversions from and to `Motion`. The ranges
+/// of the body parts are in layout.hpp.
 ///
 ///     0        height of the pelvis above the lowest joint of the clip
 ///     1:3      its velocity x, y, seen from the body
@@ -11268,8 +11729,8 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_GEOMETRY_EULER_HPP
 /// Euler angles in all twelve orders.
 ///
-/// Intrinsic angles: order "ZXY" means R = Rz(a) Rx(b) Ry(c) on column vectors, the first letter outermost, which is
-/// the order of BVH channels and of pytorch3d's conventions.
+/// Intrinsic angles: order "ZXY" means R = Rz(a) Rx(b) Ry(c) on column vectors, the first letter outermost. This is the
+/// order of BVH channels and of pytorch3d's conventions.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -11318,9 +11779,9 @@ Matrix3<S> to_matrix(const EulerAngles<S>& e) {
          axis_rotation(e.order.axis[2], e.c);
 }
 
-/// The angles of a rotation. The middle one lies in [-pi/2, pi/2] for three different axes, in [0, pi] for a proper
-/// order (ZXZ). Arc tangents only, so nothing needs clamping. Where the first and last axis coincide (gimbal lock,
-/// within 1e-6) the last angle is `last` and the first takes up the rest.
+/// The angles of a rotation. The middle one is in [-pi/2, pi/2] for three different axes, and in [0, pi] for a proper
+/// order (ZXZ). Only arc tangents are used, so nothing needs clamping. If the first and last axis coincide (gimbal
+/// lock, within 1e-6), the last angle is `last` and the first takes the rest.
 template <class R>
 requires Rotation<R>
 auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
@@ -11339,7 +11800,7 @@ auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
   e.b = proper ? atan2(other, middle) : atan2(middle, other);
   const S first = proper ? atan2(m(j, i), -(plus * m(l, i))) : atan2(-(plus * m(j, k)), m(k, k));
   const S third = proper ? atan2(m(i, j), plus * m(i, l)) : atan2(-(plus * m(i, j)), m(i, i));
-  // Locked: with c given, column j of R Rk(-c) = Ri(a) Rj(b) is that of Ri(a) alone.
+  // Locked: given c, column j of R Rk(-c) = Ri(a) Rj(b) is that of Ri(a) alone.
   const S c = S(last);
   const Vec3<S> column = m * axis_rotation(k, -c).column(j);
   const std::array<S, 3> turned{column.x, column.y, column.z};
@@ -11358,17 +11819,18 @@ MOTIONLANG_NAMESPACE_END
 /// The rotation formulas that the published systems share (an old version of pytorch3d), for parity with their
 /// features.
 ///
-/// They differ from quaternion.hpp and axis_angle.hpp where those are more accurate: matrix_to_quaternion loses half of
-/// the digits near 0 and near pi and is wrong at pi for axes of mixed signs; quaternion_to_axis_angle does not take the
-/// shorter way round. Use them to reproduce published numbers, not otherwise.
+/// They differ from quaternion.hpp and axis_angle.hpp, which are more accurate. matrix_to_quaternion loses half of the
+/// digits near 0 and near pi, and is wrong at pi for axes of mixed signs. quaternion_to_axis_angle does not take the
+/// shorter arc. Use them only to reproduce published numbers.
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP  // <motionlang/geometry/rotation6d.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP
-/// Six numbers for a rotation: two of the three rows, or two of the three columns, of its matrix.
+/// Six values for a rotation: two of the three rows, or two of the three columns, of its matrix.
 ///
 /// Source   Zhou et al., "On the continuity of rotation representations in neural networks" (CVPR 2019), section B.
-/// Two conventions are in use and must not be mixed, hence two types: ACTOR, TEMOS, TEACH, SINC and the 205-vector take
-/// the first two ROWS, row by row; the 263-vector of HumanML3D takes the first two COLUMNS, column by column.
+/// Two conventions are in use and must not be mixed, so there are two types. ACTOR, TEMOS, TEACH, SINC and the
+/// 205-vector take the first two ROWS, row by row. The 263-vector of HumanML3D takes the first two COLUMNS, column by
+/// column.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -11381,7 +11843,7 @@ struct Rotation6dColumns {
   Vec3<S> a{}, b{};
 };
 
-/// Gram-Schmidt: b1 = a / |a|, b2 = (b - (b1 . b) b1) normalised, b3 = b1 x b2; norms are floored at 1e-12.
+/// Gram-Schmidt: b1 = a / |a|, b2 = (b - (b1 . b) b1) normalised, b3 = b1 x b2; norms are at least 1e-12.
 template <class S>
 Matrix3<S> to_matrix(const Rotation6dRows<S>& r) {
   const Vec3<S> b1 = normalized(r.a);
@@ -11413,8 +11875,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 namespace pytorch3d {
 
-/// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; signs of x, y, z are those of the antisymmetric part (0 counts as
-/// +).
+/// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; x, y and z have the signs of the antisymmetric part (0 counts as +).
 template <class S>
 Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
   const S zero = S(0), one = S(1);
@@ -11456,7 +11917,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_KNOWN_SKELETONS_HPP  // <motionlang/kinematics/known_skeletons.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_KNOWN_SKELETONS_HPP
-/// The skeletons of the field: names, order and parents as published; the bone lengths are those of a neutral figure of
+/// The skeletons of the field: names, order and parents as published. The bone lengths are those of a neutral figure of
 /// our own (1.75 m), so that no licensed body model is needed. Rest pose: standing, arms to the sides, Y up, facing +Z,
 /// left at +X, metres.
 
@@ -11468,7 +11929,7 @@ const Skeleton& smpl24_skeleton();
 /// HumanML3D, 22 joints: SMPL without the hands.
 const Skeleton& humanml3d22_skeleton();
 
-/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the coordinates of the data set have other
+/// KIT Motion-Language, 21 joints of the Master Motor Map, in metres here. The coordinates of the data set have other
 /// units.
 const Skeleton& kit21_skeleton();
 
@@ -11535,7 +11996,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 inline constexpr Index smplrifke_size = 205, smplrifke_rotations = 22, smplrifke_joints = 24;
 
 struct SmplRifkeOptions {
-  double first_angle = 0;  // heading of the first frame; every published generation takes pi
+  double first_angle = 0;  // heading of the first frame; every published generation uses pi
   bool clamp_asin = true;  // false: as published, where rounding beyond [-1, 1] gives NaN
 };
 
@@ -11585,8 +12046,8 @@ template <Scalar S>
 S wrapped(S angle) {
   return std::atan2(std::sin(angle), std::cos(angle));
 }
-/// Differences to the next frame; the last one continues its two predecessors in a line. Of two frames: the same again;
-/// of one: zero (the published code fails there).
+/// Differences to the next frame. The last one extrapolates its two predecessors linearly. With two frames it is the
+/// same again; with one it is zero (the published code fails there).
 template <class T, class Difference>
 std::vector<T> to_next(std::size_t frames, Difference difference) {
   std::vector<T> d(frames);
@@ -11653,8 +12114,8 @@ std::vector<S> smplrifke_from_poses(std::span<const S> poses, std::span<const S>
 }
 
 /// features  (frames, 205)
-/// The path starts at x = y = 0 with the heading `first_angle`; the velocity and turn of the last frame are not used,
-/// nor is what heading the first rotation contains.
+/// The path starts at x = y = 0 with the heading `first_angle`. The velocity and turn of the last frame, and the
+/// heading in the first rotation, are not used.
 /// Throws    shape_error 205 if the size is not a multiple of 205
 template <Scalar S>
 SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifkeOptions& options = {}) {
@@ -11686,13 +12147,13 @@ SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifk
   return out;
 }
 
-/// The features of a clip on SMPL's 24 joints, with the bones that its skeleton has; the hands' own rotations are lost.
+/// The features of a clip on SMPL's 24 joints, with the bones of its skeleton. The rotations of the hands are lost.
 /// Resample to the rate of the model first. Throws config_error 103 if the joints are not SMPL's.
 std::vector<double> smplrifke_from_motion(const Motion& motion);
 
-/// The clip that the features describe, Y up, on a skeleton with SMPL's 24 joints: rotations and the path are taken,
-/// positions of joints are not, so bones keep their lengths. With first_angle 0 the first frame faces +Z, up to what
-/// the pelvis itself turns. Throws shape_error 205, config_error 103 if the joints are not SMPL's.
+/// The clip that the features describe, Y up, on a skeleton with SMPL's 24 joints. It uses rotations and path but not
+/// the positions of joints, so bones keep their lengths. With first_angle 0 the first frame faces +Z, up to the turn of
+/// the pelvis itself. Throws shape_error 205, and config_error 103 if the joints are not SMPL's.
 template <Scalar S>
 Motion smplrifke_to_motion(std::span<const S> features, const SmplRifkeOptions& options = {}, double fps = 20,
                            const Skeleton& skeleton = smpl24_skeleton()) {
@@ -11724,7 +12185,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_SO3_HPP  // <motionlang/geometry/so3.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_SO3_HPP
-/// Operations of every rotation, whatever its representation: the API deduced from `to_matrix`.
+/// Operations of every rotation in any representation: the API that follows from `to_matrix`.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -11762,7 +12223,7 @@ auto log_so3(const R& r) {
   return to_axis_angle(r).v;
 }
 
-/// Angle between two rotations, radians in [0, pi]. Its slope is taken as 0 where they are equal.
+/// The angle between two rotations, radians in [0, pi]. Its slope counts as 0 where they are equal.
 template <Rotation A, Rotation B>
 auto distance(const A& a, const B& b) {
   const auto q = to_quaternion(transpose(to_matrix(a)) * to_matrix(b));
@@ -11770,13 +12231,13 @@ auto distance(const A& a, const B& b) {
   return S(2) * atan2(norm_or_zero(q.vec()), where_less(q.w, S(0), -q.w, q.w));
 }
 
-/// The shortest rotation that turns direction `from` into direction `to`. For opposite directions: half a turn about
-/// some orthogonal axis, and so up to 1.5e-6 rad from them.
+/// The shortest rotation that turns direction `from` into direction `to`. For opposite directions, and up to 1.5e-6 rad
+/// from them, it is half a turn about some orthogonal axis.
 template <class S>
 Quaternion<S> rotation_between(const Vec3<S>& from, const Vec3<S>& to) {
   const Vec3<S> a = normalized(from), sum = a + normalized(to), c = cross(a, sum);
   const S w = S(0.5) * dot(sum, sum), ax = where_less(a.x, S(0), -a.x, a.x), limit = S(0.6);
-  // an axis orthogonal to a: cross with x or with y, whichever is farther from a
+  // An axis orthogonal to a: cross with x or with y, whichever is farther from a.
   const Vec3<S> with_x = cross(a, Vec3<S>{S(1), S(0), S(0)}), with_y = cross(a, Vec3<S>{S(0), S(1), S(0)});
   auto pick = [&](const S& near, const S& far) { return where_less(ax, limit, near, far); };
   const Vec3<S> any{pick(with_x.x, with_y.x), pick(with_x.y, with_y.y), pick(with_x.z, with_y.z)};
@@ -11936,7 +12397,6 @@ GaussianDiffusion Stmc<B, D, E>::process(std::optional<Index> wanted) const {
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
   const detail::DifferentTexts different(plan);
-  const detail::RowsTogether beside_any_others(detail::RowsTogether::few);
   auto features = text_encoder.template encode<B>(std::span<const std::string>(different.texts));
   features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
   if (denoiser.traits().empty_text_is_null) {
@@ -12000,8 +12460,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP  // <motionlang/compose/cut_texts.hpp>
 #define MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP
-/// Texts cut where a denoiser does them best in parts: where their action is over, where they lend body parts or get
-/// them back, and where they are too long.
+/// Cuts texts into parts that a denoiser generates better. It cuts where their action is over, where they give body
+/// parts to another text or regain them, and where they are too long.
 ///
 ///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
 ///
@@ -12009,13 +12469,13 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops
-/// are what a model has seen least of: ours walks as far in 8 s as in 10.
+/// Seconds of a text that a denoiser generates as a whole. HumanML3D's clips and ours end at 9.8 s, and a model has
+/// seen the longest crops least often. Ours walks as far in 8 s as in 10.
 inline constexpr double longest_whole_text = 8;
-/// Seconds below which a part would be too short for the denoiser to do what the text says.
+/// The least seconds of a part, so that the denoiser can do what the text says.
 inline constexpr double shortest_part = 0.5;
 
-/// end_actions, cut_at_handovers, divide_long_texts. Throws what they throw.
+/// Applies end_actions, cut_at_handovers and divide_long_texts. Throws what they throw.
 Timeline cut_texts(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END
@@ -12028,9 +12488,9 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP
 /// Cuts texts where their body parts change.
 ///
-/// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
-/// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then
-/// without them, then with its own again; the transitions are where they were.
+/// As published, a text that goes on while another borrows its arms is one crop. So the denoiser sees raised arms in
+/// the middle of "walk forward" and keeps them up before and after. If the text is cut at these times, it walks with
+/// its own arms, then without them, then with its own again. The transitions stay where they were.
 ///
 ///     const auto motion = stmc.generate(cut_at_handovers(timeline, 10), rng);
 ///
@@ -12087,27 +12547,27 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP  // <motionlang/compose/long_texts.hpp>
 #define MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP
-/// Long texts in parts.
+/// Divides long texts.
 ///
-/// Denoisers learn from clips of ten seconds at most. A text of a minute as one crop makes somebody who stands, or
-/// turns in the air; in parts that follow each other it is done all the time.
+/// Denoisers learn from clips of ten seconds at most. If a text of a minute is one crop, the figure stands still or
+/// turns in the air. In parts that follow each other, the action goes on all the time.
 ///
 ///     const auto motion = stmc.generate(divide_long_texts(timeline, 160), rng);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The limit for one text: a day in parts of 8 s makes 10,800.
+/// The limit for one text. A day in parts of 8 s makes 10,800.
 inline constexpr Index most_parts = 100000;
 
 namespace detail {
 
-/// An interval in `count` parts that follow each other, equally long to a frame.
+/// An interval as `count` parts that follow each other, whose lengths differ by at most one frame.
 std::vector<Interval> equal_parts(const Interval& whole, Index count);
 
 }  // namespace detail
 
-/// Divides every text of more than `longest` frames into as few parts as will do, which are equally long to a frame.
-/// Throws config_error 101 unless longest is 1 or more, and for more than most_parts of a text.
+/// Divides every text of more than `longest` frames into as few parts as possible, whose lengths differ by at most one
+/// frame. Throws config_error 101 unless longest is 1 or more, and for more than most_parts of a text.
 Timeline divide_long_texts(const Timeline& timeline, Index longest);
 
 MOTIONLANG_NAMESPACE_END
@@ -12154,8 +12614,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_HPP  // <motionlang/compose/natural_lengths.hpp>
 #define MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_HPP
-/// Actions that begin and end: a denoiser that has more time than an action takes does it again, or slowly, and may
-/// begin in the middle. Such a text becomes several: standing, the action for as long as people take, what follows.
+/// Actions that begin and end. A denoiser that has more time than an action takes repeats it, slows it down, or begins
+/// in the middle. So a text becomes several: standing, the action for its usual time, and what follows.
 ///
 ///     const auto length = natural_length("sit down");                     // 2.8 s, then "sit quietly"
 ///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
@@ -12164,23 +12624,24 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How long an action takes, and a text of what somebody does then.
+/// The usual duration of an action, and a text for the time after it.
 struct NaturalLength {
   double seconds = 0;
   std::string then{};
-  bool from_rest = false;  // raising arms, bending: begins as somebody stands
+  bool from_rest = false;  // raising arms, bending: starts from standing
 };
 
-/// That of an English text of one action that ends: turning, raising arms, sitting down, standing up, jumping, bending,
-/// kicking, punching and throwing. Nothing for other texts, and for those with "again", "and", "while", "times", ...
+/// The length of an English text of one action that ends: turning, raising arms, sitting down, standing up, jumping,
+/// bending, kicking, punching and throwing. Nothing for other texts, and for those with "again", "and", "while",
+/// "times", ...
 std::optional<NaturalLength> natural_length(std::string_view text);
 
-/// Seconds of "stand still" in front of an action that begins from rest.
+/// The seconds of "stand still" before an action that starts from rest.
 inline constexpr double standing_lead_in = 0.5;
 
 /// Every text that lasts at least a second longer than its action becomes the action and what follows it, with the same
-/// parts. An action from rest has a standing_lead_in if it has two seconds, all parts and the start of the timeline.
-/// For the human body; other timelines stay as they are.
+/// parts. An action from rest gets a standing_lead_in if it lasts two seconds, has all parts and starts the timeline.
+/// This is for the human body; other timelines stay as they are.
 Timeline end_actions(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END
@@ -12194,7 +12655,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 /// The words of a text in lower case.
-inline std::vector<std::string> lower_words(std::string_view text) {
+inline std::vector<std::string> lower_case_words(std::string_view text) {
   std::vector<std::string> words(1);
   for (const char c : text) {
     const char l = lower(c);
@@ -12207,7 +12668,7 @@ inline std::vector<std::string> lower_words(std::string_view text) {
   return words;
 }
 
-/// Words of actions that go on, or that need another one.
+/// Words of actions that continue, or that need another action.
 inline constexpr std::array continuing_words{"again",      "and",  "then",  "while",   "times",  "twice",
                                              "repeatedly", "keep", "keeps", "circles", "circle", "continuously",
                                              "several",    "many", "jacks", "rope",    "walk",   "walks",
@@ -12216,7 +12677,7 @@ inline constexpr std::array continuing_words{"again",      "and",  "then",  "whi
 }  // namespace detail
 
 MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view text) {
-  const auto words = detail::lower_words(text);
+  const auto words = detail::lower_case_words(text);
   const auto says = [&](std::initializer_list<std::string_view> any) {
     return std::any_of(words.begin(), words.end(),
                        [&](const std::string& w) { return std::find(any.begin(), any.end(), w) != any.end(); });
@@ -12290,26 +12751,25 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP  // <motionlang/features/motion_features.hpp>
 #define MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP
-/// The feature vectors that systems are trained on, by name: from a clip to rows of numbers, and from these to joints
-/// and clips.
+/// The feature vectors of the systems, by name: from a clip to rows of values, and from these to joints and clips.
 ///
 ///     const MotionFeatures& f = motion_features("guoh3d");
 ///     const auto rows = f.from_motion(resample(retarget(clip), f.fps));
 ///     const Motion back = motion_of_rows(f, rows);
 ///
-///     guoh3d              263   20    HumanML3D's, of TMR   a row less than the clip has frames; positions alone
-///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the
-///                         clip's; else as guoh3d
-///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
-///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
-///                          positions alone
-///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
-///     smplvelp-published  135   12.5  TEMOS on SMPL         with the published turn, which is not a heading: see
-///                         SmplVelpOptions
-///     smplrifke           205   20    STMC
-///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a
-///                         camera
-/// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
+///    guoh3d              263   20    HumanML3D's, also TMR's: one row less than frames; positions only
+///    kit                 251   12.5  KIT's: 21 joints of MMM, mirrored, 640 units per metre, bones as long as the
+///                        clip's; otherwise like guoh3d
+///    rifke                67   12.5  TMR's canonical view, 22 joints; positions only
+///    rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
+///                         positions only
+///    smplvelp            135   12.5  TEMOS on SMPL with the exact heading, so that it can be inverted
+///    smplvelp-published  135   12.5  TEMOS on SMPL with the published turn, which is not a heading: see
+///                        SmplVelpOptions
+///    smplrifke           205   20    STMC
+///    actor               150   20    ACTOR and MDM's models of actions: 6D rotations and path, in the world of a
+///                        camera
+/// With positions only, the clip that comes back has rotations that fit them (motion_from_joints.hpp).
 /// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM:
 ///         text-to-motion utils/paramUtil.py, TEMOS temos/transforms
 
@@ -12317,7 +12777,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP
 /// The 135-vector of TEMOS ("smplvelp"), TEACH and SINC ("Globalvelandy"): height, velocity over the ground, rotations.
 ///
-///     0        height of the translation, as it is
+///    0        height of the translation, unchanged
 ///     1:3      its velocity x, y; 0 in the first frame
 ///     3:135    22 rotations as two rows of the matrix: the body in the world, then joints 1 ... 21
 /// World: Z up, metres; velocities per frame (TEMOS 12.5 frames per second, TEACH and SINC 30).
@@ -12327,8 +12787,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP  // <motionlang/features/pose_representation.hpp>
 #define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP
-/// Rotations as numbers of a feature vector, the way ACTOR, TEMOS, TEACH and SINC write them, and ACTOR's motions made
-/// of them.
+/// Rotations as values of a feature vector, as in ACTOR, TEMOS, TEACH and SINC, and ACTOR's motions from them.
 ///
 ///     rotvec   3   rotation vector, radians
 ///     rotquat  4   quaternion, w first
@@ -12343,7 +12802,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
 inline constexpr std::array<std::string_view, 4> pose_representation_names{"rotvec", "rotquat", "rotmat", "rot6d"};
 
-/// Numbers of one rotation.
+/// The number of values of one rotation.
 constexpr Index size(PoseRepresentation r) {
   constexpr Index sizes[] = {3, 4, 9, 6};
   return sizes[static_cast<int>(r)];
@@ -12364,7 +12823,7 @@ void append_quaternion(std::vector<S>& out, const Quaternion<S>& q) {
 
 }  // namespace detail
 
-/// Appends the numbers of a matrix.
+/// Appends the values of a matrix.
 template <Scalar S>
 void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>& m) {
   switch (r) {
@@ -12376,14 +12835,14 @@ void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>
       out.insert(out.end(), m.m.begin(), m.m.begin() + size(r));  // rows
   }
 }
-/// Appends the numbers of a rotation vector, which rotvec keeps as it is.
+/// Appends the values of a rotation vector, which rotvec keeps unchanged.
 template <Scalar S>
 void append_rotation(std::vector<S>& out, PoseRepresentation r, const AxisAngle<S>& v) {
   if (r == PoseRepresentation::rotvec) return detail::append_vector(out, v.v);
   if (r == PoseRepresentation::rotquat) return detail::append_quaternion(out, to_quaternion(v));
   append_rotation(out, r, to_matrix(v));
 }
-/// The matrix of the numbers, which may be whole tensors. Throws shape_error 205.
+/// The matrix for the values, which may be whole tensors. Throws shape_error 205.
 template <ScalarLike S>
 Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
   if (std::ssize(n) != size(r)) {
@@ -12404,21 +12863,21 @@ Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
 
 struct ActorFeatureOptions {
   PoseRepresentation rotations = PoseRepresentation::rot6d;
-  bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
+  bool translation = true;  // one more row: the root's path since frame 0, padded with zeros
   bool global = true;       // false: without joint 0
 
   /// Rows of a frame of this many joints.
   Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
 };
-/// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
+/// ACTOR's rotation of joint 0 if features have none: a figure that is upside down in the world of the camera.
 inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
 
-/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the
+/// A frame of ACTOR: a rotation of each joint, then the root's path (see `actor_frame_features`), which belongs to the
 /// part with the path: 150.
 FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
                            const ActorFeatureOptions& options = {}, const BodyPartition& body = {});
 
-/// The meaning of the values of `actor_layout`. World: that of a camera, in which figures stand on their heads.
+/// The meaning of the values of `actor_layout`. World: that of a camera, in which figures are upside down.
 inline constexpr std::array<FeatureRange, 4> actor_ranges{{
     {{0, 6}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
     {{6, 144}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 24}},
@@ -12450,7 +12909,7 @@ std::vector<S> actor_frame_features(std::span<const R> poses, std::span<const Ve
   }
   return out;
 }
-/// The same with time last, as its repository has it: (rows, numbers, frames).
+/// The same with time last, as in its repository: (rows, numbers, frames).
 template <class R, Scalar S>
 std::vector<S> actor_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
                               const ActorFeatureOptions& options = {}) {
@@ -12469,8 +12928,8 @@ struct ActorMotion {
   std::vector<Vec3<S>> root;          // (frames), since frame 0
 };
 
-/// features  (frames, rows numbers), as `actor_frame_features` gives them and networks have them
-/// Joint 0 is `actor_global_rotation` where the features have none; the root stays where it is without a translation.
+/// features  (frames, rows numbers), as `actor_frame_features` returns them and networks use them
+/// Joint 0 is `actor_global_rotation` if the features have none. Without a translation the root stays in place.
 /// Throws    shape_error 205 if the features are not whole frames, config_error 101 for no joints
 template <Scalar S>
 ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, const ActorFeatureOptions& options = {}) {
@@ -12491,8 +12950,8 @@ ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, con
   return out;
 }
 
-/// The same of positions (its representation "xyz"), with the root of frame 0 at the origin.
-/// joints (frames, joints) -> (joints, 3, frames). Throws shape_error 205.
+/// The same for positions (representation "xyz"), with the root of frame 0 at the origin. joints (frames, joints) ->
+/// (joints, 3, frames). Throws shape_error 205.
 template <Scalar S>
 std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index joints) {
   if (joints < 1 || std::ssize(positions) % joints != 0) {
@@ -12541,11 +13000,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct SmplVelpOptions {
   PoseRepresentation rotations = PoseRepresentation::rot6d;
-  /// Turns the clip about Z by what `exact_yaw` says of the first frame (and a quarter, `offset`).
+  /// Turns the clip about Z by the angle of the first frame that `exact_yaw` chooses (and by a quarter, `offset`).
   bool canonicalize = true;
   bool offset = true;
-  /// false, as published: the z of the first rotation vector. It is not a heading, so a second pass turns again.
-  /// true: the heading. Clips that differ by a turn about Z become the same.
+  /// false, as published: the z of the first rotation vector. It is not a heading, so a second pass turns again. true:
+  /// the heading. Clips that differ only by a turn about Z become the same.
   bool exact_yaw = false;
 };
 
@@ -12555,7 +13014,7 @@ struct SmplVelpMotion {
   std::vector<Vec3<S>> trans;         // (frames)
 };
 
-/// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
+/// smplvelp: the root's height and velocity, then a rotation of each joint, as above: 135 for 22 joints in 6D.
 inline FeatureLayout smplvelp_layout(
     std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
     PoseRepresentation rotations = PoseRepresentation::rot6d, const BodyPartition& body = {}) {
@@ -12566,7 +13025,7 @@ inline FeatureLayout smplvelp_layout(
   });
 }
 
-/// The meaning of the values of `smplvelp_layout`. World: Z up, turned as SmplVelpOptions say.
+/// The meaning of the values of `smplvelp_layout`. World: Z up, turned as in SmplVelpOptions.
 inline constexpr std::array<FeatureRange, 4> smplvelp_ranges{{
     {{0, 1}, "height of the translation in the world", "m"},
     {{1, 3}, "velocity of the translation since the frame before, in the world: x, y", "m/frame"},
@@ -12606,7 +13065,7 @@ std::vector<S> smplvelp_features(std::span<const Matrix3<S>> rotations, std::spa
 }
 
 /// features  (frames, 3 + 6 joints), not normalised
-/// The path starts at x = y = 0; the heading stays what the features say. Throws shape_error 205.
+/// The path starts at x = y = 0, and the heading is that of the features. Throws shape_error 205.
 template <Scalar S>
 SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 22,
                                    PoseRepresentation representation = PoseRepresentation::rot6d) {
@@ -12634,48 +13093,52 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP  // <motionlang/kinematics/retarget.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP
-/// Retargeting: the same movement on another skeleton, from and to every kind that skeleton_tables.hpp knows.
+/// Retargeting: the same movement on another skeleton, from and to every kind in skeleton_tables.hpp.
 ///
 ///     G_t(f) = G_s(f) C_s^-1 C_t
-/// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the
-/// world rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the
-/// target does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever
-/// the local axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Joints
-/// that no table knows follow those of the same name, fingers those of the same finger. Bones keep the
-/// target's lengths; the path is scaled by the ratio of the legs.
+/// G_s, G_t: world rotations of a joint s of the source, and of the joint t of the target that follows it. C_t: the
+/// world rotation of t while the target stands in its T-pose, facing +Z. C_s: the world rotation of s while the source
+/// stands in the same pose, with its limbs along the target's. So a source in that pose gives the target's T-pose, for
+/// any local axes and rest poses (T, A, any quarter turn). Chains may have different numbers of joints. Joints that no
+/// table knows follow those of the same name, and fingers those of the same finger. Bones keep the target's lengths;
+/// the path is scaled by the ratio of the legs.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP  // <motionlang/kinematics/skeleton_tables.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP
-/// Which joint of a known skeleton has the part of which joint of SMPL: the tables behind retargeting, and how to
-/// recognise one. They are read in both directions: SMPL's 24 joints are what all skeletons have in common.
+/// The tables for retargeting, which map the joints of known skeletons to those of SMPL, and functions that recognise a
+/// skeleton. Tables are used in both directions, because SMPL's 24 joints are common to all skeletons.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_HPP  // <motionlang/kinematics/skeleton_table.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_HPP
-/// Which joint of a kind of skeleton has the part of which joint of SMPL: one table. Those that are known are in
-/// skeleton_tables.hpp.
+/// One table that maps the joints of a kind of skeleton to those of SMPL. The known ones are in skeleton_tables.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
-/// "mixamorig1:" and, where colons were lost, "mixamorig".
+/// A joint's name without prefixes of programs: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
+/// "mixamorig1:" and, without its colon, "mixamorig".
 std::string_view bare_joint_name(std::string_view name);
 
-/// The number of a joint by its name, or else by its bare name, or else by that without regard to capital letters
-/// ("Hips" is "hips": Unity and Godot write VRM's names so); -1.
+/// The common beginning of the names of at least three quarters of the joints, up to a separator: "Character1_",
+/// "ValveBiped.Bip01_". "" if they have none in common.
+std::string common_name_prefix(const Skeleton& skeleton);
+
+/// The number of a joint: by its name, else by its bare name, else by that in any case ("Hips" is "hips": Unity and
+/// Godot write VRM's names so) and with any blanks ("L_Thigh" is "L Thigh"), else by that without the common prefix. -1
+/// if none.
 int find_joint(const Skeleton& skeleton, std::string_view name);
 
 /// One joint of SMPL and the joint of the known skeleton whose orientation it takes.
 struct MappedJoint {
   std::string target;  // name in SMPL
   std::string source;
-  /// The two local axes of the source joint that point to the left and up while the figure stands in a T-pose. "+x+y"
-  /// for files whose rotations are all zero in that pose.
+  /// The two local axes of the source joint that point to the left and up in the T-pose. "+x+y" for files in which all
+  /// rotations are zero in that pose.
   std::string axes = "+x+y";
-  /// How the frame given by `axes` is turned in the T-pose besides: rotation vector in degrees, x left, y up, z
+  /// An additional turn of the frame that `axes` gives in the T-pose: rotation vector in degrees, x left, y up, z
   /// forward.
   Vec3<double> turn{};
-  /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, else of
-  /// its parent.
+  /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, otherwise
+  /// of its parent.
   std::string second{};
   double share = 0;
 
@@ -12689,17 +13152,17 @@ struct MappedJoint {
 struct SkeletonTable {
   std::string name;
   std::vector<MappedJoint> joints;
-  /// True if limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
+  /// True if limbs are turned so that the source's bones take the directions of the target's. False if the zero pose
   /// (with `turn`) is known to be the T-pose although its bones are not straight.
   bool straighten = true;
-  /// True if the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
-  /// skin is bound. Otherwise feet lean to the side with their shins.
+  /// True if the soles are level in the zero pose although the legs are apart, as in the bind pose of a character's
+  /// skin. Otherwise feet lean to the side with their shins.
   bool level_soles = false;
 
   const MappedJoint* find(std::string_view target) const;
   /// The first joint that the table needs and the skeleton lacks; empty if there is none.
   std::string missing(const Skeleton& source) const;
-  /// How many of its joints the skeleton has.
+  /// The number of its joints that the skeleton has.
   int found(const Skeleton& source) const;
 };
 
@@ -12719,21 +13182,79 @@ MOTIONLANG_BODY std::string_view bare_joint_name(std::string_view name) {
   return rest == name.npos ? name : name.substr(rest);
 }
 
+MOTIONLANG_BODY std::string common_name_prefix(const Skeleton& skeleton) {
+  const std::size_t enough = (3 * skeleton.names.size() + 3) / 4;
+  std::string prefix;
+  std::vector<std::string_view> fitting(skeleton.names.begin(), skeleton.names.end());
+  while (skeleton.size() > 3) {
+    const std::size_t at = prefix.size();
+    std::erase_if(fitting, [at](std::string_view name) { return name.size() <= at; });
+    char next = 0;  // that of most names, if there is one
+    std::size_t lead = 0;
+    for (const std::string_view name : fitting) {
+      if (lead == 0) next = name[at];
+      lead = name[at] == next ? lead + 1 : lead - 1;
+    }
+    std::erase_if(fitting, [&](std::string_view name) { return name[at] != next; });
+    if (fitting.size() < enough) break;
+    prefix += next;
+  }
+  return prefix.substr(0, prefix.find_last_of("_:-. |") + 1);  // npos + 1 = 0
+}
+
 namespace detail {
 
-inline bool same_but_for_capitals(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
+/// Capital letters are as good as small ones, and "_" is as good as a blank.
+inline bool similar_names(std::string_view a, std::string_view b) {
+  const auto plain = [](char c) { return c == '_' ? ' ' : lower(c); };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return plain(x) == plain(y); });
 }
+
+/// "Hips" of "Hips_01" and of "Hips.001"; else the whole name.
+inline std::string_view without_number(std::string_view name) {
+  const std::size_t last = name.find_last_not_of("0123456789");
+  const bool numbered =
+      last != name.npos && last > 0 && last + 1 < name.size() && (name[last] == '_' || name[last] == '.');
+  return numbered ? name.substr(0, last) : name;
+}
+
+/// Names without what most of them begin with, and without numbers if three quarters end with one: Sketchfab numbers
+/// all nodes of a file, and Blender the joints of a copy.
+class SharedHabits {
+ public:
+  explicit SharedHabits(const Skeleton& skeleton) : prefix_(common_name_prefix(skeleton)) {
+    std::size_t numbered = 0;
+    for (const std::string& name : skeleton.names) numbered += without_number(name).size() < name.size() ? 1 : 0;
+    numbered_ = 4 * numbered >= 3 * skeleton.names.size();
+  }
+  std::string_view bare(std::string_view name) const {
+    if (name.starts_with(prefix_)) name.remove_prefix(prefix_.size());
+    return bare_joint_name(numbered_ ? without_number(name) : name);
+  }
+
+ private:
+  std::string prefix_;
+  bool numbered_ = false;
+};
 
 }  // namespace detail
 
 MOTIONLANG_BODY int find_joint(const Skeleton& skeleton, std::string_view name) {
   if (const int j = skeleton.find(name); j >= 0) return j;
   int similar = -1;
+  bool ends_like = false;  // a name, except for its number: only then habits matter
   for (int k = 0; k < skeleton.size(); ++k) {
-    const std::string_view bare = bare_joint_name(skeleton.name(k));
+    const std::string_view whole = skeleton.name(k), bare = bare_joint_name(whole);
     if (bare == name) return k;
-    if (similar < 0 && detail::same_but_for_capitals(bare, name)) similar = k;
+    if (similar < 0 && detail::similar_names(bare, name)) similar = k;
+    const std::string_view core = detail::without_number(whole);
+    const bool longer = core.size() >= name.size();
+    ends_like = ends_like || (longer && detail::similar_names(core.substr(core.size() - name.size()), name));
+  }
+  if (similar >= 0 || !ends_like) return similar;
+  const detail::SharedHabits habits(skeleton);
+  for (int k = 0; k < skeleton.size() && similar < 0; ++k) {
+    if (detail::similar_names(habits.bare(skeleton.name(k)), name)) similar = k;
   }
   return similar;
 }
@@ -12775,10 +13296,10 @@ inline constexpr std::string_view own_table_hint =
 /// The built-in tables.
 const std::vector<SkeletonTable>& skeleton_tables();
 
-/// The table whose joints the skeleton has; of several one by which it stands at rest, then the one with the most. Null
-/// if none fits.
+/// The table whose joints the skeleton has. Among several it prefers one whose rest pose fits, then the one with the
+/// most joints. Null if none fits.
 const SkeletonTable* find_skeleton_table(const Skeleton& source);
-/// The same. Throws config_error 103 with the joint that the closest table misses if none fits.
+/// The same. If none fits, throws config_error 103 with the joint that is missing for the closest table.
 const SkeletonTable& detect_skeleton_table(const Skeleton& source);
 /// A built-in table by name. Throws config_error 103.
 const SkeletonTable& skeleton_table(std::string_view name);
@@ -12791,24 +13312,28 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_HPP  // <motionlang/kinematics/standing_skeleton.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_HPP
-/// A skeleton as it stands in its T-pose, by the axes that its table states.
+/// A skeleton in its T-pose, by the axes in its table.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A joint of a limb and the one where its bone ends, by SMPL's names.
+/// A joint of a limb and the joint at the end of its bone, by SMPL's names.
 struct LimbBone {
   std::string_view joint, end;
 };
 
-/// True if a text names two different axes, as "+x+y" does.
+/// True if a text names two different axes, such as "+x+y".
 bool is_axes(std::string_view axes);
 /// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
 Quaternion<double> axes_rotation(const MappedJoint& joint);
 
-/// A skeleton as its table sees it, standing in its T-pose, turned by quarters of a circle about y until its left is
-/// nearest to +X. Where its limbs do not point to the sides or down, `bone` says where they point.
+/// The table of a mirror image, in which each side has the names of the other. Nothing for a table with turns or axes
+/// other than "+x+y", which a mirror changes.
+std::optional<SkeletonTable> mirrored_table(const SkeletonTable& table);
+
+/// A skeleton in the T-pose of its table, turned by quarters of a circle about y until its left is nearest to +X. If
+/// its limbs do not point to the sides or down, `bone` has their directions.
 class StandingSkeleton {
  public:
   Skeleton skeleton;
@@ -12816,20 +13341,22 @@ class StandingSkeleton {
   std::vector<Quaternion<double>> rotation;  // of each joint in the world
 
   StandingSkeleton(Skeleton s, SkeletonTable t);
+  /// The skeleton by its table, or by the mirrored table if it stands only by that, shoulders as well as hips.
+  static StandingSkeleton of(const Skeleton& s, const SkeletonTable& t);
 
   /// The reason why it does not stand and face forward: the head is not over the pelvis, the hips are not side by side,
-  /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.
+  /// or toes point back because left and right are exchanged. "" if it stands, or lacks these joints.
   std::string lies() const;
 
-  /// The joint with a role, a name of SMPL's; -1 if there is none.
+  /// The joint with a role, which is a name of SMPL's; -1 if there is none.
   int joint(std::string_view role) const {
     const MappedJoint* row = table.find(role);
     return row == nullptr ? -1 : find_joint(skeleton, row->source);
   }
-  /// The role of a joint: that which it fills with the largest share, of several the last. "" if it has none.
+  /// The role of a joint: the one with its largest share, the last among equals. "" if it has none.
   std::string role(int joint) const;
-  /// A bone of a limb; zero without its joints. Where the table says that the zero pose is the T-pose although bones
-  /// are not straight: as in SMPL.
+  /// A bone of a limb; zero without its joints. If the table says that the zero pose is the T-pose although bones are
+  /// not straight, the bone is that of SMPL.
   Vec3<double> bone(const LimbBone& limb) const;
   double length(const LimbBone& limb) const;
 
@@ -12881,6 +13408,33 @@ MOTIONLANG_BODY Quaternion<double> axes_rotation(const MappedJoint& joint) {
   const Vec3<double> left = local_axis(axes.substr(0, 2)), up = local_axis(axes.substr(2, 2));
   const auto frame = to_quaternion(Matrix3<double>::from_rows(left, up, cross(left, up)));
   return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
+}
+
+MOTIONLANG_BODY std::optional<SkeletonTable> mirrored_table(const SkeletonTable& table) {
+  SkeletonTable out = table;
+  out.name += ", mirrored";
+  for (MappedJoint& m : out.joints) {
+    if (m.axes != "+x+y" || m.turn != Vec3<double>{}) return std::nullopt;
+    const bool left = m.target.starts_with("left_"), right = m.target.starts_with("right_");
+    if (!left && !right) continue;
+    const MappedJoint* other = table.find((left ? "right_" : "left_") + m.target.substr(left ? 5 : 6));
+    if (other == nullptr) return std::nullopt;
+    m.source = other->source, m.second = other->second, m.share = other->share;
+  }
+  return out;
+}
+
+MOTIONLANG_BODY StandingSkeleton StandingSkeleton::of(const Skeleton& s, const SkeletonTable& t) {
+  StandingSkeleton own(s, t);
+  if (own.lies().empty()) return own;
+  if (auto mirrored = mirrored_table(t)) {
+    StandingSkeleton other(s, std::move(*mirrored));
+    const int left = other.joint("left_shoulder"), right = other.joint("right_shoulder");
+    const auto x_of = [&](int j) { return other.position_[static_cast<std::size_t>(j)].x; };
+    const bool sides = left >= 0 && right >= 0 && x_of(left) > x_of(right);
+    if (sides && other.lies().empty()) return other;
+  }
+  return own;
 }
 
 MOTIONLANG_BODY StandingSkeleton::StandingSkeleton(Skeleton s, SkeletonTable t)
@@ -13074,9 +13628,9 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
       {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}},
      true, true},
-    // Ubisoft's LaFAN1 has Mixamo's names, but in its zero pose all bones lie along x. In a T-pose x runs along the bone
-    // and y to the front (of feet up); sides are mirrored by z. Offsets show that of the trunk; limbs are taken to be
-    // alike, which was not compared with recordings. Feet are turned by the slope of SMPL's.
+    // Ubisoft's LaFAN1 has Mixamo's names, but in its zero pose all bones lie along x. In a T-pose x runs along the
+    // bone and y to the front (for feet up); z mirrors the sides. Offsets show this for the trunk. Limbs are assumed to
+    // be alike, which was not compared with recordings. Feet are turned by the slope of SMPL's.
     {"LaFAN1",
      {{"pelvis", "Hips", "+z+x"}, {"spine1", "Spine", "+z+x"}, {"spine2", "Spine1", "+z+x"}, {"spine3", "Spine2", "+z+x"}, {"neck", "Neck", "+z+x"}, {"head", "Head", "+z+x"},
       {"left_hip", "LeftUpLeg", "-z-x"}, {"left_knee", "LeftLeg", "-z-x"}, {"left_ankle", "LeftFoot", "-z+y", {23, 0, 0}}, {"left_foot", "LeftToe", "-z+y"},
@@ -13179,7 +13733,22 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "J_Bip_L_Shoulder"}, {"left_shoulder", "J_Bip_L_UpperArm"}, {"left_elbow", "J_Bip_L_LowerArm"}, {"left_wrist", "J_Bip_L_Hand"}, {"left_hand", "J_Bip_L_Middle1"},
       {"right_collar", "J_Bip_R_Shoulder"}, {"right_shoulder", "J_Bip_R_UpperArm"}, {"right_elbow", "J_Bip_R_LowerArm"}, {"right_wrist", "J_Bip_R_Hand"}, {"right_hand", "J_Bip_R_Middle1"}},
      true, true},
-    // The Master Motor Map as KIT and TEMOS have it, see known_skeletons.hpp. The joints of the shoulders hang on the lower neck.
+    // Bipeds of 3ds Max and of games, whose names all begin with "Bip01 ", "Bip001_" or "ValveBiped.Bip01_".
+    {"Biped",
+     {{"pelvis", "Pelvis"}, {"spine1", "Spine"}, {"spine2", "Spine1"}, {"spine3", "Spine2"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "L Thigh"}, {"left_knee", "L Calf"}, {"left_ankle", "L Foot"}, {"left_foot", "L Toe0"},
+      {"right_hip", "R Thigh"}, {"right_knee", "R Calf"}, {"right_ankle", "R Foot"}, {"right_foot", "R Toe0"},
+      {"left_collar", "L Clavicle"}, {"left_shoulder", "L UpperArm"}, {"left_elbow", "L Forearm"}, {"left_wrist", "L Hand"}, {"left_hand", "L Finger2"},
+      {"right_collar", "R Clavicle"}, {"right_shoulder", "R UpperArm"}, {"right_elbow", "R Forearm"}, {"right_wrist", "R Hand"}, {"right_hand", "R Finger2"}},
+     true, true},
+    {"Biped with two links in the spine",
+     {{"pelvis", "Pelvis"}, {"spine1", "Spine"}, {"spine2", "Spine", "+x+y", {}, "Spine1", 0.5}, {"spine3", "Spine1"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "L Thigh"}, {"left_knee", "L Calf"}, {"left_ankle", "L Foot"}, {"left_foot", "L Toe0"},
+      {"right_hip", "R Thigh"}, {"right_knee", "R Calf"}, {"right_ankle", "R Foot"}, {"right_foot", "R Toe0"},
+      {"left_collar", "L Clavicle"}, {"left_shoulder", "L UpperArm"}, {"left_elbow", "L Forearm"}, {"left_wrist", "L Hand"}, {"left_hand", "L Finger2"},
+      {"right_collar", "R Clavicle"}, {"right_shoulder", "R UpperArm"}, {"right_elbow", "R Forearm"}, {"right_wrist", "R Hand"}, {"right_hand", "R Finger2"}},
+     true, true},
+    // The Master Motor Map as in KIT and TEMOS, see known_skeletons.hpp. The shoulders are children of the lower neck.
     {"MMM",
      {{"pelvis", "root"}, {"spine1", "BP"}, {"spine2", "BP", "+x+y", {}, "BT", 0.5}, {"spine3", "BT"}, {"neck", "BLN"}, {"head", "BUN"},
       {"left_hip", "LH"}, {"left_knee", "LK"}, {"left_ankle", "LA"}, {"left_foot", "LMrot"},
@@ -13236,25 +13805,26 @@ namespace detail {
 class StandingSkeleton;
 }
 
-/// How a map matched the joints of both skeletons.
+/// The report of a map about the joints that it matched.
 struct RetargetReport {
   std::string table, target_table;                          // the kinds of source and target
   std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
   std::vector<std::string> unmapped;                        // joints of the target that stay at rest
-  std::vector<std::string> unused;                          // joints of the source that nothing follows
+  std::vector<std::string> unused;                          // joints of the source without a follower
   double leg_ratio = 1, arm_ratio = 1;  // target / source, 0 without arms; the path is scaled by leg_ratio
 };
 std::string to_string(const RetargetReport& r);
 
-/// How one skeleton follows another; made once, used for every clip.
+/// A map from one skeleton to another. Make it once and use it for every clip. A mirror image, whose left side has the
+/// names of the right one, is mapped by its appearance.
 class SkeletonMap {
  public:
-  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for
-  /// unknown axes, or hips that a skeleton lacks), and if a skeleton does not stand at rest by its table; 101 if the
-  /// legs of a skeleton have no length.
+  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks, for unknown
+  /// axes, for missing hips, and if a skeleton is not in the rest pose of its table. Throws 101 if the legs of a
+  /// skeleton have no length.
   SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
               const SkeletonTable& target_table);
-  /// The target has SMPL's names.
+  /// For a target with SMPL's names.
   SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& source_table)
       : SkeletonMap(source, source_table, target, skeleton_table("SMPL")) {}
   /// With the built-in tables that fit.
@@ -13265,14 +13835,14 @@ class SkeletonMap {
   const Skeleton& target() const { return target_; }
   const RetargetReport& report() const { return report_; }
 
-  /// One frame: world transforms of the source to root position and local rotations of the target.
+  /// Converts one frame: world transforms of the source to root position and local rotations of the target.
   void apply(const JointTransforms<double>& from, Vec3<double>& root, std::span<Quaternion<double>> local) const;
 
  private:
   struct Link {
     int source = -1, second = -1;
     Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1 C_t
-    Quaternion<double> at_rest{1, 0, 0, 0};                        // of a joint that follows none, seen from its parent
+    Quaternion<double> at_rest{1, 0, 0, 0};  // of a joint that follows none, relative to its parent
     double share = 0;
   };
 
@@ -13282,20 +13852,19 @@ class SkeletonMap {
   static const Vec3<double>& position(const JointTransforms<double>& from, int joint) {
     return from.position[static_cast<std::size_t>(joint)];
   }
-  /// A joint of the target seen from its root.
+  /// A joint of the target relative to its root.
   Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const;
 
-  /// For joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
+  /// For joints that no table knows: the joint of the same name, or the same joint of the same finger. -1 if none.
   int namesake(const std::string& name) const;
   void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
 
-  /// The rotation that brings a joint of the source from its T-pose to the pose in which it stands like the target.
-  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand
-  /// level, so that soles stay level; the trunk is taken as it stands.
+  /// The rotation of a joint of the source from its T-pose to the target's pose. Limbs are turned joint by joint. Feet
+  /// only roll with their shins, unless a table says that their soles are level. The trunk stays as it is.
   static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
                                       const detail::StandingSkeleton& to, const Quaternion<double>& up);
 
-  /// Lengths of legs and arms, and where the hips are.
+  /// Measures the lengths of legs and arms, and the places of the hips.
   void measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
 
   Skeleton source_, target_;
@@ -13304,10 +13873,10 @@ class SkeletonMap {
   int left_hip_ = -1, right_hip_ = -1, target_left_hip_ = -1, target_right_hip_ = -1;
 };
 
-/// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
-/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor
-/// tells nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by
-/// how much the clip was moved.
+/// Moves a clip up or down so that its feet stand on y = 0, as in the rest pose. In all frames except the lowest 5 %,
+/// the lowest joint is then not below the lowest joint at rest. A rest pose below the floor says nothing about the
+/// floor (the root of many BVH files has OFFSET 0); then that joint itself is at y = 0. Returns the distance by which
+/// the clip was moved.
 double place_on_floor(Motion& motion);
 
 struct RetargetOptions {
@@ -13316,8 +13885,8 @@ struct RetargetOptions {
 
 /// The clip on the target of the map. Throws config_error 106 if its skeleton is not the source of the map.
 Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options = {});
-/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws
-/// config_error 103 with the joint that is missing.
+/// Uses the built-in tables that fit the clip and the target. A motion on the target's skeleton is not changed. Throws
+/// config_error 103 with the missing joint.
 Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(), const RetargetOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -13332,9 +13901,10 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The value that n others are not above; n below the number of values.
+/// The value at position n of the sorted values, counted from 0. n is less than their number.
 double nth_smallest(std::vector<double> values, std::size_t n);
-/// The value below which a share of the values is; 0 of none.
+/// The value at this share of the sorted values: 0 gives the smallest, 0.5 the median, 1 the largest. 0 for an empty
+/// list.
 double quantile(std::vector<double> values, double share);
 
 MOTIONLANG_NAMESPACE_END
@@ -13369,7 +13939,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Spherical linear interpolation: a at t = 0, b at t = 1, constant angular velocity in between.
 ///     slerp = (sin((1-t) h) a + sin(t h) b) / sin h,   h = angle between the quaternions (shorter arc)
-/// Source  Shoemake, "Animating rotation with quaternion curves" (SIGGRAPH 1985). Below h = 1e-3 a normalised lerp.
+/// Source  Shoemake, "Animating rotation with quaternion curves" (SIGGRAPH 1985). For h < 1e-3 it is a normalised lerp.
 template <class S>
 Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& other, const S& t) {
   const S d = dot(a, other), sign = where_less(d, S(0), S(-1), S(1));
@@ -13387,14 +13957,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP  // <motionlang/kinematics/finger_names.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP
-/// Joints of fingers by their names, which every program forms in its own way. No table lists them: hands may have any
-/// number of fingers.
+/// Recognises joints of fingers by their names, which every program forms in its own way. No table lists them, because
+/// hands may have any number of fingers.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From
+/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. It knows
 /// "LeftHandIndex1" (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal"
-/// (VRM, whose thumbs begin with leftThumbMetacarpal) and their like. "" for another joint, and for tips and other
+/// (VRM, whose thumbs begin with leftThumbMetacarpal) and similar names. "" for other joints, and for tips and other
 /// metacarpals.
 std::string finger_of(std::string_view joint);
 
@@ -13406,7 +13976,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_HPP  // <motionlang/kinematics/joint_sides.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_HPP
-/// The side of the body that the name of a joint tells, and what its partner may be called.
+/// The side of the body in the name of a joint, and possible names of its partner.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -13415,11 +13985,11 @@ enum class Side : int { middle, left, right };
 
 namespace detail {
 
-/// The side that a joint's name tells: left, Left, l_, _L, .l, _L_, lHand, LHip and the same for the right.
+/// The side in a joint's name: left, Left, l_, _L, .l, _L_, lHand, LHip, and the same for the right.
 Side side_of_name(std::string_view name);
 
 bool has_side_word(std::string_view name);
-/// Possible names of the joint on the other side. A letter may be a coincidence ("lowerback"): look the names up.
+/// Possible names of the joint on the other side. A letter may be a coincidence ("lowerback"), so look the names up.
 std::vector<std::string> other_side(const std::string& name);
 
 }  // namespace detail
@@ -13440,7 +14010,7 @@ namespace detail {
 /// The characters that separate the words of a name.
 inline bool is_separator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
 
-/// Where a letter stands alone inside of a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
+/// The place of a single letter inside a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
 inline std::size_t lone_letter(std::string_view name, char letter) {
   for (std::size_t at = 1; at + 1 < name.size(); ++at) {
     if (name[at] == letter && is_separator(name[at - 1]) && is_separator(name[at + 1])) return at;
@@ -13465,7 +14035,8 @@ MOTIONLANG_BODY Side side_of_name(std::string_view name) {
   return Side::middle;
 }
 
-/// How names mark their side: words anywhere, single letters at either end or alone (lThigh, UpperArm_L, J_Bip_L_Hand).
+/// Marks of the side in names: words anywhere, single letters at either end or alone (lThigh, UpperArm_L,
+/// J_Bip_L_Hand).
 inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
 
 inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
@@ -13587,9 +14158,10 @@ MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonT
     : source_(source), target_(target) {
   const std::string missing = source_table.missing(source);
   if (!missing.empty()) raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
-  report_.table = source_table.name;
-  report_.target_table = target_table.name;
-  const detail::StandingSkeleton from(source, source_table), to(target, target_table);
+  const auto from = detail::StandingSkeleton::of(source, source_table),
+             to = detail::StandingSkeleton::of(target, target_table);
+  report_.table = from.table.name;
+  report_.target_table = to.table.name;
   for (const detail::StandingSkeleton* s : {&from, &to}) {
     const std::string lies = s->lies();
     if (!lies.empty())
@@ -13766,17 +14338,17 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct MotionFeatures {
   std::string_view name;
   Index width = 0;
-  double fps = 0;    // that the published systems use
-  Index joints = 0;  // of `joints_of`: the first ones of `skeleton`
+  double fps = 0;    // of the published systems
+  Index joints = 0;  // of `joints_of`: the first joints of `skeleton`
   const Skeleton& (*skeleton)();
-  FeatureLayout (*layout)();             // which numbers belong to which body part
-  std::span<const FeatureRange> ranges;  // what the numbers mean
-  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws
-  /// config_error 103 if the joints are others, shape_error 205 if it is too short.
+  FeatureLayout (*layout)();             // the body part of each value
+  std::span<const FeatureRange> ranges;  // the meaning of the values
+  /// The rows of a clip on SMPL's 24 joints or on the joints of `skeleton`, at its own frame rate. Throws config_error
+  /// 103 for other joints, and shape_error 205 if it is too short.
   std::vector<double> (*from_motion)(const Motion& motion);
-  /// (frames, joints), Y up, from the origin on. Throws shape_error 205.
+  /// (frames, joints), Y up, starting at the origin. Throws shape_error 205.
   std::vector<Vec3<double>> (*joints_of)(std::span<const double> rows);
-  /// A clip on the joints of `skeleton`; null where the rows have no rotations.
+  /// A clip on the joints of `skeleton`. Null if the rows have no rotations.
   Motion (*to_motion)(std::span<const double> rows, double fps);
 };
 
@@ -13795,8 +14367,8 @@ Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
   return out;
 }
 
-/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor.
-/// In the world of the camera the figure stands on its head: it is turned by 180 degrees about x.
+/// Rotations and root path as ACTOR and MDM have them from videos, as a clip on SMPL's 24 joints, on the floor. In the
+/// world of the camera the figure is upside down, so it is turned by 180 degrees about x.
 template <Scalar S>
 Motion motion_of_actor(const ActorMotion<S>& from, double fps) {
   const auto upright = axis_rotation(0, std::numbers::pi);
@@ -13825,9 +14397,9 @@ std::vector<Vec3<double>> joints_of_rifke(std::span<const double> rows);
 inline constexpr Index mmm_joints = 21;
 inline constexpr double mmm_units_per_metre = 640;
 
-/// The vector from between the ankles to the head, mean over the frames; of MMM's or of SMPL's joints.
+/// The vector from the middle of the ankles to the head, as a mean over the frames, for MMM's or SMPL's joints.
 Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count);
-/// The way back. The joints are in metres or, if they are large, in KIT's units.
+/// The inverse. The joints are in metres or, if the values are large, in KIT's units.
 std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints);
 
 std::vector<double> kit_rows_of(const Motion& motion);
@@ -13849,7 +14421,7 @@ std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> rows);
 
 }  // namespace detail
 
-/// The way back: what ACTOR's networks read of a clip on SMPL's 24 joints. Throws config_error 103 for other joints.
+/// The inverse: the input of ACTOR's networks for a clip on SMPL's 24 joints. Throws config_error 103 for other joints.
 std::vector<double> actor_rows_of_motion(const Motion& motion, const ActorFeatureOptions& options = {});
 
 namespace detail {
@@ -13888,7 +14460,7 @@ inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
 }};
 
 /// The clip of rows, on the joints of the features.
-/// fps     0: as the published systems have it
+/// fps     0: that of the published systems
 /// Throws  shape_error 205, numeric_error 301 for values that are not finite, config_error 101 for such a rate
 Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps = 0);
 
@@ -13903,8 +14475,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_HPP  // <motionlang/features/guoh3d.hpp>
 #define MOTIONLANG_HAS_FEATURES_GUOH3D_HPP
-/// Joint positions from the 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251. The other direction:
-/// guoh3d_extraction.hpp; which number is what: Guoh3dSlots in layout.hpp.
+/// Joint positions from the 263 values per frame of HumanML3D ("guoh3dfeats"), or KIT's 251. The other direction is in
+/// guoh3d_extraction.hpp. Guoh3dSlots in layout.hpp explains the values.
 ///
 /// Source  Guo et al. (CVPR 2022), motion_representation.ipynb recover_root_rot_pos, recover_from_ric,
 ///         recover_from_rot
@@ -13914,8 +14486,8 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_KINEMATICS_CHAIN_KINEMATICS_HPP
 /// Rotations from joint positions and back, along chains of bones: the analytic inverse kinematics of HumanML3D.
 ///
-/// The rotation of a joint is that of the bone that ENDS at it; it has no twist; the first rotation of a chain is
-/// relative to the root even where the chain begins at another joint. These are not SMPL's rotations.
+/// The rotation of a joint is that of the bone that ENDS at it, without twist. The first rotation of a chain is
+/// relative to the root, even if the chain begins at another joint. These are not SMPL's rotations.
 ///
 ///     g_j = between(direction_j, p_j - p_parent(j)),   g_0 = root,   q_j = g_before(j)^-1 g_j
 ///     back:  g_j = g_before(j) q_j,   p_j = p_parent(j) + g_j offset_j
@@ -13924,18 +14496,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_GUO_HPP  // <motionlang/geometry/guo.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_GUO_HPP
-/// The quaternion formulas of HumanML3D, T2M and TM2T, for parity with their features. What is not here is the same as
-/// in quaternion.hpp, rotation6d.hpp, euler.hpp (`to_euler`) and axis_angle.hpp.
+/// The quaternion formulas of HumanML3D, T2M and TM2T, for parity with their features. Formulas that are missing here
+/// are the same as in quaternion.hpp, rotation6d.hpp, euler.hpp (`to_euler`) and axis_angle.hpp.
 ///
-/// They differ where the general functions are safer: `between` has no answer for opposite vectors, `slerp` takes the
-/// long way if the quaternions lie in different hemispheres. Use them to reproduce published numbers, not otherwise.
+/// They differ where the general functions are safer. `between` has no answer for opposite vectors, and `slerp` takes
+/// the longer arc if the quaternions are in different hemispheres. Use them only to reproduce published numbers.
 /// Source  Guo et al. (CVPR 2022), HumanML3D common/quaternion.py
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace guo {
 
 /// The shortest rotation from a to b, of any length:  q ~ (|a||b| + a . b, a x b).  NaN for opposite vectors.
-/// lengths = |a||b|, where it is known.
+/// lengths = |a||b|, if it is known.
 template <class S>
 Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b, const S& lengths) {
   const Vec3<S> c = cross(a, b);
@@ -13946,8 +14518,8 @@ Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b) {
   return between(a, b, sqrt(dot(a, a) * dot(b, b)));
 }
 
-/// Signs such that each quaternion and the same joint's in the frame before are no more than a half turn apart.
-/// rotations (frames, joints). Throws shape_error 205.
+/// Chooses signs so that each quaternion is at most a half turn from the same joint's in the frame before. rotations
+/// (frames, joints). Throws shape_error 205.
 template <Scalar S>
 std::vector<Quaternion<S>> continuous(std::span<const Quaternion<S>> rotations, Index joints) {
   if (joints <= 0 || std::ssize(rotations) % joints != 0) {
@@ -13971,7 +14543,8 @@ Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& b, const S& t) 
   return Quaternion<S>{cos(t * h), u.x, u.y, u.z} * from;
 }
 
-/// The quaternion whose component that the published code divides by is positive; w may be negative.
+/// Among q and -q, the quaternion whose component by which the published code divides is positive. So w may be
+/// negative.
 template <Scalar S>
 Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
   const Quaternion<S> q = to_quaternion(m);
@@ -13979,8 +14552,8 @@ Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
   return divisor < 0 ? -q : q;
 }
 
-/// From angles about x, y and z in degrees, whatever the order. For the cyclic orders xyz, yzx and zxy the sign of the
-/// quaternion is the other one.
+/// From angles about x, y and z in degrees, in any order. For the cyclic orders xyz, yzx and zxy the quaternion has the
+/// opposite sign.
 template <Scalar S>
 Quaternion<S> from_euler_degrees(const Vec3<S>& angles, EulerOrder order) {
   Quaternion<S> q = Quaternion<S>::identity();
@@ -13997,7 +14570,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_GAUSSIAN_SMOOTH_HPP  // <motionlang/kinematics/gaussian_smooth.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_GAUSSIAN_SMOOTH_HPP
-/// Smoothing of curves over time.
+/// Smooths curves over time.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -14006,7 +14579,7 @@ constexpr double smoothstep(double s) { return s * s * (3 - 2 * s); }
 
 /// Gaussian filter along time.
 ///     y_t = sum_k w_k x_{t+k},   w_k ~ exp(-k^2 / (2 sigma^2)),   |k| <= floor(4 sigma + 1/2),   sum w = 1
-/// Beyond the ends the first and last frame go on. The sum is taken in double, as scipy does.
+/// Beyond the ends, the first and last frame are repeated. The sum is computed in double, as in scipy.
 /// Source  scipy.ndimage.gaussian_filter1d, mode "nearest"; MotionDiffuse smooths joints with sigma 1
 /// Shapes  values (frames, width) -> the same
 /// Throws  config_error 101 (sigma), shape_error 205 (size)
@@ -14026,7 +14599,7 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
   }
   for (double& w : kernel) w /= sum;
   const Index frames = std::ssize(values) / width, size = frames * width;
-  std::vector<double> longer, sums(values.size());  // the values with the ends going on
+  std::vector<double> longer, sums(values.size());  // the values with repeated ends
   for (Index t = -radius; t < frames + radius; ++t) {
     const auto row = values.subspan(static_cast<std::size_t>(std::clamp<Index>(t, 0, frames - 1) * width));
     for (Index c = 0; c < width; ++c) longer.push_back(static_cast<double>(row[static_cast<std::size_t>(c)]));
@@ -14044,8 +14617,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_HPP  // <motionlang/kinematics/guo_chains.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_HPP
-/// A body as chains of joints with one zero direction for every bone: what HumanML3D and KIT need to know of a
-/// skeleton.
+/// A body as chains of joints with one zero direction for every bone, for HumanML3D and KIT.
 ///
 /// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), HumanML3D
 ///         paramUtil.py
@@ -14053,28 +14625,28 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The bone that ends at `joint`. `before` is the joint whose rotation goes ahead of it: the one before in its chain,
-/// but the root for the first bone of a chain, also where the chain branches off elsewhere.
+/// The bone that ends at `joint`. `before` is the joint whose rotation precedes it: the joint before in its chain. For
+/// the first bone of a chain it is the root, even if the chain branches off elsewhere.
 struct ChainBone {
   std::size_t joint = 0, parent = 0, before = 0;
 };
 
-/// Chains are walked one after the other; each begins at the root (joint 0) or at a joint of an earlier chain.
+/// Chains are processed in order. Each begins at the root (joint 0) or at a joint of an earlier chain.
 struct ChainSkeleton {
   std::string name;
   std::vector<std::vector<int>> chains;
   std::vector<Vec3<double>> directions;  // unit vector of the bone that ends at each joint; nothing for the root
-  std::array<int, 4> face{};             // right hip, left hip, right shoulder, left shoulder: where it looks
-  std::array<int, 2> leg{};              // joints at which thigh and shank end: how tall it is
-  std::array<int, 2> left_foot{}, right_foot{};  // ankle and toes: where it touches the floor
+  std::array<int, 4> face{};             // right hip, left hip, right shoulder, left shoulder: for the heading
+  std::array<int, 2> leg{};              // joints at which thigh and shank end: for the height
+  std::array<int, 2> left_foot{}, right_foot{};  // ankle and toes: for contacts with the floor
   double foot_threshold = 0;                     // a foot stands if its squared displacement per frame is smaller
   double fps = 20;
   std::vector<double> lengths{};  // of the bones of the reference skeleton; empty if not published
 
   std::size_t size() const { return directions.size(); }
 
-  /// All bones in the order of the chains, parents first. Throws config_error 106 unless every joint but the root ends
-  /// one bone, chains begin where earlier ones have been, and all joints and directions are there.
+  /// All bones in the order of the chains, parents first. Throws config_error 106 unless every joint except the root
+  /// ends one bone, chains begin at earlier joints, and all joints and directions exist.
   std::vector<ChainBone> bones() const;
   /// Throws as bones().
   void validate() const { bones(); }
@@ -14086,9 +14658,9 @@ struct ChainSkeleton {
 const ChainSkeleton& humanml3d_chains();
 
 /// KIT Motion-Language: 21 joints of the Master Motor Map, about 640 units per metre, 12.5 frames per second. The names
-/// of the data set are mirrored: joints 11 ... 15 and 5 ... 7 ("L") are the right side of the body, and so they are
-/// taken. The threshold is published in metres although the data are not, hence contacts are hardly ever on. The
-/// lengths of the reference clip 03950 are not published.
+/// of the data set are mirrored: joints 11 ... 15 and 5 ... 7 ("L") are the right side of the body, and this follows
+/// the joints. The threshold is published in metres although the data are not, so contacts are rare. The lengths of the
+/// reference clip 03950 are not published.
 const ChainSkeleton& kit_chains();
 
 MOTIONLANG_NAMESPACE_END
@@ -14184,11 +14756,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct FacingOptions {
   double sigma = 0;            // frames; of the Gaussian filter over time, 0: none
-  bool legacy_forward = true;  // as published: hips count left minus right; false: right minus left, as shoulders do
+  bool legacy_forward = true;  // as published: hips count left minus right; false: right minus left, like shoulders
 };
 struct ChainRotationOptions {
   FacingOptions facing{};
-  bool fix_first_frame = false;     // false, as published: the root of frame 0 is the identity, whatever it faces
+  bool fix_first_frame = false;     // false, as published: the root of frame 0 is the identity, whatever its heading
   bool fix_opposite_bones = false;  // false, as published: NaN for a bone exactly opposite to its zero direction, and
                                     // for a body that faces -Z
 };
@@ -14226,7 +14798,7 @@ MeasuredBone<S> measure_bone(const ChainSkeleton& skeleton, const ChainBone& bon
   return {v, length};
 }
 
-/// The joint that a skeleton names by number.
+/// The joint with this number.
 template <class T>
 const T& joint_of(const T* frame, int joint) {
   return frame[static_cast<std::size_t>(joint)];
@@ -14260,10 +14832,10 @@ std::vector<Vec3<S>> chain_offsets(const ChainSkeleton& skeleton, std::span<cons
   return out;
 }
 
-/// Where a body faces in one frame, frame at its first joint: level, not of unit length (shorter if hips and shoulders
-/// are not level).
-///     a = (hip_r - hip_l) + (shoulder_r - shoulder_l) normalised,   forward = Y x a
-/// legacy: the hips are taken the other way round, as the published inverse kinematics does.
+/// The facing direction of a body in one frame; `frame` points to its first joint. It is level and not of unit length
+/// (shorter if hips and shoulders are not level).
+///    a = (hip_r - hip_l) + (shoulder_r - shoulder_l) normalised,   forward = Y x a
+/// legacy: the hips are exchanged, as in the published inverse kinematics.
 template <Scalar S>
 Vec3<S> facing(const ChainSkeleton& skeleton, const Vec3<S>* frame, bool legacy) {
   auto across = [&](std::size_t right, std::size_t left) {
@@ -14273,7 +14845,7 @@ Vec3<S> facing(const ChainSkeleton& skeleton, const Vec3<S>* frame, bool legacy)
   return {a.z, S(0), -a.x};
 }
 
-/// Where it faces in every frame, unit vectors. Throws shape_error 205, config_error 101 (sigma) and 106.
+/// The facing direction in every frame, as unit vectors. Throws shape_error 205, config_error 101 (sigma) and 106.
 template <Scalar S>
 std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
                                        const FacingOptions& options = {}) {
@@ -14292,7 +14864,7 @@ std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<
 
 namespace detail {
 
-/// The turn about Y that takes a level direction onto +Z, half a turn for -Z.
+/// The turn about Y from a level direction to +Z; half a turn for -Z.
 template <Scalar S>
 Quaternion<S> turn_ahead(const Vec3<S>& level) {
   const S half = std::atan2(level.x, level.z) / 2;
@@ -14318,7 +14890,7 @@ std::vector<Quaternion<S>> chain_roots(const ChainSkeleton& skeleton, std::span<
 /// zero    directions of the bones
 /// world   workspace (joints)
 /// local   result (joints)
-/// Returns 0 where all bones have a length.
+/// Returns 0 if any bone has no length.
 template <ScalarLike T>
 T chain_rotations(std::span<const ChainBone> bones, std::span<const Vec3<T>> zero, const Vec3<T>* joints,
                   const Quaternion<T>& root, bool fix_opposite, Quaternion<T>* world, Quaternion<T>* local) {
@@ -14397,7 +14969,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The path of the root. `turn` takes directions of the world to those seen from the body.
+/// The path of the root. `turn` converts directions of the world to those seen from the body.
 template <Scalar S>
 struct Guoh3dRoot {
   std::vector<Quaternion<S>> turn;  // (frames)
@@ -14405,8 +14977,8 @@ struct Guoh3dRoot {
 };
 
 struct Guoh3dRecovery {
-  /// Adds the frame behind the last one: as features of T frames of joints are T - 1 rows, this gives all T back. Its
-  /// positions are those of the last row moved by the last row's velocities.
+  /// Adds the frame after the last one. Features of T frames of joints are T - 1 rows, and this gives all T frames
+  /// back. Its positions are those of the last row, moved by the velocities of that row.
   bool last_frame = false;
 };
 
@@ -14417,7 +14989,7 @@ Vec3<S> vector_at(std::span<const S> values, Index at) {
   const auto i = static_cast<std::size_t>(at);
   return {values[i], values[i + 1], values[i + 2]};
 }
-/// Rows of the features. Throws shape_error 205 if they are not whole, config_error 101 for a body without joints.
+/// Rows of the features. Throws shape_error 205 if they are not whole, and config_error 101 for a body without joints.
 template <Scalar S>
 std::size_t guoh3d_rows(std::string_view function, std::span<const S> features, Index joints) {
   const Index width = Guoh3dSlots{joints}.size();
@@ -14488,7 +15060,7 @@ std::vector<Vec3<S>> guoh3d_joints(std::span<const S> features, Index joints = 2
   return out;
 }
 
-/// The same from the rotations of the rows, on bones of other lengths.
+/// The same from the rotations of the rows, with bones of other lengths.
 /// offsets  (joints), see chain_offsets
 /// Throws   shape_error 204, 205, config_error 101, 106
 template <Scalar S>
@@ -14514,34 +15086,36 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP  // <motionlang/features/guoh3d_extraction.hpp>
 #define MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP
-/// The 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251, from joint positions: onto the reference
-/// skeleton, onto the floor, facing +Z, then rotations, velocities and contacts. Back: guoh3d.hpp.
+/// The 263 values per frame of HumanML3D ("guoh3dfeats"), or KIT's 251, from joint positions. The joints are put onto
+/// the reference skeleton and the floor and turned to face +Z. Rotations, velocities and contacts follow. The other
+/// direction is in guoh3d.hpp.
 ///
 ///     auto features = guoh3d_features(humanml3d_chains(), joints);     // (frames, 22) -> (frames - 1, 263)
 ///
-/// Another body is another ChainSkeleton. Which number is what: Guoh3dSlots in layout.hpp.
+/// Another body is another ChainSkeleton. Guoh3dSlots in layout.hpp explains the values.
 ///
 /// Source  Guo et al. (CVPR 2022), motion_representation.ipynb process_file, extract_features
 /// World   Y up; velocities and turns per frame (20 frames per second, KIT 12.5)
 
 #ifndef MOTIONLANG_HAS_CORE_LANE_ROWS_HPP  // <motionlang/core/lane_rows.hpp>
 #define MOTIONLANG_HAS_CORE_LANE_ROWS_HPP
-/// Rows of numbers into lanes, number k of row i in lane i of number k, and back.
+/// Moves rows of values into lanes and back. Value k of row i is lane i of value k.
 ///
-/// Floats go four at a time: a register is made of pieces of 16 bytes, and piece i of register r takes four numbers of
-/// row 4 i + r. In four such registers the squares of four by four that stand at the same piece are transposed.
+/// Floats are moved four at a time. A register consists of pieces of 16 bytes, and piece i of register r holds four
+/// values of row 4 i + r. In four such registers, the four-by-four squares at the same piece are transposed.
 
 #ifndef MOTIONLANG_HAS_CORE_LANE_HPP  // <motionlang/core/lane.hpp>
 #define MOTIONLANG_HAS_CORE_LANE_HPP
-/// A handful of numbers that are calculated with at once: one SIMD register as a `ScalarLike`.
+/// Several values that are calculated together: one SIMD register as a `ScalarLike`.
 ///
-/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one; with
-/// `with_widest_lanes` as many as a register of this processor holds. The compiler's vector types are used, so the code
-/// is the same on every processor. Square roots are refined from an estimate (error below 2 ulp).
+/// Geometry over `Lane<float>` computes eight poses at a time with the source text for one. With `with_widest_lanes` it
+/// computes as many as a register of this processor holds. The compiler's vector types are used, so the code is the
+/// same on every processor. Square roots are refined from an estimate (error below 2 ulp).
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-// Everything below is inlined: how such vectors are passed between functions depends on the caller's instruction set.
+// Everything below is inlined, because the caller's instruction set decides how such vectors are passed between
+// functions.
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 
 template <Scalar S, int bytes = 32>
@@ -14551,10 +15125,10 @@ struct Lane {
   using Bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
   typedef Bits BitRegister __attribute__((vector_size(bytes)));
 
-  alignas(bytes) Register v{};  // said, since GCC aligns it less where such registers are not switched on
+  alignas(bytes) Register v{};  // stated, since GCC aligns it less if such registers are not switched on
 
   Lane() = default;
-  /// Not trivial on purpose: other functions then return a lane through memory, whatever their caller was compiled for.
+  /// Not trivial on purpose: functions then return a lane through memory, for any instruction set of their caller.
   MOTIONLANG_INLINE Lane(const Lane& other) : v(other.v) {}
   Lane& operator=(const Lane&) = default;
   template <class N>
@@ -14577,9 +15151,9 @@ struct Lane {
     return from(a.v < b.v ? x.v : y.v);
   }
 
-  /// 1 / sqrt(x) of a normal number x > 0, error below 2 ulp; finite of 0.
-  /// The well-known estimate by shifting the exponent, 3.5 % off, then Householder's iteration: with y = (1 + e) /
-  /// sqrt(x) and h = x y^2, the first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
+  /// 1 / sqrt(x) of a normal number x > 0, error below 2 ulp; finite for 0. It starts from the well-known estimate by
+  /// shifting the exponent, 3.5 % off. Householder's iteration follows: with y = (1 + e) / sqrt(x) and h = x y^2, the
+  /// first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
   friend MOTIONLANG_INLINE Lane inverse_sqrt(const Lane& x) {
     constexpr Bits magic = sizeof(S) == 4 ? static_cast<Bits>(0x5F375A86) : static_cast<Bits>(0x5FE6EB50C7B537A9);
     Register y = (Register)(magic - ((BitRegister)x.v >> 1));
@@ -14618,8 +15192,8 @@ static_assert(ScalarLike<Lane<float>> && ScalarLike<Lane<double>>);
 
 #undef MOTIONLANG_INLINE
 
-/// Calls f.operator()<Lane<S, bytes>>(), by GCC for the widest registers of this processor, compiled for them with all
-/// that it calls.
+/// Calls f.operator()<Lane<S, bytes>>() with the widest registers of this processor. GCC compiles f and everything that
+/// it calls for them.
 template <Scalar S, class F>
 void with_widest_lanes(const F& f) {
 #if defined(MOTIONLANG_WIDER_COPIES)
@@ -14637,10 +15211,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-// Inlined, as all of lane.hpp.
+// Inlined, like all of lane.hpp.
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 
-/// Piece i of four numbers of a register is at from + i * step.
+/// Piece i of a register, four values, is at from + i * step.
 template <int bytes>
 MOTIONLANG_INLINE void load_pieces(const float* from, std::size_t step, Lane<float, bytes>& to) {
   if constexpr (bytes == 16) {
@@ -14671,7 +15245,7 @@ MOTIONLANG_INLINE void store_pieces(const Lane<float, bytes>& from, float* to, s
   }
 }
 
-/// In every piece: numbers p and q of a, then r and t of b.
+/// In every piece: values p and q of a, then r and t of b.
 template <int p, int q, int r, int t, int bytes>
 MOTIONLANG_INLINE Lane<float, bytes> mix(const Lane<float, bytes>& a, const Lane<float, bytes>& b) {
   constexpr int n = bytes / 4, from[4] = {p, q, n + r, n + t};
@@ -14683,7 +15257,7 @@ MOTIONLANG_INLINE Lane<float, bytes> mix(const Lane<float, bytes>& a, const Lane
   return mixed;
 }
 
-/// In every piece: number k of in[i] becomes number i of in[k].
+/// In every piece: value k of in[i] becomes value i of in[k].
 template <int bytes>
 MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
   const auto low_a = mix<0, 1, 0, 1>(in[0], in[1]), high_a = mix<2, 3, 2, 3>(in[0], in[1]),
@@ -14694,8 +15268,8 @@ MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
 
 }  // namespace detail
 
-/// Lane i of number k is from[i * step + k] for the first `count` lanes (at least one); further lanes are as the last
-/// of these.
+/// Lane i of value k is from[i * step + k] for the first `count` lanes (at least one). Further lanes repeat the last of
+/// these.
 template <Scalar S, int bytes>
 MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std::span<Lane<S, bytes>> numbers) {
   using L = Lane<S, bytes>;
@@ -14722,7 +15296,7 @@ MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std
   }
 }
 
-/// Number k of lane i goes to to[i * step + k] for the first `count` lanes.
+/// Value k of lane i goes to to[i * step + k] for the first `count` lanes.
 template <Scalar S, int bytes>
 MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::size_t step, int count, S* to) {
   using L = Lane<S, bytes>;
@@ -14756,15 +15330,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP  // <motionlang/kinematics/uniform_skeleton.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP
-/// Joint positions of anybody on a skeleton of given bone lengths: every bone keeps its direction, the path of the root
-/// is scaled with the length of the leg.
+/// Joint positions of any person on a skeleton of given bone lengths. Every bone keeps its direction, and the path of
+/// the root is scaled with the length of the leg.
 ///
 ///     scale = (thigh + shank of the target) / (thigh + shank of frame 0)
 ///     X_0 = scale p_0,   X_j = X_parent(j) + length_j (p_j - p_parent(j)) / |p_j - p_parent(j)|
 ///
-/// Source  Guo et al. (CVPR 2022), HumanML3D motion_representation.ipynb uniform_skeleton. The
-///         published code goes there and back through rotations, which cancel; its NaN for a bone opposite to its zero
-///         direction is not reproduced here.
+/// Source  Guo et al. (CVPR 2022), HumanML3D motion_representation.ipynb uniform_skeleton. The published code converts
+///         to rotations and back, which cancels. Its NaN for a bone opposite to its zero direction is not reproduced.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -14776,7 +15349,7 @@ struct UniformJoints {
 
 /// joints   (frames, joints)
 /// lengths  (joints), of the target's bones
-/// The result keeps its own height, without a search for the floor. Without frames it is empty, with scale 0.
+/// The result keeps its own height; it does not search for the floor. Without frames it is empty, with scale 0.
 /// Throws   shape_error 204, 205, config_error 106, numeric_error 301 for a bone that is not finite, 302 for one of
 ///          length 0
 template <Scalar S>
@@ -14813,12 +15386,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The defaults are as published.
 struct Guoh3dOptions {
   ChainRotationOptions rotations{.facing = {.sigma = 20}};
-  /// false: where the heading passes 180 degrees, the turn of that frame gets the wrong sign.
+  /// false: if the heading passes 180 degrees, the turn of that frame gets the wrong sign.
   bool fix_yaw_sign = false;
 };
 
-/// Without what the published code gets wrong: the heading follows hips and shoulders alike, does not jump behind the
-/// first frame, passes 180 degrees, and a bone may be opposite to its zero direction.
+/// Options without the errors of the published code. The heading follows hips and shoulders alike, does not jump after
+/// the first frame, and passes 180 degrees. A bone may be opposite to its zero direction.
 inline Guoh3dOptions guoh3d_corrected() {
   return {.rotations = {.facing = {.sigma = 20, .legacy_forward = false},
                         .fix_first_frame = true,
@@ -14828,7 +15401,7 @@ inline Guoh3dOptions guoh3d_corrected() {
 
 namespace detail {
 
-/// A turn about Y, as the rotation of a root is: two products for each coordinate instead of a quaternion's.
+/// A turn about Y, like the rotation of a root. It takes two products for each coordinate instead of a quaternion's.
 template <ScalarLike T>
 struct LevelTurn {
   T c, s;  // cosine and sine
@@ -14839,15 +15412,15 @@ struct LevelTurn {
 
 }  // namespace detail
 
-/// Joints on the floor; frame 0 stands at x = z = 0 and faces +Z.
+/// Joints on the floor. Frame 0 is at x = z = 0 and faces +Z.
 template <Scalar S>
 struct GroundedJoints {
   std::vector<Vec3<S>> joints;  // (frames, joints)
   S floor{};                    // height of the lowest joint of the clip, before
-  Quaternion<S> turn{};         // that all joints have been turned by, last
+  Quaternion<S> turn{};         // last turn of all joints
 };
 
-/// first   how the facing direction of frame 0 is found; as published, from this frame alone. A body that faces -Z is
+/// first   how to find the facing direction of frame 0; as published, from this frame alone. A body that faces -Z is
 ///         turned by 180 degrees; published: NaN
 /// Throws  shape_error 205 if the joints are not whole frames, config_error 101 (sigma) and 106
 template <Scalar S>
@@ -14893,19 +15466,19 @@ std::vector<S> guoh3d_contacts(const ChainSkeleton& skeleton, std::span<const Ve
   return out;
 }
 
-/// The rotation from one root rotation to the next; its y is the sine of half the turn.
-/// fix_sign: the shorter way round.
+/// The rotation from one root rotation to the next. Its y is the sine of half the turn. fix_sign: along the shorter
+/// arc.
 template <ScalarLike T>
 Quaternion<T> guoh3d_turn(const Quaternion<T>& root, const Quaternion<T>& next, bool fix_sign = false) {
   const Quaternion<T> q = next * inverse(root);
   return fix_sign ? where_less(q.w, T(0), T(-1), T(1)) * q : q;
 }
-/// The way of the root to the next frame, seen from the body there.
+/// The displacement of the root to the next frame, seen from the body there.
 template <ScalarLike T>
 Vec3<T> guoh3d_root_velocity(const Quaternion<T>& next, const Vec3<T>& now_position, const Vec3<T>& next_position) {
   return rotate(next, next_position - now_position);
 }
-/// A joint seen from the body: x and z relative to the body's root, the height above the floor.
+/// A joint seen from the body: x and z relative to the body's root, and the height above the floor.
 template <ScalarLike T>
 Vec3<T> guoh3d_position(const Quaternion<T>& root, const Vec3<T>& root_position, const Vec3<T>& joint) {
   return rotate(root, joint - Vec3<T>{root_position.x, T(0), root_position.z});
@@ -14913,8 +15486,8 @@ Vec3<T> guoh3d_position(const Quaternion<T>& root, const Vec3<T>& root_position,
 
 namespace detail {
 
-/// One row, or one in each lane: rotations of the frame, the root's of the next, joints of both. Number 0 is left as
-/// the sine of half the turn.
+/// One row, or one in each lane: rotations of the frame, root rotation of the next frame, joints of both. Value 0 is
+/// left as the sine of half the turn.
 template <ScalarLike T>
 void guoh3d_row(const ChainSkeleton& skeleton, bool fix_yaw_sign, std::span<const Quaternion<T>> local,
                 const Quaternion<T>& next_root, std::span<const Vec3<T>> now, std::span<const Vec3<T>> next, T* to) {
@@ -14992,8 +15565,8 @@ std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<con
   return out;
 }
 
-/// The whole way.
-/// joints   (frames, joints), of anybody, anywhere
+/// All steps together.
+/// joints   (frames, joints), of any person at any place
 /// lengths  (joints), bones of the reference skeleton
 /// result   (frames - 1, 12 J - 1)
 /// With fix_first_frame the smooth heading of frame 0 is turned onto +Z, so that the identity is right there.
@@ -15007,7 +15580,7 @@ std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Ve
                                       options.rotations.fix_first_frame ? smooth : published);
   return guoh3d_from_grounded(skeleton, std::span<const Vec3<S>>(grounded.joints), options);
 }
-/// With the lengths of the skeleton itself. Throws config_error 101 if it has none, as KIT's.
+/// The same with the lengths of the skeleton itself. Throws config_error 101 if it has none, like KIT's.
 template <Scalar S>
 std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
                                const Guoh3dOptions& options = {}) {
@@ -15024,11 +15597,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FEATURES_RIFKE_HPP  // <motionlang/features/rifke.hpp>
 #define MOTIONLANG_HAS_FEATURES_RIFKE_HPP
-/// Rotation invariant forward kinematic encoding of joint positions ("rifke"): TEMOS' 64 numbers of the 21 joints of
-/// MMM, SINC's 67 and TMR's 67 or 73 of SMPL's joints. There and back.
+/// Rotation invariant forward kinematic encoding of joint positions ("rifke"), and its inverse: TEMOS' 64 values for
+/// the 21 joints of MMM, and SINC's 67 and TMR's 67 or 73 for SMPL's joints.
 ///
 ///     0             height of the root above the floor
-///     1:3J-2        joints 1 ... J-1 seen from the body: x', then y and z as the world has them, one of them turned
+///    1:3J-2        joints 1 ... J-1 seen from the body: x', then y and z of the world, one of them turned
 ///     3J-2          turn of the heading, radians per frame
 ///     3J-1:3J+1     velocity of the root over the ground, seen from the body, per frame
 /// World: Y up with x, z level (TEMOS, any unit), or Z up with x, y level (SINC, TMR).
@@ -15039,13 +15612,13 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One of the published variants, or one of one's own.
+/// One of the published variants, or one of your own.
 struct RifkeVariant {
   Index joints = 0;
   bool z_up = false;
   std::array<std::array<int, 2>, 2> across{};  // pairs (right, left) whose difference points across the body
-  std::vector<int> floor{};                    // the lowest of these gives the floor; none: height 0
-  bool wrapped_turns = true;                   // turns in (-pi, pi]; false: they jump where the heading passes pi
+  std::vector<int> floor{};                    // the lowest of these is on the floor; none: height 0
+  bool wrapped_turns = true;                   // turns in (-pi, pi]; false: they jump if the heading passes pi
   bool swapped_forward = false;      // sine and cosine are (-x, y) of the vector across; false: (-y, x), straight ahead
   bool forward_differences = false;  // turns and velocities to the next frame; false: from the one before
   Index size() const { return 3 * joints + 1; }
@@ -15098,7 +15671,7 @@ inline std::size_t rifke_frames(std::string_view function, std::size_t values, I
   }
   return values / static_cast<std::size_t>(per_frame);
 }
-/// Throws shape_error 203 for a joint that the variant names but does not have.
+/// Throws shape_error 203 if the variant names a joint that it does not have.
 inline void require_joints(const RifkeVariant& variant) {
   auto require = [&](int joint) {
     if (joint < 0 || joint >= variant.joints) raise<shape_error>(203, "rifke: joint ", joint, " of ", variant.joints);
@@ -15123,7 +15696,7 @@ void filter_forward(std::vector<std::array<S, 2>>& forward) {
 
 /// joints          (frames, J)
 /// forward_filter  smooths the heading, as an option of TEMOS does
-/// The floor is soft: m - ln(1/2 + exp(m - M)) for the lowest (m) and highest (M) of the lowest joint's heights.
+/// The floor is soft: m - ln(1/2 + exp(m - M)) for the lowest (m) and highest (M) height of the lowest joint.
 /// Throws          shape_error 205, 203 if the variant names a joint that it does not have
 template <Scalar S>
 RifkeFeatures<S> rifke_features(const RifkeVariant& variant, std::span<const Vec3<S>> joints,
@@ -15186,7 +15759,7 @@ RifkeFeatures<S> rifke_features(const RifkeVariant& variant, std::span<const Vec
 }
 
 /// features  (frames, 3 J + 1), not normalised
-/// result    (frames, J); frame 0 stands at the origin with heading 0, on the floor
+/// result    (frames, J); frame 0 is at the origin with heading 0, on the floor
 /// Throws    shape_error 205
 template <Scalar S>
 std::vector<Vec3<S>> rifke_joints(const RifkeVariant& variant, std::span<const S> features) {
@@ -15221,32 +15794,31 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_HPP  // <motionlang/kinematics/motion_from_joints.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_HPP
-/// A clip from the positions of its joints: what models that predict positions need to become BVH, GLB or AMASS.
+/// A clip from the positions of its joints. So models that predict positions can write BVH, GLB or AMASS.
 ///
 ///     const Motion clip = motion_from_joints(humanml3d22_skeleton(), joints, 20);
 ///
-/// Bones get the mean length that they have in the clip, and where several begin at one joint, the angles between them.
-/// Each joint is turned so that its bones at rest come nearest to where they are seen, with as little twist against its
-/// parent as that leaves open; positions along bones of constant length are met.
+/// Bones get their mean length in the clip. If several begin at one joint, the angles between them are also means. Each
+/// joint is turned so that its bones at rest come nearest to their observed directions, with as little twist against
+/// its parent as possible. Positions along bones of constant length are met exactly.
 /// Source  Mueller, Bender, Chentanez, Macklin: "A robust method to extract the rotational part of deformations" (MIG
-///         2016), eq. 7,
-///         on pairs of vectors:   omega = sum_i R a_i x b_i / |sum_i R a_i . b_i|,   R <- exp(omega) R
-/// World   Y up, as Motion has it
+///         2016), eq. 7, on pairs of vectors:
+///             omega = sum_i R a_i x b_i / |sum_i R a_i . b_i|,   R <- exp(omega) R
+/// World   Y up, as in Motion
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A vector at rest and where it is seen.
+/// A vector at rest and its observed direction.
 struct SeenVector {
   Vec3<double> rest, seen;
 };
 
-/// The rotation that brings vectors at rest nearest to where they are seen, in the sense of least squares, found from
-/// `start` on.
+/// The rotation that brings vectors at rest nearest to their observed directions, in the sense of least squares. The
+/// search begins at `start`.
 Quaternion<double> fit_rotation(std::span<const SeenVector> vectors, Quaternion<double> start);
 
-/// skeleton  its names, parents and the directions of its bones at rest; joints beyond those that are given stay as at
-///           rest
-/// joints    (frames, count), count <= the joints of the skeleton, of which they are the first
+/// skeleton  its names, parents and rest directions of bones; further joints stay at rest
+/// joints    (frames, count): the first joints of the skeleton, at most all of them
 /// Throws    shape_error 205 unless `joints` are whole frames, config_error 101 for a wrong count or frame rate,
 ///           numeric_error 301 for a position that is not finite
 Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, Index count, double fps);
@@ -15293,7 +15865,7 @@ inline double misfit(std::span<const SeenVector> vectors, const Quaternion<doubl
   return sum;
 }
 
-/// Bones that begin at one joint as they lie to one another in the clip, turned as at rest. They keep their lengths.
+/// The bones that begin at one joint, in the mean arrangement of the clip, turned as at rest. They keep their lengths.
 /// Each round turns the bones of every frame onto those at rest and takes the means.
 /// rest   (bones); seen (frames, bones)
 inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> rest,
@@ -15368,7 +15940,7 @@ MOTIONLANG_BODY Motion motion_from_joints(const Skeleton& skeleton, std::span<co
         for (const std::size_t c : children[j]) bones.push_back({out.skeleton.offsets[c], frame[c] - frame[j]});
       }
       world[j] = fit_rotation(bones, up);
-      for (int quarter = 1; parent < 0 && quarter < 4; ++quarter) {  // whatever it faces
+      for (int quarter = 1; parent < 0 && quarter < 4; ++quarter) {  // for any heading
         const auto start = from_axis_angle(Vec3<double>{0, 1, 0}, quarter * std::numbers::pi / 2);
         const auto other = fit_rotation(bones, start);
         if (detail::misfit(bones, other) < detail::misfit(bones, world[j]) - 1e-12) world[j] = other;
@@ -15427,7 +15999,7 @@ MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_rifke(std::span<const double
   return turned_up(rifke_joints(tmr_rifke(22), rows), false);
 }
 
-/// MMM's joints of every frame as KIT has them and TEMOS makes them: reflected, Y up.
+/// MMM's joints of every frame in the form of KIT and TEMOS: reflected, Y up.
 inline std::vector<Vec3<double>> mmm_joints_of(const Motion& motion) {
   const bool own =
       motion.skeleton.names == kit21_skeleton().names && motion.skeleton.parents == kit21_skeleton().parents;
@@ -15578,14 +16150,14 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP  // <motionlang/kinematics/on_smpl.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP
-/// A motion on SMPL's 24 joints, whatever skeleton it is on. Models, AMASS files and joint arrays want it there.
+/// A motion on SMPL's 24 joints, from any skeleton. Models, AMASS files and joint arrays need these joints.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
-/// only put in SMPL's order and the bones keep their lengths. Otherwise it is retargeted.
+/// The motion on SMPL's 24 joints. If it has them already, in any order (a BVH file is depth first), they are only put
+/// in SMPL's order and the bones keep their lengths. Otherwise it is retargeted.
 /// report  is set only if the motion is retargeted
-/// Throws  config_error 103 with the joint that is missing, as retarget does
+/// Throws  config_error 103 with the missing joint, like retarget
 Motion on_smpl(const Motion& motion, RetargetReport* report = nullptr);
 
 MOTIONLANG_NAMESPACE_END
@@ -15624,12 +16196,13 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// True if a motion has exactly the joints of these features, SMPL's or MMM's: rows are then made of it as it is.
+/// True if a motion has exactly the joints of these features, SMPL's or MMM's. Its rows then need no retargeting.
 bool has_joints_of(const MotionFeatures& features, const Motion& motion);
-/// True if a motion has the joints of any of the known features, in their order: a reader of a joint array, which has
-/// no names, takes it for what it is.
+/// True if a motion has the joints of any known features, in their order. A joint array has no names, so its reader
+/// recognises it by its joints.
 bool has_joints_of_arrays(const Motion& motion);
-/// The motion as it is if it has the joints of these features, otherwise on SMPL's. Throws what on_smpl throws.
+/// The motion itself if it has the joints of these features, otherwise the motion on SMPL's. Throws what on_smpl
+/// throws.
 Motion on_joints_of(const MotionFeatures& features, const Motion& motion);
 
 /// The rows of a motion on any joints, (frames, features.width), not normalised.
@@ -15645,18 +16218,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP  // <motionlang/kinematics/motion_tools.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP
-/// Editing clips: crop, resample, change speed, join, mirror, and take away the T-pose at the start of CMU files. Pure
-/// functions; the clip that is passed stays as it is.
+/// Edits clips: crop, resample, change speed, join, mirror, and remove the T-pose at the start of CMU files. The
+/// functions do not change their argument.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames first ... last - 1. Throws shape_error 203 unless 0 <= first <= last <= frames.
 Motion crop(const Motion& motion, Index first, Index last);
 
-/// The clip at another frame rate: frame i shows the moment i / fps, as long as the clip lasts (its last frame stands
-/// at (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Moments that
-/// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip.
-/// Throws config_error 101 unless fps > 0, and for more than max_rotations.
+/// The clip at another frame rate. Frame i shows the time i / fps, up to the end of the clip (its last frame is at
+/// (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Times that
+/// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip. Throws
+/// config_error 101 unless fps > 0, and for more than max_rotations.
 Motion resample(const Motion& motion, double fps);
 
 /// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
@@ -15670,28 +16243,27 @@ void require_same_kind(std::string_view function, const Motion& first, const Mot
 
 }  // namespace detail
 
-/// `second` after `first`, as they stand (no blending, no alignment: see blend.hpp). Throws config_error 102 if
-/// skeletons or frame rates differ.
+/// `second` after `first`, without blending or alignment (see blend.hpp). Throws config_error 102 if skeletons or frame
+/// rates differ.
 Motion concatenate(const Motion& first, const Motion& second);
 
 /// For each joint its partner on the other side, found by name; a joint in the middle is its own partner.
 /// Throws config_error 103 if a name says "left" or "right" and its partner is missing.
 std::vector<int> mirror_partners(const Skeleton& skeleton);
 
-/// The clip in a mirror that stands in the sagittal plane x = 0: left becomes right.
-///     p'_partner(j) = (-x, y, z)_j,   q'_partner(j) = (w, x, -y, -z)_j
-/// The skeleton is mirrored too, so that positions are exact images whatever its local axes; a symmetric one stays as
-/// it is. Throws config_error 102 if the partners do not pair up or their parents are not partners.
+/// The clip mirrored at the sagittal plane x = 0: left becomes right.
+///    p'_partner(j) = (-x, y, z)_j,   q'_partner(j) = (w, x, -y, -z)_j
+/// The skeleton is mirrored, too, so that positions are exact images for any local axes; a symmetric one does not
+/// change. Throws config_error 102 if the partners do not pair up or their parents are not partners.
 Motion mirror(const Motion& motion, std::span<const int> partners);
-/// With the partners that the names of the joints tell.
+/// The same with the partners that the names of the joints give.
 inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partners(motion.skeleton)); }
 
-/// How many frames at the start are not performed but an inserted T-pose: exporters put the zero pose in front of CMU
-/// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
-///
+/// The number of frames at the start that are an inserted T-pose, not performed. Exporters put the zero pose before CMU
+/// trials, and some blend out of it (Daz files, with a spline that swings over for the same time).
 /// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
-/// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last
-/// digit counts as one frame. Returns 0 for skeletons whose zero pose is not a T-pose: call it before retargeting.
+/// than it moves afterwards. A performer who really starts in a T-pose is not affected. A pose that repeats exactly
+/// counts as one frame. Returns 0 for skeletons whose zero pose is not a T-pose, so call it before retargeting.
 Index detect_t_pose_lead_in(const Motion& motion);
 
 /// The clip without those frames.
@@ -15880,8 +16452,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_GENERATE_ARM_OVERLAY_HPP  // <motionlang/generate/arm_overlay.hpp>
 #define MOTIONLANG_HAS_GENERATE_ARM_OVERLAY_HPP
-/// Arms that a collage of texts loses: beside a text that sits, stands or bends, a text of an arm may move it half as
-/// far as alone, or not at all. What the text makes alone is then laid over the collage.
+/// Repairs arms that do not do what their text says. Beside a text that sits, stands or bends, the text of an arm may
+/// move it half as far as alone, or not at all. The arm of a motion from that text alone then replaces it.
 ///
 ///     for (const ArmText& text : arm_texts(timeline, 10))   // that last ten frames or longer
 ///       if (is_arm_lost(motion, alone, text)) motion = lay_arm_over(motion, alone, text);    // alone: of text.alone
@@ -15893,27 +16465,27 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// A text of one arm or both, while other texts have the legs.
 struct ArmText {
   Timeline alone;                // the text by itself, on the whole body
-  Index start = 0;               // frame of the timeline in which it begins
+  Index start = 0;               // the frame of the timeline at which it begins
   BodyPart arm{};                // left_arm or right_arm
-  std::vector<std::uint8_t> on;  // (frames of `alone`): 1 where the arm is the text's
+  std::vector<std::uint8_t> on;  // (frames of `alone`): 1 where the arm belongs to the text
 };
 
-/// One entry for each arm of each text that has no other part than arms, where another text has the legs meanwhile.
-/// Texts that have the arm for less than `shortest` frames are left out.
+/// One entry for each arm of each text that has only arms, while another text has the legs. Texts that have the arm for
+/// less than `shortest` frames are left out.
 std::vector<ArmText> arm_texts(const Timeline& timeline, Index shortest);
 
-/// How far the wrist comes in a clip, seen from the chest: the diagonal of the box in which it stays, metres. SMPL's
-/// joints. Counts frames in which `on` is 1; `start` is the frame of the clip where it begins.
+/// The range of the wrist in a clip, seen from the chest: the diagonal of its bounding box in metres. For SMPL's
+/// joints. Only frames in which `on` is 1 count; `start` is the frame of the clip at which it begins.
 double arm_extent(const Motion& motion, BodyPart arm, std::span<const std::uint8_t> on, Index start = 0);
 
-/// A share of the extent of an arm alone. In the collage, an arm that comes less far is lost.
+/// An arm is lost if its range in the collage is below this share of its range alone.
 inline constexpr double lost_arm_share = 0.8;
 
-/// True if an arm comes less than lost_arm_share as far as alone.
+/// True if the range of the arm is below lost_arm_share of that alone.
 bool is_arm_lost(const Motion& motion, const Motion& alone, const ArmText& text);
 
-/// The motion with the local rotations of the arm from `alone`; they come and go within `blend` frames, as far as the
-/// arm has any before or behind.
+/// The motion with the local rotations of the arm from `alone`. They are blended in and out over `blend` frames, if the
+/// arm has frames before or after.
 Motion lay_arm_over(const Motion& motion, const Motion& alone, const ArmText& text, Index blend = 6);
 
 MOTIONLANG_NAMESPACE_END
@@ -15978,7 +16550,7 @@ MOTIONLANG_BODY Motion lay_arm_over(const Motion& motion, const Motion& alone, c
   const auto on = [&](Index f) { return f >= 0 && f < frames && text.on[static_cast<std::size_t>(f)] != 0; };
   for (Index f = 0; f < frames; ++f) {
     if (!on(f)) continue;
-    Index near = blend + 1;  // frames to where the arm is not the text's, which the ends of the motion are not
+    Index near = blend + 1;  // frames to the next one of another text; ends of the motion do not count
     for (Index d = 1; d <= blend; ++d) {
       const bool before = text.start + f - d >= 0 && !on(f - d),
                  behind = text.start + f + d < motion.frames() && !on(f + d);
@@ -16004,29 +16576,29 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_GENERATE_FINISH_MOTION_HPP  // <motionlang/generate/finish_motion.hpp>
 #define MOTIONLANG_HAS_GENERATE_FINISH_MOTION_HPP
-/// From the numbers that a model makes to a motion that can be shown: rows of features become a motion, which is
-/// smoothed and put on its feet.
+/// Turns the features that a model generates into a finished motion: rows of features become a motion, which is
+/// smoothed and gets its floor and feet fixed.
 ///
 ///     Motion m = motion_of_features(stmc.layout.name, rows, stmc.layout.size, stmc.fps);
 ///     m = finish_motion(std::move(m), {});
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The named features that a model of this layout and width makes: "guoh3dfeats" is HumanML3D's or KIT's. Throws
-/// config_error 103 for another layout.
+/// The named features of a model with this layout and width: "guoh3dfeats" is HumanML3D's or KIT's. Throws config_error
+/// 103 for another layout.
 const MotionFeatures& features_of_layout(std::string_view layout, Index width);
 
 /// rows    (frames, width), not normalised
-/// layout  that of a model: "smplrifke", which starts facing pi as published; "guoh3dfeats", of HumanML3D or KIT; or
-///         the name of any motion_features
+/// layout  that of a model: "smplrifke", which starts facing pi as published; "guoh3dfeats" of HumanML3D or KIT; or the
+///         name of any motion_features
 /// Throws  config_error 103 for another layout, and what motion_of_rows throws
 Motion motion_of_features(std::string_view layout, std::span<const double> rows, Index width, double fps);
 /// fps: 0 is the rate of the features.
 Motion motion_of_features(const MotionFeatures& features, std::span<const float> rows, double fps = 0);
 
-/// Removes jitter (smooth_motion), lets the floor carry the body (stand_on_floor), keeps standing feet from sliding
-/// (fix_feet) and lifts feet that sink in (lift_sunken_feet), as the options say. Floor and feet are fixed on skeletons
-/// with known_legs. Feet come last, because feet that stand are to be still.
+/// Finishes a motion as the options say. It removes jitter (smooth_motion), keeps the body on the floor
+/// (stand_on_floor), keeps standing feet from sliding (fix_feet) and lifts feet that sink in (lift_sunken_feet). Floor
+/// and feet are fixed on skeletons with known_legs. Feet come last, because standing feet must not move again.
 Motion finish_motion(Motion motion, const GenerateOptions& options);
 
 MOTIONLANG_NAMESPACE_END
@@ -16037,23 +16609,23 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_HPP  // <motionlang/kinematics/floor_fix.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_HPP
-/// Bodies that the floor carries. Generated bodies hover, sink in, and stay in the air longer than gravity allows.
-/// Metres, Y up.
+/// Puts bodies on the floor. Generated bodies hover, sink in, and stay in the air longer than gravity allows. Metres, Y
+/// up.
 ///
 ///     Motion grounded = fix_floor(motion);      // stand_on_floor, lift_sunken_feet
 ///
-/// Nothing is known of stairs, ladders and seats: what stands on one for long comes down to the floor.
+/// The floor is flat: a body that stands on stairs, a ladder or a seat for long comes down to the floor.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP  // <motionlang/kinematics/foot_lock.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP
-/// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
-/// are predicted side by side and agree only nearly.
+/// Keeps standing feet in place. Y up, metres. Generated motions slide a little, because the model predicts the path of
+/// the root and the legs side by side, and they agree only approximately.
 ///
 ///     Motion steady = fix_feet(motion);      // turn_from_feet, path_from_feet, lock_feet, raise_swings
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP  // <motionlang/kinematics/foot_contact.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP
-/// When feet touch the floor. Y up, metres.
+/// Detects contacts of feet with the floor. Y up, metres.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -16062,7 +16634,7 @@ struct ContactJoint {
   int joint = 0;
   double height = 0.05;  // metres above the floor
 };
-/// The feet of SMPL and HumanML3D. When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm high.
+/// The feet of SMPL and HumanML3D. In a standing foot, the ankle is about 7 cm and the toe joint 1 to 2 cm high.
 inline constexpr double smpl_ankle_contact = 0.10, smpl_toe_contact = 0.05;
 /// Ankles and toes of SMPL (and HumanML3D).
 inline constexpr ContactJoint smpl_contact_joints[] = {
@@ -16070,13 +16642,13 @@ inline constexpr ContactJoint smpl_contact_joints[] = {
 
 namespace detail {
 
-/// The way of a joint over the floor from one frame to the next; `low` if it is below its height in both.
+/// The displacement of a joint over the floor from one frame to the next; `low` if it is below its height in both.
 struct Slide {
   bool low = false;
   Vec3<double> step{};
   double length() const { return norm(step); }
 };
-/// positions (frames, joints); frame + 1 is one of them.
+/// positions (frames, joints); frame + 1 must be a frame, too.
 inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index frame, const ContactJoint& foot,
                    double floor) {
   const auto &a = positions[static_cast<std::size_t>(frame * joints + foot.joint)],
@@ -16088,10 +16660,10 @@ inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index 
 
 struct ContactOptions {
   double floor = 0;
-  double speed = 0.6;  // m/s over the floor; a joint that is faster is only passing
+  double speed = 0.6;  // m/s over the floor; a faster joint is not in contact
 };
 
-/// (frames, feet): 1 where a foot is below its height and slower than options.speed between a frame and the next (the
+/// (frames, feet): 1 if a foot is below its height and slower than options.speed between a frame and the next (for the
 /// last frame: the one before). Throws shape_error 203 for a joint out of range.
 std::vector<std::uint8_t> foot_contacts(const Motion& motion, std::span<const ContactJoint> feet = smpl_contact_joints,
                                         const ContactOptions& options = {});
@@ -16148,13 +16720,13 @@ void require_limb(std::string_view function, const Skeleton& skeleton, const Lim
 }  // namespace detail
 
 /// Bends and turns a limb so that its end comes to `target`, or as near as its bones reach. The middle joint stays in
-/// its plane, and the rotation of the end in the world is kept.
-///     cos(middle) = (l1^2 + l2^2 - r^2) / (2 l1 l2),   r = |target - upper|
+/// its plane, and the end keeps its rotation in the world.
+///    cos(middle) = (l1^2 + l2^2 - r^2) / (2 l1 l2),   r = |target - upper|
 /// pose        (joints) local rotations of one frame, changed in place
-/// world       the same frame by forward kinematics, as it was before; not changed
-/// towards     where in the world the middle joint goes if the limb is straight (knees: forward)
-/// Throws      config_error 103 if the joints do not hang together, shape_error 205 unless there is one rotation for
-///             each joint, numeric_error 302 for a bone that is shorter than 0.1 mm
+/// world       the same frame by forward kinematics, before the change; not changed
+/// towards     the direction in the world to which the middle joint of a straight limb moves (knees: forward)
+/// Throws      config_error 103 if the joints are not connected, shape_error 205 unless there is one rotation for each
+///             joint, numeric_error 302 for a bone that is shorter than 0.1 mm
 void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, const JointTransforms<double>& world,
            const Limb& limb, const Vec3<double>& target, const Vec3<double>& towards);
 
@@ -16190,7 +16762,7 @@ MOTIONLANG_BODY void reach(const Skeleton& skeleton, std::span<Quaternion<double
              end = static_cast<std::size_t>(limb.end);
   const Vec3<double> a = world.position[upper], b = world.position[middle], c = world.position[end];
   const double l1 = norm(b - a), l2 = norm(c - b);
-  constexpr double slack = 1e-4;  // a limb never gets quite straight, where its plane would be lost
+  constexpr double slack = 1e-4;  // a limb never becomes quite straight, because its plane would be lost
   if (std::min(l1, l2) < slack) raise<numeric_error>(302, "reach: bones of ", l1, " m and ", l2, " m");
   const double r = std::clamp(norm(target - a), std::abs(l1 - l2) + slack, l1 + l2 - slack);
   auto angle = [](const Vec3<double>& u, const Vec3<double>& v) {
@@ -16229,28 +16801,28 @@ struct Leg {
 inline constexpr Leg smpl_legs[] = {{{1, 4, 7}, 10}, {{2, 5, 8}, 11}};
 inline constexpr Leg kit_legs[] = {{{11, 12, 13}, 15}, {{16, 17, 18}, 20}};
 
-/// Those of a skeleton with the joints of SMPL, with or without its hands, or of KIT; none of another one.
+/// The legs of a skeleton with the joints of SMPL, with or without its hands, or of KIT. None for other skeletons.
 std::span<const Leg> known_legs(const Skeleton& skeleton);
 
 struct FootFixOptions {
   double floor = 0;
   double ankle_height = smpl_ankle_contact, toe_height = smpl_toe_contact;  // below: in contact
-  double speed = 0.5;       // m/s; lock_feet takes a foot that slides faster to swing
-  double path_speed = 2;    // m/s; path_from_feet takes no foot that slides faster to carry the body
+  double speed = 0.5;       // m/s; lock_feet treats a foot that slides faster as swinging
+  double path_speed = 2;    // m/s; path_from_feet ignores a foot that slides faster
   double path_sigma = 1.5;  // frames; smoothness of the correction of the path
-  Index blend = 4;          // frames before and after a contact in which the leg comes and goes
-  double pivot = 15;        // degrees/s; turn_from_feet lets two feet on the floor turn together that fast
-  double clearance = 0.03;  // m; toes swing this high above where they stand; in recorded walks mostly 2.7 to 5.5 cm
+  Index blend = 4;          // frames before and after a contact over which the leg is blended
+  double pivot = 15;        // degrees/s; turn_from_feet allows two feet on the floor to turn together at this speed
+  double clearance = 0.03;  // m; toes swing this much above their standing height; recorded walks: 2.7 to 5.5 cm
 };
 
-/// The clip turned so that nobody turns like a turntable: what both feet turn together while they are on the floor,
-/// beyond `pivot`, the body does not turn. Where it looks is decided by the legs. The way turns with it.
-/// Throws config_error 103 if the skeleton has no such legs. A body without two legs stays as it is.
+/// The clip, turned so that the body does not rotate on standing feet. If both feet turn together on the floor faster
+/// than `pivot`, the body does not turn by the excess. So the legs decide the heading, and the path turns with it.
+/// Throws config_error 103 if the skeleton has no such legs. A body without two legs is not changed.
 Motion turn_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
-/// The clip with its path over the floor corrected so that the foot that stands (of the low ones the slowest) does not
-/// slide: where somebody goes is decided by the legs. Rotations and heights stay; in the air the path stays, too.
-/// Throws config_error 103 if the skeleton has no such legs, 101 unless path_sigma > 0.
+/// The clip with its path over the floor corrected so that the standing foot (the slowest of the low ones) does not
+/// slide. So the legs decide the path. Rotations and heights stay; in the air the path stays, too. Throws config_error
+/// 103 if the skeleton has no such legs, and 101 unless path_sigma > 0.
 Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
 namespace detail {
@@ -16262,15 +16834,15 @@ void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> off
 
 }  // namespace detail
 
-/// The clip with legs bent so that ankles and toes in contact stay in place. Between contacts the correction fades out
-/// and in. Throws config_error 103 if the skeleton has no such legs, numeric_error 302 if a leg has no length.
+/// The clip with bent legs, so that ankles and toes in contact stay in place. Between contacts the correction fades out
+/// and in. Throws config_error 103 if the skeleton has no such legs, and numeric_error 302 if a leg has no length.
 Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
-/// The clip with legs bent so that a foot swings over the floor, not along it: generated ones pass too low. A foot that
-/// stands is not moved. Throws as lock_feet.
+/// The clip with bent legs, so that a swinging foot passes over the floor and not along it. Generated feet swing too
+/// low. A standing foot is not moved. Throws as lock_feet.
 Motion raise_swings(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
-/// turn_from_feet, path_from_feet, lock_feet, raise_swings. Throws what they throw.
+/// Applies turn_from_feet, path_from_feet, lock_feet and raise_swings. Throws what they throw.
 inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                        const FootFixOptions& options = {}) {
   const Motion carried = path_from_feet(turn_from_feet(motion, legs, options), legs, options);
@@ -16322,7 +16894,7 @@ MOTIONLANG_BODY Motion turn_from_feet(const Motion& motion, std::span<const Leg>
     });
   };
   const double pivot = options.pivot * std::numbers::pi / 180 / motion.fps;
-  std::vector<double> turned(static_cast<std::size_t>(motion.frames()), 0.0);  // to each frame, too much
+  std::vector<double> turned(static_cast<std::size_t>(motion.frames()), 0.0);  // the excess turn up to each frame
   for (Index f = 0; f + 1 < motion.frames(); ++f) {
     if (!down(f) || !down(f + 1)) continue;
     std::array<double, 2> turn{};
@@ -16385,8 +16957,8 @@ MOTIONLANG_BODY Motion path_from_feet(const Motion& motion, std::span<const Leg>
 
 namespace detail {
 
-/// (frames): how far a foot that stands slides to the next frame, on its toe or its ankle, whichever carries it.
-/// Nothing for a foot that swings, and in the last frame.
+/// (frames): the slide of a standing foot to the next frame, on its toe or its ankle, whichever carries it. Nothing for
+/// a foot that swings, and in the last frame.
 inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& motion,
                                                                std::span<const Vec3<double>> positions, const Leg& leg,
                                                                const FootFixOptions& options) {
@@ -16401,8 +16973,8 @@ inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& mot
   return steps;
 }
 
-/// Where the knee of a straight leg goes, seen from the thigh: where the toes point in the rest pose, whatever that
-/// faces. +Z for a foot that does not tell.
+/// The direction in which the knee of a straight leg bends, seen from the thigh: that of the toes in the rest pose. +Z
+/// if the foot does not show it.
 inline Vec3<double> forward_of(const Skeleton& skeleton, const Leg& leg) {
   const auto rest = skeleton.rest_positions();
   const auto at = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
@@ -16425,9 +16997,9 @@ MOTIONLANG_BODY void move_foot(Motion& motion, const Leg& leg, std::span<const V
   }
 }
 
-/// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights
-/// where it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of
-/// its way: a foot that only jitters is left alone.
+/// (frames): the lift of a foot whose toe would otherwise swing too low. It must be `clearance` above the lower of the
+/// heights at which it leaves the floor and returns. There is one bump sin^2 for each swing, at most `clearance` or a
+/// tenth of its distance high, so that jitter is not lifted.
 inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
                                              const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames(), joints = motion.skeleton.size();
@@ -16460,8 +17032,8 @@ inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<con
   return lift;
 }
 
-/// (frames): by how much a foot has to be moved to stay where it stands. During a contact the offset undoes the slide;
-/// its mean is zero, so that the foot stands where it was on average. Between contacts it fades out and in.
+/// (frames): the offset that keeps a standing foot in its place. During a contact the offset undoes the slide; its mean
+/// is zero, so that the foot stands at its average place. Between contacts it fades out and in.
 inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<const Vec3<double>> positions,
                                               const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames();
@@ -16494,7 +17066,7 @@ inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<co
       return Vec3<double>{};
     };
     const Vec3<double> both = fade(-1) + fade(1);
-    offset[static_cast<std::size_t>(f)] = (1 / std::max(share, 1.0)) * both;  // contacts that are near: their mean
+    offset[static_cast<std::size_t>(f)] = (1 / std::max(share, 1.0)) * both;  // near contacts: their mean
   }
   return offset;
 }
@@ -16526,18 +17098,19 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct FloorFixOptions {
   double floor = 0;
-  double ankle_stands = 0.07, toe_stands = 0.015;  // m; height of these joints of a foot that stands
+  double ankle_stands = 0.07, toe_stands = 0.015;  // m; height of these joints of a standing foot
   double body_rests = 0.05;                        // m; of any other joint on which a body rests
   double tolerance = 0.04;                         // m; a body within this distance of the floor stays
   double longest_flight = 1.2;                     // s; a body that is above the floor for longer hovers
   double gravity = 9.81;                           // m/s^2
   double sigma = 0.05;                             // s; smoothness of the correction
-  double foot_sinks = 0.02;                        // m; a foot that is less deep in the floor stays
+  double foot_sinks = 0.02;                        // m; a foot that sinks in less than this stays
+  double seated = 0;  // m; if the root is lower, the trunk rests on the floor and feet carry nothing; 0: never
 };
 
 namespace detail {
 
-/// How far a foot is above the height at which it stands, on its toe or its ankle, whichever is nearer to the floor.
+/// The distance of a foot above its standing height, at its toe or its ankle, whichever is nearer to the floor.
 inline double foot_over_floor(std::span<const Vec3<double>> pose, const Leg& leg, const FloorFixOptions& options) {
   const auto at = [&](int joint) { return pose[static_cast<std::size_t>(joint)].y - options.floor; };
   return std::min(at(leg.limb.end) - options.ankle_stands, at(leg.toe) - options.toe_stands);
@@ -16545,29 +17118,36 @@ inline double foot_over_floor(std::span<const Vec3<double>> pose, const Leg& leg
 
 }  // namespace detail
 
-/// (frames): how far the lowest part of the body is above the floor, by the heights at which it stands or rests.
-/// Negative: it is sunk in. Throws config_error 103 if the skeleton has no such legs.
+/// (frames): the distance of the lowest part of the body above the floor, relative to the heights at which it stands or
+/// rests. Negative values mean that it has sunk in. Within 0.2 m above options.seated, feet count less for a lower
+/// root; below that they do not count. Throws config_error 103 if the skeleton has no such legs.
 std::vector<double> heights_over_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                                        const FloorFixOptions& options = {});
 
 /// The clip with its root moved up and down so that the floor carries it: h_f of heights_over_floor becomes 0 where the
-/// body stands. Rotations and the way over the floor stay.
-///     hovering   what is left of h if flights of at most longest_flight are taken away (a morphological opening)
-///     flights    no higher than a thrown body of the same peak:   h_f <= H - g/2 (t_f - t_peak)^2, or 0
-///     sunken     raised by as much as they are below the floor
-/// A correction starts at `tolerance`, and is full from twice that on.
-/// Throws config_error 103 if the skeleton has no such legs, 101 unless longest_flight and sigma are positive.
+/// body stands. Rotations and the path over the floor stay.
+///    hovering   the rest of h after flights of at most longest_flight are removed (a morphological opening)
+///    flights    no higher than a thrown body of the same peak:   h_f <= H - g/2 (t_f - t_peak)^2, or 0
+///    sunken     raised by their depth below the floor
+/// A correction starts at `tolerance`, and is complete from twice that on. Throws config_error 103 if the skeleton has
+/// no such legs, and 101 unless longest_flight and sigma are positive.
 Motion stand_on_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FloorFixOptions& options = {});
 
-/// The clip with legs bent so that no foot is deeper in the floor than foot_sinks. Throws as lock_feet.
+/// The clip with bent legs, so that no foot sinks deeper into the floor than foot_sinks. Throws as lock_feet.
 Motion lift_sunken_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                         const FloorFixOptions& options = {});
 
-/// stand_on_floor, lift_sunken_feet. Throws what they throw.
+/// Applies stand_on_floor and lift_sunken_feet. Throws what they throw.
 inline Motion fix_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                         const FloorFixOptions& options = {}) {
   return lift_sunken_feet(stand_on_floor(motion, legs, options), legs, options);
 }
+
+/// A recorded clip on the floor: moved up or down by what its lowest tenth is off, then fix_floor.
+/// seated  somebody sits, lies or does exercises on the floor: hips below 0.6 m come down to it, nothing flies
+/// Throws what fix_floor throws.
+Motion ground_recording(const Motion& motion, bool seated = false, std::span<const Leg> legs = smpl_legs,
+                        FloorFixOptions options = {});
 
 MOTIONLANG_NAMESPACE_END
 
@@ -16584,7 +17164,7 @@ inline std::span<const Vec3<double>> pose_of(std::span<const Vec3<double>> posit
   return positions.subspan(static_cast<std::size_t>(frame * joints), static_cast<std::size_t>(joints));
 }
 
-/// 0 up to the tolerance, x from twice that on, and steadily between.
+/// 0 up to the tolerance, x from twice the tolerance on, and linear between.
 inline double beyond(double x, double tolerance) { return x >= 2 * tolerance ? x : std::max(0.0, 2 * (x - tolerance)); }
 
 /// The smallest (of larger: largest) value within `reach` frames of each.
@@ -16602,9 +17182,9 @@ inline std::vector<double> extremes(std::span<const double> values, Index reach,
   return out;
 }
 
-/// By how much each frame of a flight is above the arc of a thrown body with the same peak. The peak is in the middle
-/// of the frames that are nearly as high.
-/// heights  above the floor, no hovering among them
+/// The height of each frame of a flight above the arc of a thrown body with the same peak. The peak is in the middle of
+/// the frames that are nearly as high.
+/// heights  above the floor, without hovering
 inline std::vector<double> above_arcs(std::span<const double> heights, double fps, const FloorFixOptions& options) {
   const Index n = std::ssize(heights);
   std::vector<double> above(heights.size(), 0.0);
@@ -16627,7 +17207,7 @@ inline std::vector<double> above_arcs(std::span<const double> heights, double fp
   return above;
 }
 
-/// Never below the values, and smooth where they begin and end.
+/// A smooth curve that is never below the values.
 inline std::vector<double> smooth_above(std::span<const double> values, double sigma) {
   const auto wide = extremes(values, 1, true);
   return gaussian_smooth(std::span<const double>(wide), 1, sigma);
@@ -16647,12 +17227,15 @@ MOTIONLANG_BODY std::vector<double> heights_over_floor(const Motion& motion, std
   std::vector<double> heights;
   for (Index f = 0; f < motion.frames(); ++f) {
     const auto pose = detail::pose_of(positions, joints, f);
-    double lowest = pose.front().y - options.floor - options.body_rests;
+    double trunk = pose.front().y - options.floor - options.body_rests;
     for (std::size_t j = 0; j < pose.size(); ++j) {
-      if (!of_foot[j]) lowest = std::min(lowest, pose[j].y - options.floor - options.body_rests);
+      if (!of_foot[j]) trunk = std::min(trunk, pose[j].y - options.floor - options.body_rests);
     }
+    double lowest = trunk;
     for (const Leg& leg : legs) lowest = std::min(lowest, detail::foot_over_floor(pose, leg, options));
-    heights.push_back(lowest);
+    const double standing =
+        options.seated > 0 ? std::clamp((pose.front().y - options.floor - options.seated) / 0.2, 0.0, 1.0) : 1;
+    heights.push_back(trunk + standing * (lowest - trunk));
   }
   return heights;
 }
@@ -16701,27 +17284,39 @@ MOTIONLANG_BODY Motion lift_sunken_feet(const Motion& motion, std::span<const Le
   return out;
 }
 
+MOTIONLANG_BODY Motion ground_recording(const Motion& motion, bool seated, std::span<const Leg> legs,
+                                        FloorFixOptions options) {
+  if (seated) options.seated = 0.6, options.longest_flight = 0.1;
+  auto heights = heights_over_floor(motion, legs, options);
+  if (heights.empty()) return motion;
+  const auto tenth = heights.begin() + std::ssize(heights) / 10;
+  std::nth_element(heights.begin(), tenth, heights.end());
+  Motion out = motion;
+  for (Vec3<double>& root : out.root) root.y -= *tenth;
+  return fix_floor(out, legs, options);
+}
+
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP  // <motionlang/kinematics/smooth_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP
-/// Removes jitter from a clip. Slow movement, peaks and the ends of the clip stay where they are.
+/// Removes jitter from a clip. It preserves slow movement, peaks and the ends of the clip.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct SmoothOptions {
-  /// Seconds. At 20 frames per second and 0.04 s a movement of 2.5 Hz keeps 98 % of its size, one of 5 Hz 82 %, one of
-  /// 10 Hz 35 %. Heels and toes strike the floor at such rates: more makes feet slide.
+  /// Seconds. At 20 frames per second and 0.04 s, a movement of 2.5 Hz keeps 98 % of its size, one of 5 Hz 82 %, and
+  /// one of 10 Hz 35 %. Heels and toes strike the floor at such rates, so more smoothing makes feet slide.
   double sigma = 0.04;
 };
 
 /// The clip with its root positions and local rotations smoothed along time by local parabolas. Rotations are averaged
-/// where they are: as rotation vectors seen from the frame itself.
-///     p'_f = sum_k c_k p_{f+k},   q'_f = q_f exp(sum_k c_k log(q_f^-1 q_{f+k})),   |k| <= floor(4 sigma fps + 1/2)
-/// With fewer than two neighbours on each side within reach nothing changes.
-/// Throws config_error 101 unless sigma >= 0.
+/// in their own frames: as rotation vectors relative to the frame itself.
+///    p'_f = sum_k c_k p_{f+k},   q'_f = q_f exp(sum_k c_k log(q_f^-1 q_{f+k})),   |k| <= floor(4 sigma fps + 1/2)
+/// A frame with fewer than two neighbours on each side within reach does not change. Throws config_error 101 unless
+/// sigma >= 0.
 Motion smooth_motion(const Motion& motion, const SmoothOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -16734,9 +17329,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them
-/// best, errors weighted by exp(-k^2 / (2 sigma^2)). They sum to 1, and a parabola is its own fit: so peaks are not
-/// blunted and ends are not pulled. Fewer than three values: the frame itself.
+/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the best parabola, with errors
+/// weighted by exp(-k^2 / (2 sigma^2)). They sum to 1. A parabola is its own fit, so peaks stay sharp and ends stay in
+/// place. With fewer than three values: the frame itself.
 ///     c_k = w_k (1 0 0) M^-1 (1, k, k^2)^T,   M_ab = sum_k w_k k^(a + b)
 /// Source  Savitzky and Golay (1964); with Gaussian weights local regression, Cleveland (1979)
 inline std::vector<double> parabola_weights(Index first, Index last, double sigma) {
@@ -16831,24 +17426,25 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Throws option_error 105 if more steps are wanted than the model has.
+/// Throws option_error 105 if the options ask for more steps than the model has.
 void require_steps(const GenerateOptions& options, Index steps);
-/// Throws option_error 102 for options of models that go through STMC that contradict each other.
+/// Throws option_error 102 for contradictory options of models that go through STMC.
 void require_one_source(const GenerateOptions& options);
 
-/// The frames that are kept of a clip of `frames` frames in a timeline of `wanted`. Throws option_error 101 for frames
-/// that are not there.
+/// The frames to keep of a clip of `frames` frames in a timeline of `wanted` frames. Throws option_error 101 for frames
+/// that do not exist.
 std::vector<IndexRange> kept_frames(const KeptClip& keep, Index frames, Index wanted, double fps);
 
-/// Made frames, at most this many beside those that are kept, lead from the ones to the others.
+/// Blends at most this many generated frames beside the kept ones, so that they lead from one to the other.
 Motion without_jumps(Motion motion, std::span<const IndexRange> kept, Index frames);
 
-/// Where the clip is, if its way is kept: turned and moved over the floor. Frames that are kept behind made ones are
-/// where these lead.
-/// clip  what is kept, at the rate of the motion
+/// Moves and turns the motion over the floor so that the clip is in its place, if its path is kept. Kept frames after
+/// generated ones are where these lead.
+/// clip  the kept motion, at the rate of the motion
 Motion in_its_place(Motion motion, const Motion& other, Index clip_frames, const GenerateOptions& options);
 
-/// Metres over the floor that the root of any kept frame is from where it was; 0 where the way is not kept.
+/// The largest distance over the floor, in metres, of the root of a kept frame from its old place. 0 if the path is not
+/// kept.
 double farthest_from(const Motion& motion, const Motion& clip, Index clip_frames, const KeptClip& keep);
 
 }  // namespace detail
@@ -16861,23 +17457,23 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BLEND_HPP  // <motionlang/kinematics/blend.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BLEND_HPP
-/// Blending clips: one into another, the end of a clip into its start, so that it can be repeated for ever, and frames
-/// into those beside them.
+/// Blends clips: one into another, the end of a clip into its start, so that it can be repeated for ever, and frames
+/// into their neighbours.
 ///
 ///     Motion both = blend_into(walk, run, 10);      // half a second at 20 frames per second
 ///     Motion cycle = make_loop(in_place(walk), 8).motion;
-///     Motion whole = without_jump(motion, 20, 30);  // frame 20 follows on frame 19, frame 30 is as it was
+///    Motion whole = without_jump(motion, 20, 30);  // frame 20 continues frame 19, frame 30 is unchanged
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP  // <motionlang/kinematics/root_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP
-/// Where a clip stands and goes on the floor: moving a whole clip, clips in place, and the path of the root as a track
-/// of its own, as game engines want it. Y up, metres, radians; a turn to the left is positive.
+/// The place and path of a clip on the floor: moving a whole clip, clips in place, and the path of the root as a track
+/// of its own for game engines. Y up, metres, radians; a turn to the left is positive.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The turn about the vertical that brings rotation `from` nearest to `to`, in [-pi, pi]. Whatever the local axes of
-/// the root are: turn_between(q, Ry(a) q) = a.
-///     max over a of |<to, Ry(a) from>|:   a = 2 atan2(d_y, d_w),   d = to from^-1
+/// The turn about the vertical that brings rotation `from` nearest to `to`, in [-pi, pi]. It does not depend on the
+/// local axes of the root: turn_between(q, Ry(a) q) = a.
+///    max over a of |<to, Ry(a) from>|:   a = 2 atan2(d_y, d_w),   d = to from^-1
 inline double turn_between(const Quaternion<double>& from, const Quaternion<double>& to) {
   const Quaternion<double> d = to * inverse(from);
   return std::remainder(2 * std::atan2(d.y, d.w), 2 * std::numbers::pi);
@@ -16892,8 +17488,8 @@ struct Placement {
   Vec3<double> operator()(const Vec3<double>& p) const { return rotate(rotation(), p) + shift; }
 };
 
-/// The transform that moves the root in frame `from` of one clip over the place and heading of the root in frame `to`
-/// of another. Heights stay. The frames exist.
+/// The transform that moves the root in frame `from` of one clip to the place and heading of the root in frame `to` of
+/// another. Heights stay. Both frames must exist.
 Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to);
 
 /// The whole clip moved.
@@ -16902,10 +17498,10 @@ Motion placed(const Motion& motion, const Placement& placement);
 struct InPlaceOptions {
   bool keep_height = true;  // false: the root stays at the height of the first frame
 };
-/// The clip with its root over the origin, x = z = 0, in all frames. Rotations stay, headings with them.
+/// The clip with its root over the origin, x = z = 0, in all frames. Rotations, and so headings, stay.
 Motion in_place(const Motion& motion, const InPlaceOptions& options = {});
 
-/// The way of a root over the floor.
+/// The path of a root over the floor.
 struct RootMotion {
   double fps = 20;
   std::vector<Vec3<double>> position;  // (frames), y = 0
@@ -16913,15 +17509,15 @@ struct RootMotion {
 };
 struct ExtractedRoot {
   RootMotion path;
-  Motion pose;  // in place, and always facing where the first frame faces
+  Motion pose;  // in place, always with the heading of the first frame
 };
 
-/// Takes the way of the root out of a clip. apply_root_motion puts it back.
-///     position = (x, 0, z) of the root,   heading_f = turn_between(q_0, q_f)
-///     pose: root (0, y, 0), rotation of the root Ry(-heading_f) q_f, all others as they are
+/// Removes the path of the root from a clip. apply_root_motion adds it again.
+///    position = (x, 0, z) of the root,   heading_f = turn_between(q_0, q_f)
+///    pose: root (0, y, 0), rotation of the root Ry(-heading_f) q_f, all others unchanged
 ExtractedRoot extract_root_motion(const Motion& motion);
 
-/// A clip carried along a path, frame by frame. Throws shape_error 204 unless both have as many frames.
+/// A clip moved along a path, frame by frame. Throws shape_error 204 unless both have the same number of frames.
 Motion apply_root_motion(const Motion& pose, const RootMotion& path);
 
 MOTIONLANG_NAMESPACE_END
@@ -16988,15 +17584,15 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// `second` after `first`, with `frames` frames over which the first blends into the second. The second clip is
-/// turned and moved over the floor so that in the middle of these frames both roots stand over one place and have one
-/// heading; heights are only blended. The result has frames(first) + frames(second) - frames frames.
-/// Throws config_error 102 if skeletons or frame rates differ, 101 unless 1 <= frames <= those of each clip.
+/// `second` after `first`. The first clip blends into the second over `frames` frames. The second clip is turned and
+/// moved over the floor until both roots have the same place and heading in the middle of these frames. Heights are
+/// only blended. The result has frames(first) + frames(second) - frames frames. Throws config_error 102 if skeletons or
+/// frame rates differ, and 101 unless 1 <= frames <= those of each clip.
 Motion blend_into(const Motion& first, const Motion& second, Index frames);
 
-/// The clip without the jump into frame `from`: that frame goes where the ones before it lead, and what this moves it
-/// by fades away until frame `to`, which is as it was. With to < from the same backwards in time: for the jump out of
-/// frame `from`. k is the frame before `from`, k' the one before that (k, where the clip has none).
+/// The clip without the jump into frame `from`. That frame moves to where the frames before it lead, and the correction
+/// fades away until frame `to`, which is unchanged. With to < from it works backwards in time, for the jump out of
+/// frame `from`. k is the frame before `from`, and k' the one before that (k if there is none).
 ///     r'_i = r_i + w_i (2 r_k - r_k' - r_from),   q'_i = q_i exp(w_i log(q_from^-1 q_k q_k'^-1 q_k)),
 ///     w_i = 1 - smoothstep(|i - from| / |to - from|)
 /// Source  "Inertialization", D. Bollo, GDC 2018; here with the weights of the other blends
@@ -17006,14 +17602,13 @@ Motion without_jump(const Motion& motion, Index from, Index to);
 /// One round of a loop.
 struct LoopRound {
   Motion motion;
-  Placement next;  // moves the clip of one round to that of the next
+  Placement next;  // moves the clip of one round to the next round
 };
 
-/// The clip as one round of a loop: its last `frames` frames are blended into its first ones and then cut off, so that
-/// after the last frame the first one, moved by `next`, is the natural following one. `next` turns and moves over the
-/// floor only; it is what brings the middle of the first frames over the middle of the last. A walk so goes on from
-/// round to round; make a clip in place first and `next` is at most a turn.
-/// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
+/// The clip as one round of a loop. Its last `frames` frames are blended into its first ones and then cut off. So after
+/// the last frame, the first one, moved by `next`, continues the motion. `next` only turns and moves over the floor: it
+/// brings the middle of the first frames over the middle of the last. A walk goes on from round to round. For a clip in
+/// place, `next` is at most a turn. Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
 LoopRound make_loop(const Motion& motion, Index frames);
 
 MOTIONLANG_NAMESPACE_END
@@ -17108,6 +17703,8 @@ MOTIONLANG_BODY void require_one_source(const GenerateOptions& o) {
   const bool noise = !o.noise.string().empty(), record = !o.record.string().empty(), reuse = !o.reuse.string().empty();
   if (o.keep && (noise || record || reuse)) raise<option_error>(102, "keep excludes noise, record and reuse");
   if (noise && (record || reuse)) raise<option_error>(102, "noise excludes record and reuse");
+  if (o.mode != StmcMode::stmc && (o.keep || record || reuse || o.overlay_arms))
+    raise<option_error>(102, "`mode` ", to_string(o.mode), " excludes `keep`, `record`, `reuse` and `overlay_arms`");
   if (o.keep_beyond && !reuse) raise<option_error>(102, "keep_beyond needs reuse");
 }
 
@@ -17170,26 +17767,115 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_HPP  // <motionlang/systems/sinc_baseline.hpp>
+#define MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_HPP
+/// The baseline of STMC: every text of a timeline is sampled alone, from its own noise. The motions are stitched once
+/// at the end, body part by body part, with hard cuts.
+///
+///     const auto motions = sinc_baseline(stmc, std::span(&timeline, 1), Philox{.seed = 7});
+///     const auto soft = sinc_baseline(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, SincCuts::interpolated);
+///
+/// Source  SINC (Athanasiou et al. 2023) on a timeline, as in section 4.2 of STMC (Petrovich et al. 2024)
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The transition at which a body part changes from one text to another: none, or an interpolation around the cut.
+enum class SincCuts { hard, interpolated };
+
+namespace detail {
+
+/// Frames of all crops, in batch order.
+std::vector<Index> crop_lengths(const BatchPlan& plan);
+
+}  // namespace detail
+
+/// The options for planning timelines for the baseline: intervals do not reach into each other.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+PlanOptions sinc_plan_options(const Stmc<B, D, E>& stmc, const StmcOptions& options) {
+  PlanOptions out = stmc.plan_options(options);
+  out.extend = out.transition_crops = false;
+  return out;
+}
+
+/// Takes a plan made with `sinc_plan_options`, and the caller's noise and clean estimates like Stmc::generate_from.
+/// Every text is a sequence, and the collage is that of the texts alone. Returns one motion for each timeline, (frames,
+/// features), not normalised.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E, class Noise, class Estimate>
+std::vector<Tensor<B, 2>> sinc_baseline_from(const Stmc<B, D, E>& stmc, const BatchPlan& plan, Noise&& noise,
+                                             const StmcOptions& options, SincCuts cuts, Estimate&& estimate) {
+  const DenoiserTraits traits = stmc.denoiser.traits();
+  const auto alone =
+      stmc.sample(independent_plan(plan, traits.uses_lengths ? 0 : traits.crop_frames), noise, options, estimate);
+  const std::vector<Index> lengths = detail::crop_lengths(plan);
+  const auto texts = reshape<3>(alone.rows, {std::ssize(lengths), alone.stride, stmc.layout.size});
+  const auto clips = from_padded(texts, std::span<const Index>(lengths));
+  CleanMotions<B> whole{Stitcher<B>(plan, stmc.layout, clips.offsets, plan.frames)(clips.rows), plan.frames};
+  if (cuts == SincCuts::interpolated) whole.rows = interpolate_transitions(plan, stmc.layout, whole.rows, whole.stride);
+  return stmc.separate(whole, plan);
+}
+
+/// The same with the model's own estimates.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E, class Noise>
+std::vector<Tensor<B, 2>> sinc_baseline_from(const Stmc<B, D, E>& stmc, const BatchPlan& plan, Noise&& noise,
+                                             const StmcOptions& options = {}, SincCuts cuts = SincCuts::hard) {
+  return sinc_baseline_from(
+      stmc, plan, noise, options, cuts,
+      [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
+}
+/// The same from timelines and a generator. Throws what Stmc::generate throws.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Tensor<B, 2>> sinc_baseline(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                        const Philox& rng, const StmcOptions& options = {},
+                                        SincCuts cuts = SincCuts::hard) {
+  return sinc_baseline_from(
+      stmc, plan_timelines(timelines, sinc_plan_options(stmc, options)),
+      [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, cuts);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_IPP  // <motionlang/systems/sinc_baseline.ipp>
+#define MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_IPP
+// Bodies of sinc_baseline.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::vector<Index> crop_lengths(const BatchPlan& plan) {
+  std::vector<Index> lengths;
+  for (const TimelinePlan& p : plan.timelines) {
+    for (const Crop& c : p.crops) lengths.push_back(c.range.size());
+  }
+  return lengths;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_HPP  // <motionlang/systems/stmc_keep.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_HPP
-/// STMC around a motion that is there already: frames or body parts of it are kept, texts make the rest.
+/// STMC around an existing motion: frames or body parts of it are kept, and texts make the rest.
 ///
 ///     KeptMotion<B> clip{features};                            // (frames, 205), not normalised
-///     // Its first and last second: what is between is made. Or its way and steps: texts move the rest.
+/// Its first and last second; the model makes the frames between. Or its path and steps; texts move the rest.
 ///     clip.parts = {{{0, 20}}, {{100, 120}}};
 ///     clip.parts = {{{0, 120}, BodyParts{}.with(BodyPart::legs)}};
 ///     const std::span<const KeptMotion<B>> kept(&clip, 1);     // one for each timeline
 ///     auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, kept);
 ///
-/// Rule    after every step the clean estimate is overwritten where something is kept; x_t stays as it is
+/// Rule    after every step the clean estimate is overwritten where a part is kept; x_t is not changed
 /// Source  MDM (Tevet et al. 2023), section 3 "Editing", MDM sample/edit.py
-/// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did,
-///         from wherever the frames before them have led. Models that do not look at what is kept jump where it begins
-///         and ends: `without_jump` (kinematics/blend.hpp), as in the program
+/// Note    Features describe the path over the floor by its velocity. So kept frames at the end move as before, but
+///         start where the frames before them end. Models that ignore the kept part jump where it begins and ends: use
+///         `without_jump` (kinematics/blend.hpp), as the program does
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames and body parts that are kept. The way over the ground belongs to the part with the path: the legs of a human.
+/// Kept frames and body parts. The path over the floor belongs to the part with the path: the legs of a human.
 struct KeptPart {
   IndexRange frames;
   BodyParts parts = BodyParts::every();
@@ -17207,7 +17893,7 @@ namespace detail {
 /// Positions of all these parts in a feature vector.
 std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts);
 
-/// Normalised features where they are kept, over whatever is elsewhere.
+/// Kept normalised features, which replace those of the model.
 template <Backend B>
 class KeptRows {
  public:
@@ -17258,14 +17944,14 @@ class KeptRows {
     }
   }
 
-  Tensor<B, 2> open_, values_;  // 1 where nothing is kept, and 0 there
+  Tensor<B, 2> open_, values_;  // 1 where nothing is kept, else 0
 };
 
 }  // namespace detail
 
-/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, except for the
-/// rounding of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline
-/// does not have, 102 for another number of motions, shape_error 205 for other features, numeric_error 301.
+/// As stmc.generate, with one motion to keep for each timeline. Kept values come back unchanged, up to the rounding of
+/// the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline lacks, 102 for
+/// another number of motions, shape_error 205 for other features, numeric_error 301.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                           const Philox& rng, const StmcOptions& options,
@@ -17310,87 +17996,53 @@ MOTIONLANG_NAMESPACE_END
 /// The record of an STMC run in one safetensors file, for edits in another process.
 ///
 /// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the
-///            generator and the options of the run; for another body than the human one body/parts, the names joined by
+///            generator and the options of the run; for a body other than the human one body/parts, the names joined by
 ///            " # ", and body/path
 /// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame,
 ///            end, body parts as bits; their texts are metadata text/0/0, ...
 
-#ifndef MOTIONLANG_HAS_FILE_DETAIL_CONTENT_HASH_HPP  // <motionlang/file/detail/content_hash.hpp>
-#define MOTIONLANG_HAS_FILE_DETAIL_CONTENT_HASH_HPP
-/// A checksum of many bytes at the speed of memory. Against accidents, not against forgery.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail {
-
-/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the rest and the length. Every step can be undone,
-/// so one changed word always changes the result.
-inline std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t before = 0xCBF29CE484222325u) {
-  constexpr std::uint64_t prime = 0x100000001B3u;
-  std::uint64_t lanes[4] = {before, before ^ 1u, before ^ 2u, before ^ 3u}, words[4];
-  const std::uint64_t size = bytes.size();
-  for (; bytes.size() >= sizeof words; bytes = bytes.subspan(sizeof words)) {
-    std::memcpy(words, bytes.data(), sizeof words);
-    for (int i = 0; i < 4; ++i) lanes[i] = (lanes[i] ^ words[i]) * prime;
-  }
-  std::uint64_t h = before;
-  for (const std::uint64_t lane : lanes) h = (h ^ lane) * prime;
-  for (const std::byte b : bytes) h = (h ^ static_cast<std::uint64_t>(b)) * prime;
-  h = (h ^ size) * prime;
-  return h ^ h >> 32;
-}
-
-inline std::string hexadecimal(std::uint64_t value) {
-  std::string out(16, '0');
-  for (std::size_t i = 16; i-- > 0; value >>= 4) out[i] = "0123456789abcdef"[value & 15u];
-  return out;
-}
-
-}  // namespace detail
-MOTIONLANG_NAMESPACE_END
-#endif
-
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_EDIT_HPP  // <motionlang/systems/stmc_edit.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_EDIT_HPP
-/// STMC after an edit of its timelines: what the edit cannot have changed is taken from the run before.
+/// STMC after an edit of its timelines: everything that the edit cannot change is reused from the run before.
 ///
 ///     StmcRecord<B> record;
 ///     auto motion = generate_recorded(stmc, timelines, Philox{.seed = 7}, {.steps = 10}, record);
 ///     timelines[0].intervals[2].text = "run";
 ///     StmcReuse reuse;
-///     // The bits of generate(timelines, ...); then another motion than that, but only near the edit.
+/// The bits of generate(timelines, ...). The second call makes another motion, which differs only near the edit.
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);
 ///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
 ///
-/// The limit of reuse (compose/edits.hpp): an edit spreads by one crop with every step. Texts that follow
-/// each other with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit
-/// nothing is reused any more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it.
-/// Free are timelines of the batch that were not edited, and with overlap 0 all texts behind a cut that nothing spans.
-/// For the rest there is an approximation, named `within`: frames further than that from the edit keep their clean
-/// estimates of every step, as if painted over, and the frames between are made to fit to them.
-/// Memory   a record has (steps, frames, 205) numbers: 20 MB for 12 s and 100 steps, 2 MB with 10
+/// The limit of reuse (compose/edits.hpp): an edit spreads by one crop with every step. Overlapping neighbours form a
+/// chain of crops, so nothing is reused after as many steps as the chain has crops beside the edit. With 100 steps, a
+/// few per cent of the work can be reused; with 10 steps and a long timeline much of it. Timelines of the batch that
+/// were not edited cost nothing, and with overlap 0 neither do texts behind a cut that nothing spans. The option
+/// `within` approximates: frames further than that from the edit keep their clean estimates of every step, as in
+/// inpainting. The frames between are fitted to them.
+/// Memory   a record has (steps, frames, 205) values: 20 MB for 12 s and 100 steps, 2 MB with 10
 
 #ifndef MOTIONLANG_HAS_COMPOSE_EDITS_HPP  // <motionlang/compose/edits.hpp>
 #define MOTIONLANG_HAS_COMPOSE_EDITS_HPP
 /// The frames that an edit of a timeline can change, step by step. No tensors here.
 ///
 /// A step of STMC makes every frame from the crops that are added and subtracted there, and a crop reads all of its
-/// frames. So an edit changes in the first step the frames that are made of other crops than before, in the second one
-/// all frames of every crop that reads one of these, and so on: it goes one crop further with every step. It stops
-/// where nothing spans a cut (overlap 0), and at the end of the run. As the noise belongs to the frame, all other
-/// frames are those of before, bit for bit.
+/// frames. So in the first step an edit changes the frames that are made of other crops than before. In the second step
+/// it changes all frames of every crop that reads one of these, and so on: it spreads by one crop per step. It stops
+/// where nothing spans a cut (overlap 0), and at the end of the run. Because the noise belongs to the frame, all other
+/// frames stay the same, bit for bit.
 ///
 /// Source   follows from STMC (thesis 6.2.3, figure 6.3 c); not in the thesis
-/// Caution  holds for denoisers whose sequences do not depend on their batch mates (see MdmSmplDenoiser)
+/// Caution  holds for denoisers whose sequences do not depend on the other sequences of a batch (see MdmSmplDenoiser)
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The frames that differ between two runs with the same noise, of which the first is recorded, after each step.
+/// The frames that differ after each step between two runs with the same noise. The first run is recorded.
 class EditSpread {
  public:
-  /// The plans of both runs, and how many rows every timeline has in them. The timelines of a batch are compared by
-  /// their place in it.
+  /// The plans of both runs, and the rows of every timeline in them. The timelines of a batch are compared by their
+  /// place in it.
   /// reads   frames that the denoiser reads from the start of a crop; 0: those of the crop
-  /// within  frames further than this from the edit are said not to differ, although they would
+  /// within  frames further than this from the edit count as equal, although they would differ
   EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows, Index reads = 0,
              std::optional<Index> within = {});
 
@@ -17399,15 +18051,15 @@ class EditSpread {
   /// Frames of all timelines that differ.
   Index frames() const;
 
-  /// True if every timeline with frames that differ has no others.
+  /// True if in every timeline either all frames differ or none.
   bool everywhere() const;
   /// True if `within` has changed anything so far.
   bool limited() const { return limited_; }
 
-  /// The next step. Whether more frames differ after it.
+  /// Goes to the next step. Returns true if more frames differ after it.
   bool advance();
 
-  /// The plan with only those crops that make frames that differ; the others have no frames and no slices.
+  /// The plan with only the crops whose frames differ. The others have no frames and no slices.
   BatchPlan needed() const;
 
  private:
@@ -17420,7 +18072,7 @@ class EditSpread {
     return std::count(differs_[m].begin(), differs_[m].begin() + plan_.timelines[m].frames, 1);
   }
   bool any(std::size_t m, const FrameRange& range) const;
-  /// Frames that are at most `within` away from one that is marked.
+  /// Frames that are at most `within` away from a marked one.
   static std::vector<char> near(const std::vector<char>& marked, Index within);
 
   BatchPlan plan_;
@@ -17439,7 +18091,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A crop that is added to a part of a frame, or subtracted from it. Two frames with equal lists are stitched alike.
+/// A crop to add to a part of a frame, or to subtract from it. Two frames with equal lists are stitched alike.
 struct FrameTerm {
   BodyPart part{};
   bool add = true;
@@ -17448,7 +18100,7 @@ struct FrameTerm {
   bool operator==(const FrameTerm&) const = default;
 };
 
-/// For `rows` frames; frames behind the end depend on nothing.
+/// For `rows` frames; frames after the end depend on nothing.
 inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan, Index rows) {
   std::vector<std::vector<FrameTerm>> terms(static_cast<std::size_t>(rows));
   const auto note = [&](const std::vector<Slice>& slices, bool add) {
@@ -17468,7 +18120,7 @@ MOTIONLANG_BODY EditSpread::EditSpread(const BatchPlan& before, Index rows_befor
                                        Index reads, std::optional<Index> within)
     : plan_(std::move(after)), rows_(rows), reads_(reads) {
   for (std::size_t m = 0; m < plan_.timelines.size(); ++m) {
-    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded, or of another body
+    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // true if nothing is recorded, or for another body
     if (m < before.timelines.size() && before.timelines[m].timeline.body == plan_.timelines[m].timeline.body) {
       const Index longest = std::max(rows, rows_before);
       const auto was = detail::frame_terms(before.timelines[m], longest),
@@ -17555,7 +18207,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A run as it is needed after an edit.
+/// The record of a run for use after an edit.
 template <Backend B>
 struct StmcRecord {
   std::vector<Timeline> timelines{};
@@ -17563,17 +18215,17 @@ struct StmcRecord {
   StmcOptions options{};           // without progress
   Index rows = 0;                  // of every timeline
   std::vector<Tensor<B, 2>> x0{};  // after each step: clean estimate (timelines * rows, features), normalised
-  bool exact = true;               // false: not what a run without a record gives, because of `within`
+  bool exact = true;               // false: not the result of a run without a record, because of `within`
 };
 
 struct RegenerateOptions {
-  std::optional<Index> within{};  // frames; approximation: what is further from the edit stays as it was
+  std::optional<Index> within{};  // frames; approximation: frames further from the edit do not change
   Progress progress{};
 };
 
 namespace detail {
 
-/// The clean estimates of a run: those that can differ from the recorded ones are calculated, the others taken.
+/// The clean estimates of a run. Those that can differ from the recorded ones are computed, the others copied.
 template <Backend B, class D>
 class Regeneration {
  public:
@@ -17609,7 +18261,7 @@ class Regeneration {
   }
 
  private:
-  /// For every row of x0 where it is: among the recorded ones, or behind them among those just made.
+  /// For every row of x0 its place: among the recorded ones, or after them among the new ones.
   void find_rows(const Collage<B, D>& collage) {
     const Index recorded = before_.x0.front().size(0);
     rows_.clear();
@@ -17631,13 +18283,13 @@ template <Backend B, Denoiser<B> D>
 void require_own_results(const Collage<B, D>& collage) {
   if (!collage.can_divide())
     raise<config_error>(102,
-                        "edits: what this denoiser makes of a crop depends on the other crops, nothing can be kept");
+                        "edits: this denoiser's result for a crop depends on the other crops, so nothing can be kept");
 }
 
 }  // namespace detail
 
-/// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102
-/// where crops depend on each other (BatchMates).
+/// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, and config_error
+/// 102 if crops depend on each other (BatchMates).
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                             const Philox& rng, const StmcOptions& options, StmcRecord<B>& record) {
@@ -17655,8 +18307,8 @@ std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span
   return motions;
 }
 
-/// The motions of other timelines with seed and options of the record, made from the record as far as possible; the
-/// record then is that of this run. Throws as generate does, config_error 102 if the record has another number of
+/// The motions of other timelines with seed and options of the record, computed from the record as far as possible. The
+/// record is then that of this run. Throws as generate does, and config_error 102 if the record has another number of
 /// steps.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& record,
@@ -17698,40 +18350,38 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_WEIGHTS_STMC_FILE_HPP
 /// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
 ///
-/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be
-///             sampled: guidance and sampling ("ddpm 20": sampler and steps, all without a number); and, for people:
-///             license, provenance, data, command, commit. Nothing in the file is executed.
+/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; guidance and sampling
+///             ("ddpm 20": sampler and steps), the recommended values, which are optional; and, for readers: license,
+///             provenance, data, command, commit. Nothing in the file is executed. Word vectors are stored as in
+///             weights/word_vector_file.hpp, with the prefix text_encoder.vectors.
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP  // <motionlang/weights/module_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP
-/// Parameters of modules in files of weights: paths of fields are the names of tensors.
+/// Parameters of modules in files of weights: the path of a field is the name of its tensor.
 ///
 ///     save_module("model.safetensors", model);
 ///     load_module(model, "model.safetensors");                          // into a model of the same sizes
 ///     load_module(model, open_weights("logs/last.ckpt"), "denoiser.");   // any TensorSet (weights/weight_file.hpp)
 
-#include <set>        // names
-
 #ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_HPP  // <motionlang/file/key_report.hpp>
 #define MOTIONLANG_HAS_FILE_KEY_REPORT_HPP
-/// Names of tensors that do not match between a file and a model, as one list that a person can act on.
+/// Names of tensors that do not match between a file and a model, as a list that tells a person what to do.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Names that a file lacks, and names that nobody asked for.
+/// Names that a file lacks, and names that the model does not use.
 struct KeyReport {
   std::vector<std::string> missing, unexpected;
 };
 
-/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that
-/// many.
+/// The number of characters to insert, remove or exchange to turn a into b (Levenshtein), but at most `limit`.
 std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
 
-/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are
-/// looked at.
+/// The name that is most similar to `name`; empty if none shares half of it. Only the first 2,000 names of a long list
+/// are compared.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& among);
 
-/// A line for each name, and beside it the name of the other list that is most like it.
+/// A line for each name, with the most similar name of the other list.
 std::string to_string(const KeyReport& report);
 
 namespace detail {
@@ -17807,7 +18457,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_SAFETENSORS_HPP  // <motionlang/file/safetensors.hpp>
 #define MOTIONLANG_HAS_FILE_SAFETENSORS_HPP
-/// safetensors files: reading without a copy, writing. Includes no JSON library (see detail/json_cursor.hpp).
+/// Reads safetensors files without a copy, and writes them. Includes no JSON library (see detail/json_cursor.hpp).
 ///
 ///     const auto file = SafetensorsFile::open("weights.safetensors");
 ///     for (const TensorView& t : file.tensors()) use(t);              // sorted by name
@@ -17815,36 +18465,37 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Layout   8 bytes: length N of the header; N bytes: JSON, name -> {dtype, shape, data_offsets}, "__metadata__" -> map
 ///          of strings; the rest: data, without holes
-/// Checked  everything, before any tensor is handed out: lengths, strict JSON, UTF-8, no name
-///          twice, products without overflow, ranges that tile the data exactly. Memory stays below a small multiple of
-///          the header, and nothing is allocated for what a file merely claims.
-/// Caution  a file that another process shortens while it is mapped ends the program (SIGBUS); write_file never does so
+/// Checked  Everything is checked before any tensor is handed out: lengths, strict JSON, UTF-8, unique names, products
+///          without overflow, ranges that tile the data exactly. Memory stays below a small multiple of the header, and
+///          nothing is allocated for what a file merely claims.
+/// Caution  If another process shortens a file while it is mapped, the program ends (SIGBUS). write_file never shortens
+///          one
 
 #ifndef MOTIONLANG_HAS_FILE_FILE_HPP  // <motionlang/file/file.hpp>
 #define MOTIONLANG_HAS_FILE_FILE_HPP
-/// Whole files: read, map into memory, and write so that a reader never sees half of one.
+/// Reads whole files, maps them into memory, and writes them so that no reader sees an incomplete one.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A file mapped into memory for reading. Pages are loaded when they are touched (on Windows, all when it is opened).
+/// A file that is mapped into memory for reading. Pages are loaded at first use (on Windows, all of them at once).
 class MappedFile {
  public:
-  /// Throws io_error 401, also for a pointer of Git LFS, which stands in a repository for a file that was not fetched.
+  /// Throws io_error 401, also for a Git LFS pointer, which replaces a file that was not fetched.
   static std::shared_ptr<const MappedFile> open(const FilePath& path);
-  /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read
-  /// again. Null if there is no place for it.
+  /// Stores these bytes in a file without a name, which disappears with the mapping. Their memory can be released and
+  /// read again. Null if that fails.
   static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes);
-  /// The one in which these bytes lie, or nothing. It lasts as long as whoever keeps the bytes.
+  /// The mapped file that holds these bytes, or null. It lives as long as the owner of the bytes.
   static const MappedFile* that_holds(std::span<const std::byte> bytes);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
 
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
-  /// Gives the memory of a part back that will hardly be read again: whoever reads it gets it from the file once more.
-  /// The system maps up to two megabytes around a byte that is read, so it takes whole ones.
+  /// Releases the memory of a part that will hardly be read again. Later reads load it from the file. The system maps
+  /// up to two megabytes around a byte that is read, so this releases whole ones.
   void forget(std::span<const std::byte> part) const;
-  /// The same of bytes that lie in a mapped file or elsewhere.
+  /// The same for bytes that may lie in a mapped file or elsewhere.
   static void forget_if_mapped(std::span<const std::byte> part);
 
  private:
@@ -17855,26 +18506,26 @@ class MappedFile {
 
   void* data_ = nullptr;
   std::size_t size_ = 0;
-  MappedFile* next_ = nullptr;  // of all that are mapped
+  MappedFile* next_ = nullptr;  // in a list of all mapped files
 };
 
-/// Throws io_error 401 if the bytes of a file are a pointer of Git LFS.
+/// Throws io_error 401 if the bytes of a file are a Git LFS pointer.
 /// Source  the specification of Git LFS, "The Pointer"
 void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name);
 
-/// The whole file as text. Throws io_error 401, also for a pointer of Git LFS.
+/// The whole file as text. Throws io_error 401, also for a Git LFS pointer.
 std::string read_file(const FilePath& path);
 
-/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its
-/// permissions. Of a symbolic link, the file that it leads to is written. Throws io_error 401, also for devices and
-/// pipes.
+/// Writes to a temporary name beside `path` and renames. So the old file stays complete until the new one, with the
+/// same permissions, replaces it. Through a symbolic link, it writes the file to which the link leads. Throws io_error
+/// 401, also for devices and pipes.
 void write_file(const FilePath& path, std::span<const std::byte> contents);
 void write_file(const FilePath& path, std::string_view contents);
 
-/// Makes the folder unless it is there. Its parent has to be. Throws io_error 401.
+/// Makes the folder if it does not exist. Its parent must exist. Throws io_error 401.
 void make_folder(const FilePath& path);
 
-/// A name as a part of a file's name: characters that some system does not allow there become "_".
+/// A name for use in a file's name. Characters that some system forbids become "_".
 std::string safe_file_name(std::string name);
 
 MOTIONLANG_NAMESPACE_END
@@ -17888,8 +18539,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP  // <motionlang/file/detail/system_file.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP
-/// File calls of the system: POSIX, and on Windows those of MinGW's C library. errno says why a call
-/// failed.
+/// File calls of the system: POSIX, and on Windows those of MinGW's C library. errno has the reason of a failure.
 
 #include <fcntl.h>     // open
 #include <sys/stat.h>  // fstat, fchmod, mkdir
@@ -17903,14 +18553,14 @@ MOTIONLANG_NAMESPACE_END
 #endif
 
 #if defined(_WIN32)
-// As windows.h declares it, which would bring macros named min, max, near and far.
+// Declared here as in windows.h, which would bring macros named min, max, near and far.
 extern "C" __declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail::system {
 
-/// An open file of a new name where temporary files go, for this user only; -1 if there is no place for it.
+/// Creates and opens a temporary file with a new name, for this user only. Returns -1 if that fails.
 inline int create_temporary(std::string& name) {
   std::error_code problem;
   const std::filesystem::path folder = std::filesystem::temp_directory_path(problem);
@@ -17922,9 +18572,9 @@ inline int create_temporary(std::string& name) {
 #if defined(_WIN32)
 
 inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_BINARY | O_NOINHERIT); }
-/// A file that is not there yet, else errno is EEXIST.
+/// Creates a new file. errno is EEXIST if it exists.
 inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_BINARY | O_NOINHERIT, 0666); }
-/// An open file that has no name any more. Windows knows none.
+/// Creates a file without a name. Windows has no such files.
 inline int create_nameless() { return -1; }
 inline bool is_regular(int file, std::uint64_t& size) {
   struct _stat64 s {};
@@ -17935,15 +18585,15 @@ inline bool is_regular(int file, std::uint64_t& size) {
 inline void copy_permissions(const char*, int) {}  // of a folder, for all in it
 inline bool flush(int file) { return ::_commit(file) == 0; }
 inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
-/// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped,
-/// such as the checkpoint from which a training goes on.
+/// The whole file, for reading; null if that fails. size > 0. This is a copy, because nobody could rewrite a mapped
+/// file, such as the checkpoint of a training.
 inline void* map(int file, std::size_t size) {
   auto* const data = static_cast<char*>(::_aligned_malloc(size, 64));
   if (data == nullptr) return errno = ENOMEM, nullptr;
   for (std::size_t done = 0; done < size;) {
     const int n = ::read(file, data + done, static_cast<unsigned>(std::min<std::size_t>(size - done, 1u << 30)));
     if (n <= 0) {
-      if (n == 0) errno = EIO;  // it has become shorter
+      if (n == 0) errno = EIO;  // it is shorter now
       return unmap(data, size), nullptr;
     }
     done += static_cast<std::size_t>(n);
@@ -17962,9 +18612,9 @@ inline bool make_folder(const char* path) { return ::mkdir(path) == 0; }
 #else
 
 inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_CLOEXEC); }
-/// A file that is not there yet, else errno is EEXIST.
+/// Creates a new file. errno is EEXIST if it exists.
 inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
-/// An open file that has no name any more; -1 if there is no place for it.
+/// Creates a file without a name; -1 if that fails.
 inline int create_nameless() {
   std::string name;
   const int file = create_temporary(name);
@@ -17977,7 +18627,7 @@ inline bool is_regular(int file, std::uint64_t& size) {
   size = static_cast<std::uint64_t>(s.st_size);
   return true;
 }
-/// Who may read and write an open file as another one, if that is there. Not every file system knows such permissions.
+/// Gives an open file the permissions of another one, if that exists. Some file systems have no such permissions.
 inline void copy_permissions(const char* from, int to) {
   struct stat s {};
   if (::stat(from, &s) == 0) static_cast<void>(::fchmod(to, s.st_mode & 0777));
@@ -17989,7 +18639,7 @@ inline void* map(int file, std::size_t size) {
   return data == MAP_FAILED ? nullptr : data;
 }
 inline void unmap(void* data, std::size_t size) { ::munmap(data, size); }
-/// Gives memory of a mapping back: whoever reads it gets it from the file once more.
+/// Releases the memory of a mapping. Later reads load it from the file again.
 inline void forget(void* data, std::size_t size) { ::madvise(data, size, MADV_DONTNEED); }
 inline bool rename_over(const char* from, const char* to) { return std::rename(from, to) == 0; }
 inline bool make_folder(const char* path) { return ::mkdir(path, 0777) == 0; }
@@ -18010,7 +18660,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 inline std::mutex mapped_mutex;
-inline MappedFile* first_mapped = nullptr;  // all that are mapped
+inline MappedFile* first_mapped = nullptr;  // the list of all mapped files
 
 /// A file descriptor that is closed at the end of its scope.
 class Descriptor {
@@ -18026,7 +18676,7 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
-  /// True if all bytes could be written; errno says why not.
+  /// True if all bytes were written; otherwise errno gives the reason.
   bool write(std::span<const std::byte> bytes) const {
     while (!bytes.empty()) {
       const auto n = ::write(fd_, bytes.data(), static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1u << 30)));
@@ -18192,12 +18842,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_TENSOR_SET_HPP  // <motionlang/file/tensor_set.hpp>
 #define MOTIONLANG_HAS_FILE_TENSOR_SET_HPP
-/// Named tensors of a file: what every reader of weights gives, and what modules are filled from.
+/// Named tensors of a file: the result of every reader of weights, and the source from which modules are filled.
 
 #ifndef MOTIONLANG_HAS_FILE_TENSOR_VIEW_HPP  // <motionlang/file/tensor_view.hpp>
 #define MOTIONLANG_HAS_FILE_TENSOR_VIEW_HPP
-/// A tensor as a file holds it: name, element type, shape, bytes. Every reader of arrays yields these and every writer
-/// takes them; nothing is converted until somebody asks for values.
+/// A tensor as stored in a file: name, element type, shape, bytes. Every reader of arrays returns these, and every
+/// writer takes them. Nothing is converted before somebody asks for values.
 
 #ifndef MOTIONLANG_HAS_CORE_HALF_HPP  // <motionlang/core/half.hpp>
 #define MOTIONLANG_HAS_CORE_HALF_HPP
@@ -18246,7 +18896,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 // clang-format off
-/// Element types of safetensors files. Values of those up to F64 can be read; of the others only the size is known.
+/// Element types of safetensors files. Values of types up to F64 can be read. For the others only the size is known.
 enum class DType : std::uint8_t {
   BOOL, U8, I8, U16, I16, U32, I32, U64, I64, F16, BF16, F32, F64,
   F8_E5M2, F8_E4M3, F8_E8M0, F8_E4M3FNUZ, F8_E5M2FNUZ, F4, F6_E2M3, F6_E3M2, C64
@@ -18274,7 +18924,7 @@ constexpr std::optional<DType> parse_dtype(std::string_view name) {
 /// True if values of this type are whole numbers.
 constexpr bool is_integer(DType t) { return t <= DType::I64; }
 
-/// The element type that holds a C++ number.
+/// The element type for a C++ number.
 template <class T>
 requires std::integral<T> || std::floating_point<T>
 consteval DType dtype_of() {
@@ -18285,8 +18935,8 @@ consteval DType dtype_of() {
   return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
 }
 
-/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated
-/// with, has six at most.
+/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, for calculations, has
+/// at most six.
 class FileShape {
  public:
   static constexpr int max_rank = 64;
@@ -18324,7 +18974,7 @@ struct TensorView {
   std::span<const std::byte> bytes;
 };
 
-/// A view of numbers in memory, for writing.
+/// A view of values in memory, for writing.
 template <class T>
 TensorView tensor_view(std::string name, const FileShape& shape, std::span<const T> values) {
   if (static_cast<std::size_t>(shape.count()) != values.size()) {
@@ -18333,7 +18983,7 @@ TensorView tensor_view(std::string name, const FileShape& shape, std::span<const
   return {std::move(name), dtype_of<T>(), shape, std::as_bytes(values)};
 }
 
-/// The numbers themselves, without a copy: if the view holds Ts and they are aligned.
+/// The values themselves, without a copy, if the view holds aligned Ts.
 template <class T>
 std::optional<std::span<const T>> direct(const TensorView& view) {
   if (view.dtype != dtype_of<T>() || reinterpret_cast<std::uintptr_t>(view.bytes.data()) % alignof(T) != 0) {
@@ -18358,7 +19008,7 @@ void convert_numbers(const TensorView& view, std::span<T> out) {
   convert<Stored>(view, out, [&](Stored s) {
     if constexpr (std::integral<Stored> && std::integral<T>) {
       if (!std::in_range<T>(s)) {
-        raise<io_error>(407, "tensor '", view.name, "': ", s, " does not fit the integer that is asked for");
+        raise<io_error>(407, "tensor '", view.name, "': ", s, " does not fit into the requested integer type");
       }
     }
     return static_cast<T>(s);
@@ -18368,8 +19018,8 @@ void convert_numbers(const TensorView& view, std::span<T> out) {
 }  // namespace detail
 
 /// Copies all values, converted to T. Numbers of every kind become float or double; only whole numbers become integers.
-/// Throws shape_error 205 if the sizes differ, io_error 404 for an element type that cannot be read, 407 if the values
-/// are not of the kind of T or do not fit.
+/// Throws shape_error 205 if the sizes differ, io_error 404 for an unreadable element type, and 407 if the values are
+/// of another kind than T or do not fit.
 template <class T>
 void copy_values(const TensorView& view, std::span<T> out) {
   if (view.bytes.size() * 8 != out.size() * static_cast<std::size_t>(info(view.dtype).bits)) {
@@ -18439,7 +19089,7 @@ MOTIONLANG_BODY FileShape::FileShape(std::span<const Index> sizes) {
 }
 
 MOTIONLANG_BODY Index FileShape::count() const {
-  // beside a 0 the others may be of any size
+  // If one size is 0, the others may have any value.
   if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;
   Index n = 1;
   for (const Index size : sizes_) n *= size;
@@ -18483,8 +19133,8 @@ class TensorSet {
   std::vector<TensorView> tensors_;
 };
 
-/// A checksum of names, types, shapes and bytes of tensors, whatever their order: equal for equal weights, in
-/// hexadecimal.
+/// A checksum of names, types, shapes and bytes of tensors in any order, in hexadecimal. Equal weights have equal
+/// checksums.
 std::string tensors_checksum(std::span<const TensorView> tensors);
 
 MOTIONLANG_NAMESPACE_END
@@ -18539,14 +19189,14 @@ class JsonCursor;
 
 class SafetensorsFile : public TensorSet {
  public:
-  /// Longest header that is read, as in the reference implementation.
+  /// The longest header that is read, as in the reference implementation.
   static constexpr std::uint64_t max_header = 100'000'000;
 
   /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than 64
   /// axes), 405 (impossible sizes).
   static SafetensorsFile open(const FilePath& path);
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
-  /// messages.
+  /// A file in memory. `owner` keeps the bytes alive; without an owner they must outlive the object. Messages contain
+  /// `name`.
   static SafetensorsFile from_bytes(std::span<const std::byte> bytes, std::string name = "safetensors data",
                                     std::shared_ptr<const void> owner = {});
 
@@ -18571,24 +19221,24 @@ class SafetensorsFile : public TensorSet {
 
   static FileShape read_shape(Cursor& json);
 
-  /// The range has exactly the bytes that shape and type need; the product of the sizes does not overflow, not even of
-  /// those that are not 0.
+  /// Checks that the range has exactly the bytes that shape and type need. The product of the sizes, also of those that
+  /// are not 0, must not overflow.
   static void check_size(const Cursor& json, const TensorView& view, const Range& range);
 
-  /// The ranges follow each other without overlap or hole and end where the data end.
+  /// Checks that the ranges follow each other without overlap or hole and end at the end of the data.
   static void check_tiling(const Cursor& json, std::vector<Range>& ranges, std::uint64_t size);
 
   std::map<std::string, std::string> metadata_;
 };
 
-/// The bytes of a file: tensors by element size, largest first, then by name; the data begin at a multiple of 8, so
-/// every element is aligned. What is written is read back before it is returned: a name twice, a size that does not fit
-/// the shape, or text that is not UTF-8 throws the io_error of the reader.
+/// The bytes of a file. Tensors are sorted by element size, largest first, then by name. The data begin at a multiple
+/// of 8, so every element is aligned. The bytes are read back before they are returned. A duplicate name, a size that
+/// does not fit the shape, or text that is not UTF-8 throws the io_error of the reader.
 std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tensors,
                                          const std::map<std::string, std::string>& metadata = {{"format", "pt"}});
 
 /// Writes a file in one step: readers see the old one or the new one. Throws io_error 401, and what safetensors_bytes
-/// throws. The metadata {"format": "pt"} let Python tools accept the file.
+/// throws. Python tools accept the file because of the metadata {"format": "pt"}.
 void write_safetensors(const FilePath& path, std::span<const TensorView> tensors,
                        const std::map<std::string, std::string>& metadata = {{"format", "pt"}});
 
@@ -18600,7 +19250,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP  // <motionlang/file/detail/bytes.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP
-/// Little-endian numbers in byte buffers: checked reading, appending. And base64.
+/// Little-endian numbers in byte buffers (checked reading, appending), and base64.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -18611,7 +19261,7 @@ static_assert(std::endian::native == std::endian::little, "the files are little-
 template <class T>
 concept Plain = std::is_trivially_copyable_v<T>;
 
-/// The value stored at `at`. Throws io_error 402 if it does not lie inside; `what` and `file` are for the message.
+/// The value stored at `at`. Throws io_error 402 if it is not inside. Messages contain `what` and `file`.
 template <Plain T>
 T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file, std::string_view what) {
   if (at > bytes.size() || bytes.size() - at < sizeof(T)) {
@@ -18622,7 +19272,7 @@ T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file
   return value;
 }
 
-/// `size` bytes from `at`. Throws io_error 402 if they do not lie inside.
+/// `size` bytes from `at`. Throws io_error 402 if they are not inside.
 std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
                                  std::string_view file, std::string_view what);
 
@@ -18647,7 +19297,7 @@ inline std::string_view as_text(std::span<const std::byte> bytes) {
 /// Source  RFC 4648, section 4.
 std::string to_base64(std::span<const std::byte> bytes);
 
-/// White space is skipped. `name` stands in messages. Throws io_error 403 on any other character outside the alphabet.
+/// Skips white space. Messages contain `name`. Throws io_error 403 for any other character outside the alphabet.
 std::vector<std::byte> from_base64(std::string_view text, std::string_view name = "text");
 
 }  // namespace detail
@@ -18711,12 +19361,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_JSON_CURSOR_HPP  // <motionlang/file/detail/json_cursor.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_JSON_CURSOR_HPP
-/// A strict reader for the small JSON subset of a safetensors header, which walks over the text and stores nothing but
-/// keys. Documents in general are read by file/json.hpp.
+/// A strict reader for the small JSON subset of a safetensors header. It walks over the text and stores only keys.
+/// file/json.hpp reads general documents.
 ///
-/// nlohmann's SAX reader does the same work but costs every translation unit that opens a weight file 1.5 s of
-/// compilation (GCC 12, -O0), this one 0.2 s. Stricter than JSON: no name twice in an object, nesting up to
-/// `max_depth`.
+/// nlohmann's SAX reader does the same work, but adds 1.5 s of compilation to every translation unit that opens a
+/// weight file (GCC 12, -O0). This one adds 0.2 s. It is stricter than JSON: no duplicate name in an object, nesting up
+/// to `max_depth`.
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
@@ -18724,9 +19374,9 @@ namespace detail {
 class JsonCursor {
  public:
   static constexpr int max_depth = 4;
-  static constexpr std::size_t max_members = 100'000;  // of an object: what one needs in memory is many times its text
+  static constexpr std::size_t max_members = 100'000;  // of an object, which takes many times the memory of its text
 
-  /// `offset` is where the text begins in the file; it only serves messages.
+  /// `offset` is the place of the text in the file, for messages.
   JsonCursor(std::string_view text, std::string_view file, std::size_t offset)
       : text_(text), file_(file), offset_(offset) {}
 
@@ -18743,7 +19393,7 @@ class JsonCursor {
   /// The next character, '\0' at the end.
   char peek() const { return at_end() ? '\0' : text_[at_]; }
 
-  /// Takes white space and c, if it is there.
+  /// Skips white space, and c if it follows. Returns true if c was there.
   bool accept(char c) {
     skip_space();
     if (at_end() || text_[at_] != c) return false;
@@ -18754,7 +19404,7 @@ class JsonCursor {
     if (!accept(c)) fail(403, at_, concat_text("expected '", c, at_end() ? "', but the header ends" : "'"));
   }
 
-  /// An object: on_value(key) is called for every member and has to take its value.
+  /// An object. Calls on_value(key) for every member, which must read its value.
   template <class F>
   void object(F on_value) {
     enter();
@@ -18774,7 +19424,7 @@ class JsonCursor {
     --depth_;
   }
 
-  /// An array: on_value() is called for every element and has to take it.
+  /// An array. Calls on_value() for every element, which must read it.
   template <class F>
   void array(F on_value) {
     enter();
@@ -18819,7 +19469,7 @@ class JsonCursor {
     return n;
   }
 
-  /// Takes any value and forgets it.
+  /// Skips any value.
   void skip_value() {
     skip_space();
     const char c = peek();
@@ -19111,7 +19761,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The name under which a tensor of the module is filed: its path, unless the module translates (`official_key`).
+/// The name of a module's tensor in files: its path, unless the module translates (`official_key`).
 template <Module M>
 std::string tensor_key(const std::string& prefix, const std::string& path) {
   if constexpr (requires { M::official_key(path); })
@@ -19121,7 +19771,7 @@ std::string tensor_key(const std::string& prefix, const std::string& path) {
 }
 
 namespace detail {
-/// Looks at the bits of the exponent, which are all set in NaN and infinity, because compilers vectorise such a loop.
+/// Checks the bits of the exponent, which are all set in NaN and infinity, because compilers vectorise such a loop.
 template <Scalar S>
 bool all_finite(std::span<const S> numbers) {
   using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
@@ -19137,8 +19787,8 @@ bool all_finite(std::span<const S> numbers) {
 }
 }  // namespace detail
 
-/// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A variable stays the variable it was. NaN is let through. Throws io_error 407 if the shape is another.
+/// Gives a tensor the values of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
+/// A variable stays the same variable. NaN is accepted. Throws io_error 407 for another shape.
 template <Backend B>
 void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
                    const std::string& where) {
@@ -19160,13 +19810,13 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
         shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
   }
 }
-/// The purpose of loading a module. For inference it is made ready as by prepare_loaded, in the same pass over the
-/// file: all its matrices are weights, and it is neither trained nor changed afterwards.
+/// The purpose of loading a module. For inference, prepare_loaded makes it ready in the same pass over the file: all
+/// its matrices are weights, and it is not trained or changed afterwards.
 enum class LoadFor { any_use, inference };
 
 namespace detail {
 
-/// Throws numeric_error 301 if a number is NaN or infinite.
+/// Throws numeric_error 301 if a value is NaN or infinite.
 template <Scalar S>
 void require_finite(std::span<const S> numbers, const TensorView& view, const std::string& where) {
   if (all_finite(numbers)) return;
@@ -19174,7 +19824,7 @@ void require_finite(std::span<const S> numbers, const TensorView& view, const st
   raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
 }
 
-/// Fills tensors from a file by their names. For inference their numbers are looked at later.
+/// Fills tensors from a file by their names. For inference, their values are checked later.
 struct TensorLoader {
   const TensorSet& file;
   const std::string& prefix;
@@ -19193,11 +19843,11 @@ struct TensorLoader {
     }
     assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
     if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
-    MappedFile::forget_if_mapped(view->bytes);  // until it is needed
+    MappedFile::forget_if_mapped(view->bytes);  // read again when needed
   }
 };
 
-/// True if the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
+/// True if the tensor repeats one of the module under another name. Throws io_error 407 if it should but differs.
 template <class M>
 bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, const TensorView& t) {
   if constexpr (requires { module.copy_of(t.name); }) {
@@ -19205,7 +19855,7 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
     const TensorView* original = path.empty() ? nullptr : file.find(prefix + path);
     if (original == nullptr) return false;
     if (values_of<double>(*original) != values_of<double>(t))
-      raise<io_error>(407, file.name(), ": tensor '", t.name, "' should repeat '", original->name, "' but is another");
+      raise<io_error>(407, file.name(), ": tensor '", t.name, "' should repeat '", original->name, "' but differs");
     return true;
   }
   return false;
@@ -19213,11 +19863,11 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
 
 }  // namespace detail
 
-/// Tensors on their way into a file, with their own memory.
+/// Tensors for a file to write, with their own memory.
 class TensorStore {
  public:
-  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error
-  /// 301 for a number that would become infinite; F16 holds no NaN and infinity either.
+  /// Copies the values, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another dtype,
+  /// numeric_error 301 for a value that would become infinite; for F16 also for NaN and infinity.
   template <Scalar S>
   void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
@@ -19256,7 +19906,7 @@ class TensorStore {
     FileShape shape;
     std::vector<std::byte> bytes;
   };
-  /// end   what rounds to infinity, and all above it
+  /// end   the smallest value that rounds to infinity
   template <Scalar S>
   static void require_held(const std::string& name, std::span<const S> values, DType dtype, float end) {
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -19279,8 +19929,8 @@ class TensorStore {
 };
 
 namespace detail {
-/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the
-/// file again. Whether all its numbers are finite.
+/// Packs a weight. If it lies in a mapped file, its memory there is released; a later reader loads it from the file
+/// again. Returns true if all values are finite.
 template <PackingBackend B>
 bool pack_loaded(const typename B::tensor& weight) {
   const bool finite = pack_weight<B>(weight);
@@ -19288,8 +19938,7 @@ bool pack_loaded(const typename B::tensor& weight) {
   return finite;
 }
 
-/// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a
-/// place for it.
+/// Moves the values of a converted weight into an unnamed file, if there is a place for one.
 template <PackingBackend B>
 void put_aside(typename B::tensor& weight) {
   const auto bytes = std::as_bytes(B::to_span(weight));
@@ -19298,10 +19947,10 @@ void put_aside(typename B::tensor& weight) {
   if (aside == nullptr) return;
   const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
   weight = typename B::tensor(numbers, B::shape(weight), aside);
-  BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
+  BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it frees
 }
 
-/// A small tensor in a mapped file becomes a copy: for a bias the system may keep two megabytes of the file in memory.
+/// A small tensor in a mapped file becomes a copy: otherwise the system may keep two megabytes of the file for a bias.
 template <Backend B>
 void copy_small(typename B::tensor& t) {
   if constexpr (requires { t.attached(); }) {
@@ -19311,12 +19960,12 @@ void copy_small(typename B::tensor& t) {
     const MappedFile* const file = MappedFile::that_holds(bytes);
     if (file == nullptr || t.attached() != nullptr || numbers.size() >= small) return;
     auto copy = B::from_span(numbers, B::shape(t));
-    file->forget(bytes);  // before the tensor, which may be the last to keep the file
+    file->forget(bytes);  // before the tensor, which may be the last owner of the file
     t = std::move(copy);
   }
 }
 
-/// Makes a tensor ready; returns whether its numbers are finite, if they are `looked_at`.
+/// Makes a tensor ready; if `looked_at`, returns true if its values are finite.
 template <Backend B>
 bool prepare_loaded_tensor(const ModuleTensor<B>& t, bool looked_at) {
   bool finite = true;
@@ -19330,7 +19979,7 @@ bool prepare_loaded_tensor(const ModuleTensor<B>& t, bool looked_at) {
   copy_small<B>(*t.data);
   return finite;
 }
-/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be,
+/// For large networks: a converted weight is moved to a file, so that it is not in memory twice. If it cannot be moved,
 /// it is not packed.
 template <Backend B>
 void prepare_loaded_once(const ModuleTensor<B>& t) {
@@ -19342,8 +19991,8 @@ void prepare_loaded_once(const ModuleTensor<B>& t) {
   }
   copy_small<B>(*t.data);
 }
-/// Every thread takes some tensors: new memory is slow to come, and a thread gets it for itself. `finite` (null: not
-/// looked at) becomes false if a number is not.
+/// Every thread takes some tensors, because new memory is slow to arrive and each thread gets its own. `finite` (null:
+/// not checked) becomes false if a value is not finite.
 template <Backend B>
 void prepare_in_shares(const std::vector<ModuleTensor<B>>& tensors, std::atomic<bool>* finite) {
   const Index count = std::ssize(tensors), shares = parallel_width();
@@ -19357,18 +20006,19 @@ void prepare_in_shares(const std::vector<ModuleTensor<B>>& tensors, std::atomic<
 }
 }  // namespace detail
 
-/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given
-/// back as soon as a weight is packed, so that none is there twice, and small tensors become copies. Whoever still
-/// reads the file gets it from the disk. Weights that had to be converted are packed beside their numbers.
+/// `prepare` for networks all of whose matrices are weights, straight from a file. The memory of a mapped file is
+/// released as soon as a weight is packed, so that none is in memory twice. Small tensors become copies. A later reader
+/// of the file loads it from the disk. Converted weights are packed beside their values.
 template <Module M>
 void prepare_loaded(M& model) {
   detail::prepare_in_shares(tensors_of(model), nullptr);
 }
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape,
-/// numeric_error 301 for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own;
-/// io_error 407 if such a tensor is another one.
+/// Returns the names that did not match (then the module is not made ready). Throws io_error 407 for a tensor of
+/// another shape, numeric_error 301 for NaN and infinity. A module may declare (`copy_of`) further names for one of its
+/// tensors;
+/// io_error 407 if such a tensor differs.
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
                              LoadFor use = LoadFor::any_use) {
@@ -19385,7 +20035,7 @@ KeyReport load_module_partly(M& module, const TensorSet& file, const std::string
   if (use == LoadFor::inference) {
     std::atomic<bool> finite{report.missing.empty()};
     if (finite) detail::prepare_in_shares(tensors, &finite);
-    if (!finite) fill(LoadFor::any_use);  // says which number is not
+    if (!finite) fill(LoadFor::any_use);  // reports which value is not finite
   }
   for (const TensorView& t : file.tensors()) {
     if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
@@ -19393,7 +20043,7 @@ KeyReport load_module_partly(M& module, const TensorSet& file, const std::string
   }
   return report;
 }
-/// The same, where every name has to match. Throws io_error 406 with both lists, and what looks like a name of either.
+/// The same, but every name must match. Throws io_error 406 with both lists and with similar names.
 template <Module M>
 void load_module(M& module, const TensorSet& file, const std::string& prefix = "", LoadFor use = LoadFor::any_use) {
   const KeyReport report = load_module_partly(module, file, prefix, use);
@@ -19407,7 +20057,7 @@ void load_module(M& module, const FilePath& path, LoadFor use = LoadFor::any_use
 }
 
 /// Writes all tensors of a module into a safetensors file, without its sizes and options: the caller makes the module,
-/// load_module fills it. `dtype` is that of the module's numbers unless given. Throws io_error 401, and what
+/// and load_module fills it. `dtype` is that of the module's values unless given. Throws io_error 401, and what
 /// TensorStore::add throws.
 template <Module M>
 void save_module(const FilePath& path, const M& module, std::optional<DType> dtype = {},
@@ -19421,6 +20071,83 @@ void save_module(const FilePath& path, const M& module, std::optional<DType> dty
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP  // <motionlang/weights/word_vector_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP
+/// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
+///
+///     write_word_vectors("words.safetensors", vectors, {{"license", "PDDL 1.0"}});
+///     const WordVectors vectors = read_word_vectors("words.safetensors");
+///
+/// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
+/// Metadata   vector_words: a word on each line, sorted; for people: license, provenance
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The vectors of a file whose tensors begin with `prefix`; none if it has no list of words. Throws io_error 406, 407,
+/// config_error 107.
+WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix = "");
+/// Adds them to what is about to be written. The views are of `vectors`, which has to outlive them.
+void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
+                        const WordVectors& vectors, const std::string& prefix = "");
+
+/// Throws config_error 103 if the file has no word vectors, and what stored_word_vectors throws.
+WordVectors read_word_vectors(const FilePath& path);
+/// Throws io_error 401.
+void write_word_vectors(const FilePath& path, const WordVectors& vectors,
+                        const std::map<std::string, std::string>& about = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP  // <motionlang/weights/word_vector_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP
+// Bodies of word_vector_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+inline constexpr const char* vector_words_entry = "vector_words";
+}  // namespace detail
+
+MOTIONLANG_BODY WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix) {
+  const auto found = file.metadata().find(detail::vector_words_entry);
+  if (found == file.metadata().end()) return {};
+  const TensorView &codes = file.tensor(prefix + "codes"), &scales = file.tensor(prefix + "scales");
+  std::vector<std::string> words;
+  detail::for_each_line(found->second, [&](std::string_view word, Index) { words.emplace_back(word); });
+  if (scales.shape.rank() != 1 || codes.dtype != DType::I8 ||
+      codes.shape != FileShape{std::ssize(words), scales.shape[0]})
+    raise<io_error>(407, file.name(), ": tensors '", codes.name, "' (", codes.dtype, ", ", codes.shape, ") and '",
+                    scales.name, "' ", scales.shape, " are not vectors of ", counted(words.size(), "word"));
+  return {std::move(words), values_of<std::int8_t>(codes), values_of<float>(scales), file.name()};
+}
+
+MOTIONLANG_BODY void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
+                                        const WordVectors& vectors, const std::string& prefix) {
+  if (vectors.empty()) return;
+  metadata[detail::vector_words_entry] = join_text(vectors.words(), "\n");
+  tensors.push_back(tensor_view(prefix + "codes", {vectors.size(), vectors.width()}, vectors.codes()));
+  tensors.push_back(tensor_view(prefix + "scales", {vectors.width()}, vectors.scales()));
+}
+
+MOTIONLANG_BODY WordVectors read_word_vectors(const FilePath& path) {
+  const auto file = SafetensorsFile::open(path);
+  WordVectors out = stored_word_vectors(file);
+  if (out.empty()) raise<config_error>(103, file.name(), ": metadata '", detail::vector_words_entry, "' is missing");
+  return out;
+}
+
+MOTIONLANG_BODY void write_word_vectors(const FilePath& path, const WordVectors& vectors,
+                                        const std::map<std::string, std::string>& about) {
+  std::vector<TensorView> tensors;
+  auto metadata = about;
+  store_word_vectors(tensors, metadata, vectors);
+  write_safetensors(path, tensors, metadata);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes of a bundled model: everything that its constructor needs.
@@ -19428,7 +20155,7 @@ struct StmcModelConfig {
   MdmSmplConfig denoiser{};
   CaptionEncoderConfig text{};
   Index diffusion_steps = 100;
-  // How the model should be sampled:
+  // The recommended sampling:
   NoiseScale noise_scale = NoiseScale::posterior_std;
   SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
   Index sampling_steps = 0;  // 0: all
@@ -19456,29 +20183,31 @@ N metadata_number(const Metadata& metadata, const std::string& key, const std::s
   return number_in_metadata<N>(found->second, key, file);
 }
 std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise);
-/// A size that a file may ask for: a hostile one must not make us allocate.
+/// A size from a file. It is limited, so that a hostile file cannot make us allocate too much memory.
 Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,
                     Index smallest = 1);
 
 WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
-/// The entries of users about a model or a record. Throws config_error 102 for a key that is there already.
+/// The prefix of the names of word vector tensors, which are constants.
+inline constexpr const char* vector_tensors = "text_encoder.vectors.";
+/// The users' entries about a model or a record. Throws config_error 102 for a key that exists already.
 void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 
 }  // namespace detail
 
-/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there
-/// are.
+/// The sizes as metadata. `vocabulary` is that of the tokenizer. Throws config_error 101 for more sampling steps than
+/// steps.
 std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer);
 /// The sizes that a file declares. Throws config_error 101, 103, 107.
 StmcModelConfig stmc_config(const SafetensorsFile& file);
 
 /// A model of the given sizes. `rng` draws the parameters; NoInit leaves them zero.
 template <Backend B>
-Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
+Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng, WordVectors vectors = {}) {
   auto denoiser_rng = rng.split("denoiser");
   auto text_rng = rng.split("text");
   return {.denoiser = MdmSmplDenoiser<B>(c.denoiser, denoiser_rng),
-          .text_encoder = CaptionEncoder<B>(c.text, std::move(tokenizer), text_rng),
+          .text_encoder = CaptionEncoder<B>(c.text, std::move(tokenizer), text_rng, std::move(vectors)),
           .motion_normalizer = Normalizer<B>::identity(c.denoiser.nfeats),
           .text_normalizer = Normalizer<B>::identity(c.denoiser.tx_dim),
           .diffusion = GaussianDiffusion(CosineSchedule{.steps = c.diffusion_steps}),
@@ -19489,9 +20218,9 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
           .fps = c.fps};
 }
 
-/// Compares the tensors that decide how large a model is with its sizes, before memory is taken for what the metadata
-/// claim. Throws io_error 406, 407.
-void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary);
+/// Compares the tensors that decide the size of a model with its declared sizes, before memory is allocated for them.
+/// Throws io_error 406, 407.
+void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary, Index vector_width = 0);
 
 /// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107,
 /// numeric_error 301.
@@ -19499,26 +20228,32 @@ template <Backend B>
 Stmc<B> load_stmc(const SafetensorsFile& file) {
   const StmcModelConfig c = stmc_config(file);
   WordPiece tokenizer = detail::metadata_vocabulary(file.metadata(), file.name());
-  check_sizes(file, c, tokenizer.size());
-  Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
-  load_module(model, file, "", LoadFor::inference);
+  WordVectors vectors = stored_word_vectors(file, detail::vector_tensors);
+  check_sizes(file, c, tokenizer.size(), vectors.width());
+  Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{}, std::move(vectors));
+  KeyReport report = load_module_partly(model, file, "", LoadFor::inference);
+  std::erase_if(report.unexpected, [](const std::string& name) { return name.starts_with(detail::vector_tensors); });
+  if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);
   return model;
 }
+/// The same from a file. Published models and folders: load_stmc(path, options) of weights/stmc_checkpoint.hpp.
 template <Backend B>
 Stmc<B> load_stmc(const FilePath& path) {
   return load_stmc<B>(SafetensorsFile::open(path));
 }
 
 /// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. Throws io_error 401,
-/// config_error 102 if `about` would change what the model is.
+/// config_error 102 if `about` would overwrite an entry of the model.
 template <Backend B>
 void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig& config,
                const std::map<std::string, std::string>& about, DType dtype = DType::F16) {
   TensorStore store;
   store.add_module(model, "", dtype);
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
+  auto tensors = store.views();
+  store_word_vectors(tensors, metadata, model.text_encoder.vectors, detail::vector_tensors);
   detail::add_metadata(metadata, about, "model", path.string());
-  write_safetensors(path, store.views(), metadata);
+  write_safetensors(path, tensors, metadata);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -19682,7 +20417,8 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
   return c;
 }
 
-MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary) {
+MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary,
+                                 Index vector_width) {
   auto expect = [&](const std::string& name, const Shape& shape) {
     if (const FileShape& found = file.tensor(name).shape; found != shape)
       raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
@@ -19701,6 +20437,7 @@ MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelCon
   transformer("denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);
   expect("text_encoder.embedding.weight", {vocabulary, c.text.width});
   expect("text_encoder.projection.weight", {c.text.out, c.text.width});
+  if (vector_width > 0) expect("text_encoder.vector_projection.weight", {c.text.width, vector_width});
   transformer("text_encoder.encoder", c.text.layers, c.text.width, c.text.d_ff);
 }
 
@@ -19719,7 +20456,7 @@ std::string weights_checksum(const M& module) {
   for (const auto& t : tensors_of(module)) h = content_hash(std::as_bytes(t.span()), h);
   return hexadecimal(h);
 }
-/// "x0/007": names whose order is that of the numbers, below 1000.
+/// "x0/007": names whose order is that of their numbers, below 1000.
 std::string numbered_name(const char* what, std::size_t i);
 
 /// The part that does not depend on the backend.
@@ -19730,14 +20467,24 @@ struct RecordAbout {
   Index rows = 0;
   bool exact = true;
 };
-/// Guidance and sampling are set in the options. The timelines are put into the store.
-Metadata record_metadata(const RecordAbout& run, const std::string& model, std::size_t steps, TensorStore& store);
-/// model   the checksum of the weights that are to go on with it
-RecordAbout read_record(const SafetensorsFile& file, const std::string& model, Index most_steps);
+/// The weights of a model and the precision in which they are used.
+struct RecordModel {
+  std::string checksum;
+  Precision precision;
+};
+template <Module M>
+RecordModel record_model(const M& model) {
+  return {weights_checksum(model), precision_of(model)};
+}
+/// Guidance and sampling are set in the options. The timelines go into the store.
+Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps, TensorStore& store);
+/// model   the one that the edit will use
+RecordAbout read_record(const SafetensorsFile& file, const RecordModel& model, Index most_steps);
 
 }  // namespace detail
 
-/// `about` is added to the metadata. Throws io_error 401, config_error 102 if `about` would change what the record is.
+/// `about` is added to the metadata. Throws io_error 401, config_error 102 if `about` would overwrite an entry of the
+/// record.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const Stmc<B, D, E>& stmc,
                       const std::map<std::string, std::string>& about = {}) {
@@ -19746,7 +20493,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   run.options.sampling = record.options.sampling.value_or(stmc.sampling);
   run.options.guidance = record.options.guidance.value_or(stmc.guidance);
   TensorStore store;
-  auto metadata = detail::record_metadata(run, detail::weights_checksum(stmc), record.x0.size(), store);
+  auto metadata = detail::record_metadata(run, detail::record_model(stmc), record.x0.size(), store);
   detail::add_metadata(metadata, about, "record", path.string());
   std::vector<TensorView> views = store.views();
   for (std::size_t k = 0; k < record.x0.size(); ++k) {
@@ -19758,11 +20505,11 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   write_safetensors(path, views, metadata);
 }
 
-/// Reads a record and compares it with the model that is to go on with it. Throws io_error 401 ... 407, config_error
-/// 101, 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
+/// Reads a record and compares it with the model that the edit will use. Throws io_error 401 ... 407, config_error 101,
+/// 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
-  detail::RecordAbout run = detail::read_record(file, detail::weights_checksum(stmc), stmc.diffusion.steps());
+  detail::RecordAbout run = detail::read_record(file, detail::record_model(stmc), stmc.diffusion.steps());
   const Shape shape{std::ssize(run.timelines) * run.rows, stmc.layout.size};
   StmcRecord<B> out{.timelines = std::move(run.timelines),
                     .rng = run.rng,
@@ -19834,7 +20581,7 @@ inline Timeline record_timeline(const SafetensorsFile& file, const BodyPartition
   return out;
 }
 
-MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const std::string& model, std::size_t steps,
+MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps,
                                          TensorStore& store) {
   const StmcOptions& o = run.options;
   const SamplingOptions sampling = *o.sampling;
@@ -19842,8 +20589,8 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const std::stri
   Metadata metadata{
       {"record", "stmc"},
       {"format", "1"},
-      {"model", model},
-      {"precision", precision_name(product_precision())},
+      {"model", model.checksum},
+      {"precision", precision_name(model.precision)},
       {"seed", text(run.rng.seed)},
       {"stream", text(run.rng.stream)},
       {"timelines", text(run.timelines.size())},
@@ -19874,7 +20621,7 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const std::stri
   return metadata;
 }
 
-MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const std::string& model, Index most_steps) {
+MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const RecordModel& model, Index most_steps) {
   const auto& m = file.metadata();
   const std::string& name = file.name();
   const auto word = [&](const char* key) { return metadata_text(m, key, ""); };
@@ -19882,11 +20629,10 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const std::
   const auto real = [&](const char* key) { return metadata_number<double>(m, key, name); };
   if (word("record") != "stmc" || word("format") != "1")
     raise<config_error>(103, name, ": not a record of an STMC run of format 1 (metadata 'record' and 'format')");
-  if (word("model") != model)
-    raise<config_error>(
-        102, name, ": made with weights of checksum ", word("model"), ", these have ", model,
-        "; the checksum of the same weights is another in another scalar, which other backends may use");
-  const std::string precision = precision_name(product_precision());
+  if (word("model") != model.checksum)
+    raise<config_error>(102, name, ": made with weights of checksum ", word("model"), ", these have ", model.checksum,
+                        "; the same weights have another checksum in another scalar, which other backends may use");
+  const std::string precision = precision_name(model.precision);
   if (word("precision") != precision)
     raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", precision);
   RecordAbout out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};
@@ -19900,7 +20646,8 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const std::
                                              .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
-  if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;
+  const bool published = word("noise_scale") != "posterior_std";
+  out.options.sampling->noise_scale = published ? NoiseScale::posterior_variance : NoiseScale::posterior_std;
   const Index timelines = metadata_size(m, "timelines", latest_time, name);
   const BodyPartition body = record_body(file);
   for (Index i = 0; i < timelines; ++i) {
@@ -19943,6 +20690,7 @@ class GenerateRun {
     how_.steps = o_.steps;
     how_.sampling = model_.sampling;
     if (o_.sampler) how_.sampling->sampler = *o_.sampler;
+    if (o_.noise_scale) how_.sampling->noise_scale = *o_.noise_scale;
     if (o_.keep) keep_on_model();
   }
 
@@ -19973,7 +20721,7 @@ class GenerateRun {
  private:
   using Features = std::vector<Tensor<B, 2>>;
 
-  /// The sampling of a run. A run that is reused has it in its record.
+  /// The sampling of a run. A reused run has it in its record.
   struct Sampling {
     Philox rng{};
     StmcOptions options{};
@@ -19991,7 +20739,7 @@ class GenerateRun {
     bool operator()(Index done, Index total) const { return (*caller)(run * total + done, runs * total), true; }
   };
 
-  /// The texts of arms in the timelines: of which one each is, and what it is alone.
+  /// The texts of arms in the timelines: the timeline of each, and its motion alone.
   struct Arms {
     std::vector<std::pair<std::size_t, ArmText>> texts{};
     std::vector<Timeline> alone{};
@@ -20007,7 +20755,7 @@ class GenerateRun {
     }
     return out;
   }
-  /// Lays over the motions of the timelines what their texts of arms make alone, where the collage lost it.
+  /// Lays the arms' own motions over the motions of the timelines, at the times where the collage lost their texts.
   void overlay(const Arms& arms, std::vector<Motion>& motions, const Sampling& how) const {
     if (arms.texts.empty()) return;
     const Features features = model_.generate(cut(arms.alone, how.cut), how.rng, how.options);
@@ -20018,12 +20766,13 @@ class GenerateRun {
     }
   }
 
-  /// (frames, features) of each timeline, not normalised. Sets what a run was sampled with if it is reused.
+  /// (frames, features) of each timeline, not normalised. Sets the sampling of a reused run.
   Features features(std::span<const Timeline> timelines, Sampling& how) const {
     if (!o_.reuse.string().empty()) return reused(timelines, how);
     const std::vector<Timeline> texts = cut(timelines, o_.cut_texts);
     const Philox& rng = how.rng;
     if (o_.keep) return around(texts, how);
+    if (o_.mode == StmcMode::sinc || o_.mode == StmcMode::sinc_lerp) return stitched_once(texts, how);
     if (!o_.noise.string().empty()) return model_.generate_from(texts, noise_of_file<B>(o_.noise), how.options);
     if (o_.record.string().empty()) return model_.generate(texts, rng, how.options);
     StmcRecord<B> record;
@@ -20034,8 +20783,19 @@ class GenerateRun {
 
   std::vector<Timeline> cut(std::span<const Timeline> timelines, bool wanted) const {
     std::vector<Timeline> out;
-    for (const Timeline& t : timelines) out.push_back(wanted ? cut_texts(t, model_.fps) : t);
+    for (const Timeline& t : timelines) {
+      const bool stmc = o_.mode == StmcMode::stmc;
+      out.push_back(!stmc ? timeline_of_mode(o_.mode, t, model_.fps) : wanted ? cut_texts(t, model_.fps) : t);
+    }
     return out;
+  }
+
+  /// By SINC: every text is sampled alone.
+  Features stitched_once(std::span<const Timeline> texts, const Sampling& how) const {
+    const SincCuts cuts = o_.mode == StmcMode::sinc ? SincCuts::hard : SincCuts::interpolated;
+    if (o_.noise.string().empty()) return sinc_baseline(model_, texts, how.rng, how.options, cuts);
+    return sinc_baseline_from(model_, plan_timelines(texts, sinc_plan_options(model_, how.options)),
+                              noise_of_file<B>(o_.noise), how.options, cuts);
   }
 
   /// The clip that is kept, on the joints and at the rate of the model, and its features.
@@ -20057,7 +20817,7 @@ class GenerateRun {
     return generate_around<B>(model_, timelines, how.rng, how.options, std::span<const KeptMotion<B>>(kept));
   }
 
-  /// With what the record of an earlier run says about the part that was not edited.
+  /// Uses the record of an earlier run for the parts that were not edited.
   Features reused(std::span<const Timeline> timelines, Sampling& sampling) const {
     const auto file = SafetensorsFile::open(o_.reuse);
     auto record = load_stmc_record<B>(file, model_);
@@ -20137,7 +20897,8 @@ template <class S>
 MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
   *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
 }
-/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
+/// Stores past the caches, to an address that is a multiple of the vector's size. Other threads see it after
+/// `end_of_streams`.
 template <class S>
 MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
 #if defined(__clang__)
@@ -20155,7 +20916,7 @@ MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
   store(p, v);
 #endif
 }
-/// Asks for n numbers that are read soon.
+/// Prefetches n values that are read soon.
 template <class Number>
 MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
   for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
@@ -20175,7 +20936,7 @@ MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above 
   for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
   return load(t);
 }
-/// The first n numbers (all lanes if there are that many), then zeros; nothing is read if n <= 0.
+/// The first n values (all lanes if there are that many), then zeros; nothing is read if n <= 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
   return n >= lanes<S> ? load(p) : load_some(p, n);
@@ -20188,8 +20949,8 @@ template <class S>
 MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
   n >= lanes<S> ? store(p, v) : store_some(p, v, n);
 }
-// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
-// (Where one of them is a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second. (If one of them is
+// a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
 #if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
@@ -20224,12 +20985,12 @@ MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
   for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
   return any;
 }
-/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
+/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are unused.
 template <class S, int half, int... l>
 MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
   return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
 }
-// Halves are put together until one lane is left: sums have a fixed order.
+// Adds halves until one lane is left, so that sums have a fixed order.
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
   if constexpr (half == 0)
@@ -20272,7 +21033,7 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
   const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // 1.5 * 2^23 (2^52), which rounds a value to an integer when added, and the bias of exponents, which is then in the
   // lowest bits.
   const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
@@ -20290,7 +21051,7 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
 }
 
 /// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
-/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+/// own least-squares fit). The fit has an error of 2e-8 in Phi; with rounding the error is below 2.5e-7.
 template <class S>
 MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
   Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
@@ -20319,13 +21080,13 @@ MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
   }
 }
 #if MOTIONLANG_VECTOR_BYTES == 64
-/// 32 numbers: lane i of the result is that which the lowest five bits of index[i] say.
+/// Looks up 32 values: the lowest five bits of index[i] choose the value of lane i.
 MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index) {
   Vec<float> r = load(table);
   asm("vpermt2ps %2, %1, %0" : "+v"(r) : "v"(index), "v"(load(table + 16)));
   return r;
 }
-/// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
+/// Uses gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
 MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
   constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
@@ -20340,8 +21101,8 @@ MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   return vmax<float>(Vec<float>{}, x) - g;
 }
 #endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
-/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so nothing must be bounded first. Float:
+/// uses look_up if available; error below 3e-7 |x|. For -inf: NaN or about 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
 #if MOTIONLANG_VECTOR_BYTES == 64
@@ -20385,7 +21146,7 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   }
 }
 //
-// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
+// Nonlinearities and their derivatives. The kind is tested once for many values, so that constants stay in registers.
 
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
@@ -20449,7 +21210,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   return splat(S(1));
 }
 
-/// f.operator()<act>().
+/// Calls f.operator()<act>().
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
@@ -20506,16 +21267,16 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
-//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
-//            well. (All panels at a time where A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
-//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
-//            result's rows are written, one after the other: the lines under them, which come from memory first, the
-//            processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
-//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
-//            the next rows of A.
-//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
+//            If k has several blocks, eight panels at a time, so that the sums for the next 1024 of k stay there as
+//            well. (All panels at a time if A is copied first.)
+// Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and
+//          k is one block: a tile's rows times a group of panels, then the next rows. Longer pieces of the result's
+//          rows are then written in order. So the processor itself fetches the lines under them, which come from memory
+//          first, and fewer pages are in use.
+// Ahead    a tile prefetches its part of C and of the residual before it begins. With every k it prefetches a piece of
+//          later data: of the panels of the next group (also of the next product), and, with the first group, of the
+//          next rows of A.
+// Order    every element is summed over k in the same order for any tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
@@ -20539,7 +21300,7 @@ const std::byte* as_bytes(const S* x) {
   return reinterpret_cast<const std::byte*>(x);
 }
 
-/// Rows of A, `row_bytes` each, in a block of this many bytes: at most most_tiles tiles.
+/// The number of rows of A, `row_bytes` each, in a block of this many bytes: at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
@@ -20559,7 +21320,7 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
+/// time. Returns true if all values are finite, if it checks them.
 template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
@@ -20597,16 +21358,15 @@ struct Rows {
   Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
-/// Memory that is read after a tile. It is fetched into the second-level cache: `step` bytes, a line at most, for
-/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
-/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
-/// which fetches by itself lines that follow each other (20 % slower from memory).
+/// Memory that is read after a tile. It is fetched into the second-level cache: `step` bytes, a line at most, for every
+/// row of the panel (bfloat16: pair of rows). The rest is not fetched. So for rows of two lines, a tile alone fetches
+/// only the first half of the next panel. Every other line of the whole panel would confuse the processor, which
+/// prefetches consecutive lines (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in this many steps: shares rather overlap than leave bytes between
-  /// them.
+  /// Share i of n of `bytes` that begin at `next`, in this many steps. Shares may overlap, but leave no gap.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
     const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
@@ -20614,7 +21374,7 @@ struct Ahead {
   MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
 };
 
-/// The end of a tile: add earlier sums (if k is split), bias and residual, then apply the nonlinearity.
+/// The end of a tile: adds earlier sums (if k is split), bias and residual, then applies the nonlinearity.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -20645,7 +21405,7 @@ struct Epilogue {
   }
 };
 
-/// Asks for the rows of c and of the residual that a tile is put into.
+/// Prefetches the rows of c and of the residual for a tile.
 template <class S, int R>
 MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
   constexpr int l = lanes<S>;
@@ -20713,7 +21473,7 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // Rows in groups of three with five pointers: one address register each, the rest is addressing mode. One of the
   // strides is known to be 1, which saves additions (1 to 4 % of the time).
   const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
   const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
@@ -20743,7 +21503,7 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 
 template <class S>
 using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
-/// The tile of this many rows for what is left of the columns.
+/// The tile with this many rows for the remaining columns.
 template <class S>
 TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
@@ -20756,10 +21516,10 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
 
-/// First row of part i of n nearly equal parts.
+/// The first row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
-/// How a product over k is split: pieces of k, and rows of A at a time.
+/// The split of a product over k: pieces of k, and rows of A at a time.
 template <class S>
 struct Blocks {
   Index count, rows;
@@ -20778,8 +21538,8 @@ Index gemm_scratch(Index k) {
   return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
 }
 
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
-/// other. `readable`: rows that A has from here on.
+/// Copies `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads consecutive
+/// lines. `readable`: rows that A has from here on.
 template <class S>
 void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
   constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
@@ -20794,18 +21554,17 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
   }
 }
 
-/// The block that is computed at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ...
-/// right-1.
+/// The block to compute at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ... right-1.
 template <class S>
 struct GemmPiece {
   static constexpr Index w = panel_width<S>;
   const Gemm<S>& g;
   S* scratch;
   bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
-  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
+  Index top = 0, below = 0, end = 0;  // end: of the thread's further rows
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  // panels that are read after it: at last the first ones once more, if nothing else is known
+  // The panels to read after it; the first ones again at the end, if nothing else is known.
   const std::byte* next = nullptr;
   Index next_bytes = std::numeric_limits<Index>::max();
 
@@ -20829,8 +21588,8 @@ struct GemmPiece {
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
-    // tile's when it is next.
+    // Copies rows: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else those of the
+    // next tile.
     if (transposed)
       copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
     else if (copies && !far)
@@ -20844,8 +21603,8 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
-        // none.)
+        // The first half of the panels fetches the next rows, if they lie together. (With one panel at a time there are
+        // no next rows.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
@@ -20869,8 +21628,8 @@ template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
-  // once.
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set. They are copied once, side by
+  // side.
   const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
@@ -20902,15 +21661,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   }
 }
 //
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
-// or one head (backward), never for a batch.
+// Attention of one head over one sequence, forward and backward. Only the scores of one tile of rows (forward) or one
+// head (backward) exist at a time, never those of a batch.
 //
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
 /// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
-/// none waits.
+/// `visible[i]` columns of row i take part (causal attention); the rest are 0. Several rows give as many independent
+/// chains of sums, so that none has to wait.
 template <class S, int R>
 MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
@@ -20993,12 +21752,12 @@ MOTIONLANG_INLINE Index padded_panels(Index n) {
 template <class S>
 struct FloatProducts {
   using Number = S;
-  static constexpr Index rows = tile_rows;  // that products are fastest with
+  static constexpr Index rows = tile_rows;  // with which products are fastest
   static void begin() {}
   static void end() {}
-  /// Columns that products write of n.
+  /// The number of columns that products write for n columns.
   static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
-  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
+  /// The size of scratch: panels of a matrix (k, n), and the memory for a product over k.
   static Index panels(Index k, Index n) { return columns(n) * k; }
   static Index scratch(Index) { return 0; }
 
@@ -21024,8 +21783,7 @@ struct FloatProducts {
   }
 };
 
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
-/// columns of.
+/// One head over one sequence: the starts of its rows. Rows of q, k, v have the strides of their tensors.
 template <class S>
 struct AttentionHead {
   const Attention<S>& t;
@@ -21060,18 +21818,18 @@ struct AttentionHead {
   }
 };
 
-/// Distance of rows of scores, whose columns up to the end of a panel are written.
+/// The distance of rows of scores. Their columns are written up to the end of a panel.
 template <class P>
 Index score_pitch(Index keys) {
   return P::columns(keys) + 16;
 }
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+/// The size of attention_head's scratch: K^T, V, and one tile of scores.
 template <class P>
 Index attention_scratch(Index keys, Index width) {
   return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
          P::scratch(std::max(keys, width));
 }
-/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+/// The size of attention_head_vjp's scratch, with the scores of all queries.
 template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index longest = std::max(keys, queries);
@@ -21079,7 +21837,7 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
          P::scratch(std::max(longest, width));
 }
 
-/// Output of one head, for one of this many pieces of its queries.
+/// The output of one head, for one of `pieces` pieces of its queries.
 template <class P, class S = typename P::Number>
 void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
@@ -21146,8 +21904,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
-/// many chains of sums: none waits.
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes avoid cancellation. Several rows give as
+/// many independent chains of sums, so that none has to wait.
 template <class S, int R>
 MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
@@ -21207,7 +21965,7 @@ MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
     for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
   }
 }
-/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
+/// y = (x + residual - mean) rstd weight + bias. y first holds the sum, then the result; residual may be null.
 template <class S>
 void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
   for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
@@ -21338,7 +22096,7 @@ MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   }
   return a;
 }
-/// A repeated operand is read again and again from one vector of copies.
+/// A repeated operand is always read from one vector of copies.
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
   constexpr int l = lanes<S>;
@@ -21375,7 +22133,7 @@ void error_function(const S* x, Index n, S* y) {
   store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
 }
 
-/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
+/// Sums of the rows first ... last-1, of n values each, in four independent chains, so that none has to wait.
 template <class S>
 void row_sums(const S* x, Index n, Index first, Index last, S* y) {
   constexpr int l = lanes<S>;
@@ -21427,18 +22185,17 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
-// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+// Matrix product in bfloat16 with sums in float. Three tiles share this code: the tile here is for any processor and
+// widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
-//            which some round to 0.
-//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
-//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
-//            number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
-//            thread.
+// Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2],
+//          zero padded to a multiple of 32 in k. All tiles use the same form, except values below 2^-126, which some
+//          round to 0.
+// Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
+// Tile     some rows of A times one panel, over k rounded up to whole instructions (in pieces of k, if the tile has
+//          pieces); the sums are treated as in gemm.inc. (In AMX the bias is the first term of a sum.)
+// Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//          thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
 typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
@@ -21462,7 +22219,8 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// Does the same as round_row of a tile (except for values below 2^-126) for `rows` rows with the values a[k * lda +
+/// row]:
 /// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
@@ -21490,8 +22248,8 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
-/// time, through as many panels as lie in different parts of the cache.
+/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a time,
+/// through as many panels as use different parts of the cache.
 template <class Tile>
 void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
   constexpr Index ahead = 8;  // rows
@@ -21510,11 +22268,11 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
+/// time. Returns true if all values are finite, if it checks them.
 template <class Tile, bool looks>
 bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
                           std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // the part of k to round at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
   Mask<float> found{};
@@ -21549,17 +22307,17 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
-/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
-/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
-/// same cache set.
+/// True if a tile's rows of the result, which are whole lines, should bypass the caches. The caches would read every
+/// line before it is overwritten, and evict other data. It pays for results larger than all caches. It also pays for
+/// results larger than the nearer caches if their rows are a multiple of the page size apart, so that a tile's rows
+/// fall into the same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
   const bool whole_lines =
       g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
   return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
-/// Rows of one panel's width, from where a tile has put them.
+/// Rows of one panel's width, from the place where a tile has put them.
 inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
   for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
     for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
@@ -21581,19 +22339,19 @@ struct TileProduct {
   Epilogue<float> e{};
   Ahead ahead{};
   bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
-  bool stream = false;             // c is written past the caches
+  bool stream = false;             // c bypasses the caches
   Index number = 0;                // of the tile among those of this panel
   bool first = true, last = true;  // piece of k
-  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
+  PanelSplit* next = nullptr;      // for floats in parts: the panel to split meanwhile
 };
 
-/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
-///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
-///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
+/// Tiles that keep their sums in registers: Tile::rows_of<height> does all work. Every tile also has
+///     round_row(x, n, padded, y)       y = n values, rounded, then zeros up to `padded`, a multiple of 32
+///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: each value of x (zeros after nx) beside its value of y
 template <class Tile>
 struct RegisterTile {
   static constexpr bool even = true;                                 // rows are split evenly among tiles
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
+  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // multiplied part of the padded depth
   static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
   static void end() {}
@@ -21691,7 +22449,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   const bool stream = streams(g);
   Tile tile;
   Tile::begin();
-  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
+  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // blocks have a multiple of this many rows
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);

@@ -66,7 +66,7 @@ inline void select_from_json(const JsonMembers& file, VectorSelector& selector) 
   const auto dimensions = file.load("dimensions");
   const auto width = JsonView(dimensions, file.place("dimensions")).as<Index>();
   const JsonView list(words, file.place("words"));
-  for (std::size_t i = 0; i < list.size(); ++i) {
+  for (Index i = 0; i < list.size(); ++i) {
     const auto word = list[i].as<std::string>();
     if (!selector.takes(word)) continue;
     const auto numbers = vectors.load(word);
