@@ -4254,7 +4254,7 @@ struct Sequences {
 
   Sequences() = default;
   /// Throws shape_error 207 unless the offsets end at the last row.
-  Sequences(Tensor<B, 2> r, Offsets o) : rows(std::move(r)), offsets(std::move(o)) {
+  Sequences(Tensor<B, 2> r, const Offsets& o) : rows(std::move(r)), offsets(o) {
     if (rows.size(0) != offsets.rows()) {
       raise<shape_error>(207, "Sequences: offsets for ", offsets.rows(), " rows, tensor is ", rows.shape());
     }
@@ -14698,7 +14698,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_NN_SEQ2SEQ_TRANSFORMER_HPP
 /// The sequence-to-sequence transformer of TM2T: motion tokens to words, and words to motion tokens.
 ///
-/// From IdSequences, word vectors, or shares of symbols; then the next word after each word, (rows, words).
+///     // From IdSequences, word vectors, or shares of symbols; then the next word after each word, (rows, words).
 ///     const auto memory = m.encode(tokens);
 ///     const auto logits = m.logits(words.without_ends(0, 1), memory);
 ///
@@ -21617,7 +21617,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 ///     const GaussianDiffusion diffusion(CosineSchedule{.steps = 1000});
 ///     const MdmActions<B> mdm{.denoiser = network, .diffusion = diffusion};
-/// Frames of rotations and path, as in ACTOR.
+///     // Frames of rotations and path, as in ACTOR.
 ///     const auto motions = mdm.generate(actions, Philox{.seed = 7});
 ///
 /// An unconstrained model (HumanAct12 without its classes) has one class, which it ignores.
@@ -34108,7 +34108,7 @@ MOTIONLANG_NAMESPACE_END
 ///     auto motion = generate_recorded(stmc, timelines, Philox{.seed = 7}, {.steps = 10}, record);
 ///     timelines[0].intervals[2].text = "run";
 ///     StmcReuse reuse;
-/// The bits of generate(timelines, ...). The second call makes another motion, which differs only near the edit.
+///     // The bits of generate(timelines, ...). The second call makes a motion that differs only near the edit.
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);
 ///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
 ///
@@ -34284,7 +34284,7 @@ MOTIONLANG_NAMESPACE_END
 /// STMC around an existing motion: frames or body parts of it are kept, and texts make the rest.
 ///
 ///     KeptMotion<B> clip{features};                            // (frames, 205), not normalised
-/// Its first and last second; the model makes the frames between. Or its path and steps; texts move the rest.
+///     // Its first and last second; the model makes the frames between. Or its path and steps; texts move the rest.
 ///     clip.parts = {{{0, 20}}, {{100, 120}}};
 ///     clip.parts = {{{0, 120}, BodyParts{}.with(BodyPart::legs)}};
 ///     const std::span<const KeptMotion<B>> kept(&clip, 1);     // one for each timeline

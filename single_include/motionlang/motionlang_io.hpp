@@ -11190,10 +11190,10 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_FORMATS_MOTION_NPY_HPP
 /// Clips from NumPy arrays of joint positions or features, as in models and data sets.
 ///
-///    Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 values in a row: HumanML3D
+///     Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 values in a row: HumanML3D
 ///
-///    (frames, values) features of motion_features.hpp, recognised by the width of a row; not normalised
-///    (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
+///     (frames, values) features of motion_features.hpp, recognised by the width of a row; not normalised
+///     (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
 /// mdm_results.hpp reads files with several motions. motion_from_joints.hpp turns positions into rotations. MMM's
 /// joints are in metres or, if the values are large, in KIT's units. With Y up they are mirrored, as in KIT and TEMOS,
 /// and are mirrored back, so that "L" is the left.
@@ -12751,7 +12751,7 @@ MOTIONLANG_NAMESPACE_END
 /// Known errors in the files of AMASS, and folders that change their names between releases.
 ///
 ///     sequence.fps = corrected_amass_fps(path, sequence.fps);
-/// The file of an annotation, of any release.
+///     // The file of an annotation, of any release.
 ///     for (const std::string& file : amass_paths(babel.feat_p)) use(file);
 ///
 /// No reader corrects a rate by itself, because a resampled file may have the same name and a correct rate.
@@ -15503,7 +15503,7 @@ namespace detail {
 /// The folder of a clip, or the file with many animations that holds it.
 inline std::string folder_of_clip(const std::string& clip) {
   const auto animation = clip.rfind('#');
-  const std::string file = clip.substr(0, animation);
+  std::string file = clip.substr(0, animation);
   if (animation != clip.npos) return file;
   const auto folder = file.rfind('/');
   return folder == file.npos ? "." : file.substr(0, folder);
@@ -16526,7 +16526,7 @@ inline std::optional<Loop> cycle_of(const Motion& motion) {
 inline std::string commanded_action(const std::string& caption) {
   static const std::set<std::string> slight{"be",   "do",   "get",  "give", "go",      "have", "hold",
                                             "keep", "make", "move", "put",  "perform", "stay", "take"};
-  const std::string verb = commanded_verb(caption);
+  std::string verb = commanded_verb(caption);
   if (!slight.contains(verb)) return verb;
   const auto words = caption_words(caption);
   const bool article = words.size() > 2 && (words[1] == "a" || words[1] == "an" || words[1] == "the");
@@ -17170,7 +17170,7 @@ MOTIONLANG_NAMESPACE_END
 ///     write_motion_index("moves.index", index, graphs);
 ///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
 ///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
-/// The graphs again, extended by the added vectors.
+///     // The graphs again, extended by the added vectors.
 ///     graphs = motion_graphs(more, 100'000, {}, &file);
 ///
 /// The graph holds numbers of vectors, not the vectors. These are read from the index file.
@@ -24772,7 +24772,7 @@ MOTIONLANG_NAMESPACE_END
 /// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
 ///
 ///     write_word_vectors("words.safetensors", vectors, {{"license", "PDDL 1.0"}});
-///     const WordVectors vectors = read_word_vectors("words.safetensors");
+///     const WordVectors again = read_word_vectors("words.safetensors");
 ///
 /// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
 /// Metadata   vector_words: a word on each line, sorted; for people: license, provenance

@@ -3009,7 +3009,7 @@ struct Sequences {
 
   Sequences() = default;
   /// Throws shape_error 207 unless the offsets end at the last row.
-  Sequences(Tensor<B, 2> r, Offsets o) : rows(std::move(r)), offsets(std::move(o)) {
+  Sequences(Tensor<B, 2> r, const Offsets& o) : rows(std::move(r)), offsets(o) {
     if (rows.size(0) != offsets.rows()) {
       raise<shape_error>(207, "Sequences: offsets for ", offsets.rows(), " rows, tensor is ", rows.shape());
     }
@@ -17861,7 +17861,7 @@ MOTIONLANG_NAMESPACE_END
 /// STMC around an existing motion: frames or body parts of it are kept, and texts make the rest.
 ///
 ///     KeptMotion<B> clip{features};                            // (frames, 205), not normalised
-/// Its first and last second; the model makes the frames between. Or its path and steps; texts move the rest.
+///     // Its first and last second; the model makes the frames between. Or its path and steps; texts move the rest.
 ///     clip.parts = {{{0, 20}}, {{100, 120}}};
 ///     clip.parts = {{{0, 120}, BodyParts{}.with(BodyPart::legs)}};
 ///     const std::span<const KeptMotion<B>> kept(&clip, 1);     // one for each timeline
@@ -18009,7 +18009,7 @@ MOTIONLANG_NAMESPACE_END
 ///     auto motion = generate_recorded(stmc, timelines, Philox{.seed = 7}, {.steps = 10}, record);
 ///     timelines[0].intervals[2].text = "run";
 ///     StmcReuse reuse;
-/// The bits of generate(timelines, ...). The second call makes another motion, which differs only near the edit.
+///     // The bits of generate(timelines, ...). The second call makes a motion that differs only near the edit.
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);
 ///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
 ///
@@ -20076,7 +20076,7 @@ MOTIONLANG_NAMESPACE_END
 /// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
 ///
 ///     write_word_vectors("words.safetensors", vectors, {{"license", "PDDL 1.0"}});
-///     const WordVectors vectors = read_word_vectors("words.safetensors");
+///     const WordVectors again = read_word_vectors("words.safetensors");
 ///
 /// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
 /// Metadata   vector_words: a word on each line, sorted; for people: license, provenance

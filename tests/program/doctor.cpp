@@ -37,7 +37,7 @@ TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended 
   spiked.root[30].x += 0.5;
   ml::write_glb(w / "data/spiked.glb", spiked);
   std::string nan = ml::read_file(w / "data/sound.bvh");
-  std::string row = "nan";
+  std::string row = "oops";
   for (int i = 1; i < 3 + 3 * 24; ++i) row += " 0";
   nan.replace(nan.find("MOTION"), std::string::npos, "MOTION\nFrames: 1\nFrame Time: 0.05\n" + row + "\n");
   ml::write_file(w / "data/nan.bvh", nan);

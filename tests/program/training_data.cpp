@@ -74,7 +74,7 @@ TEST_CASE("tables that cannot be used are refused with file and line") {
     CHECK_MESSAGE(contains(out.text, message), out.text);
     CHECK(!std::filesystem::exists(clips / "out/checkpoint.safetensors"));
   };
-  const std::string forms = "clip, start, end, parts, captions, or clip, captions";
+  const std::string forms = "clip, start, end, parts, captions[, how it goes on], or clip, captions";
   refused("train-tmr", "--captions", "clip0\t0\t2\tlegs",
           "wrong.tsv:2: expected " + forms + ", separated by tabs; columns here: 4");
   refused("train-temos", "--captions", "clip0 a person walks",

@@ -2,7 +2,7 @@
 /// Known errors in the files of AMASS, and folders that change their names between releases.
 ///
 ///     sequence.fps = corrected_amass_fps(path, sequence.fps);
-/// The file of an annotation, of any release.
+///     // The file of an annotation, of any release.
 ///     for (const std::string& file : amass_paths(babel.feat_p)) use(file);
 ///
 /// No reader corrects a rate by itself, because a resampled file may have the same name and a correct rate.

@@ -15,7 +15,7 @@ namespace detail {
 /// The folder of a clip, or the file with many animations that holds it.
 inline std::string folder_of_clip(const std::string& clip) {
   const auto animation = clip.rfind('#');
-  const std::string file = clip.substr(0, animation);
+  std::string file = clip.substr(0, animation);
   if (animation != clip.npos) return file;
   const auto folder = file.rfind('/');
   return folder == file.npos ? "." : file.substr(0, folder);

@@ -96,7 +96,7 @@ inline std::optional<Loop> cycle_of(const Motion& motion) {
 inline std::string commanded_action(const std::string& caption) {
   static const std::set<std::string> slight{"be",   "do",   "get",  "give", "go",      "have", "hold",
                                             "keep", "make", "move", "put",  "perform", "stay", "take"};
-  const std::string verb = commanded_verb(caption);
+  std::string verb = commanded_verb(caption);
   if (!slight.contains(verb)) return verb;
   const auto words = caption_words(caption);
   const bool article = words.size() > 2 && (words[1] == "a" || words[1] == "an" || words[1] == "the");

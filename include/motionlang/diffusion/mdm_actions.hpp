@@ -3,7 +3,7 @@
 ///
 ///     const GaussianDiffusion diffusion(CosineSchedule{.steps = 1000});
 ///     const MdmActions<B> mdm{.denoiser = network, .diffusion = diffusion};
-/// Frames of rotations and path, as in ACTOR.
+///     // Frames of rotations and path, as in ACTOR.
 ///     const auto motions = mdm.generate(actions, Philox{.seed = 7});
 ///
 /// An unconstrained model (HumanAct12 without its classes) has one class, which it ignores.

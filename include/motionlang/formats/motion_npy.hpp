@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Clips from NumPy arrays of joint positions or features, as in models and data sets.
 ///
-///    Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 values in a row: HumanML3D
+///     Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 values in a row: HumanML3D
 ///
-///    (frames, values) features of motion_features.hpp, recognised by the width of a row; not normalised
-///    (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
+///     (frames, values) features of motion_features.hpp, recognised by the width of a row; not normalised
+///     (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
 /// mdm_results.hpp reads files with several motions. motion_from_joints.hpp turns positions into rotations. MMM's
 /// joints are in metres or, if the values are large, in KIT's units. With Y up they are mirrored, as in KIT and TEMOS,
 /// and are mirrored back, so that "L" is the left.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The sequence-to-sequence transformer of TM2T: motion tokens to words, and words to motion tokens.
 ///
-/// From IdSequences, word vectors, or shares of symbols; then the next word after each word, (rows, words).
+///     // From IdSequences, word vectors, or shares of symbols; then the next word after each word, (rows, words).
 ///     const auto memory = m.encode(tokens);
 ///     const auto logits = m.logits(words.without_ends(0, 1), memory);
 ///

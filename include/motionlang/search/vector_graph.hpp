@@ -7,7 +7,7 @@
 ///     write_motion_index("moves.index", index, graphs);
 ///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
 ///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
-/// The graphs again, extended by the added vectors.
+///     // The graphs again, extended by the added vectors.
 ///     graphs = motion_graphs(more, 100'000, {}, &file);
 ///
 /// The graph holds numbers of vectors, not the vectors. These are read from the index file.

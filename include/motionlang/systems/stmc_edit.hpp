@@ -5,7 +5,7 @@
 ///     auto motion = generate_recorded(stmc, timelines, Philox{.seed = 7}, {.steps = 10}, record);
 ///     timelines[0].intervals[2].text = "run";
 ///     StmcReuse reuse;
-/// The bits of generate(timelines, ...). The second call makes another motion, which differs only near the edit.
+///     // The bits of generate(timelines, ...). The second call makes a motion that differs only near the edit.
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);
 ///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
 ///

@@ -18,7 +18,7 @@ struct Sequences {
 
   Sequences() = default;
   /// Throws shape_error 207 unless the offsets end at the last row.
-  Sequences(Tensor<B, 2> r, Offsets o) : rows(std::move(r)), offsets(std::move(o)) {
+  Sequences(Tensor<B, 2> r, const Offsets& o) : rows(std::move(r)), offsets(o) {
     if (rows.size(0) != offsets.rows()) {
       raise<shape_error>(207, "Sequences: offsets for ", offsets.rows(), " rows, tensor is ", rows.shape());
     }

@@ -9,19 +9,23 @@
 #include <motionlang/datasets/data_set_form.hpp>
 #include <motionlang/datasets/described_motions.hpp>
 #include <motionlang/datasets/humanml3d_clip.hpp>
+#include <motionlang/datasets/segment_motion.hpp>
 #include <motionlang/features/feature_rows.hpp>
 #include <motionlang/file/fields_json.hpp>
 #include <motionlang/formats/body_file.hpp>
 #include <motionlang/formats/features_npy.hpp>
+#include <motionlang/formats/glb_reader.hpp>
 #include <motionlang/formats/motion_file.hpp>
 #include <motionlang/formats/motion_folder.hpp>
 #include <motionlang/generate/generate_motion.ipp>
 #include <motionlang/kinematics/body_partition.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
+#include <motionlang/kinematics/treadmill.hpp>
 #include <motionlang/search/kept_index.hpp>
 #include <motionlang/search/search.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/view/body_view.hpp>
+#include <motionlang/view/rig_viewer.hpp>
 #include <motionlang/view/view_file.hpp>
 #include <motionlang/weights/actor_checkpoint.hpp>
 #include <motionlang/weights/actor_model.hpp>
@@ -130,4 +134,13 @@ void tm2t_(const std::vector<std::string>& texts) {
 }
 void tmr_() {
 #include "weights/tmr_checkpoint.1.inc"
+}
+void segment(const ClipLine& line, Motion (*clip_at_20_fps)(const ClipLine&)) {
+#include "datasets/segment_motion.1.inc"
+}
+void treadmill() {
+#include "kinematics/treadmill.1.inc"
+}
+void rig_page(const Motion& motion) {
+#include "view/rig_viewer.1.inc"
 }

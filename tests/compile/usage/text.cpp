@@ -10,10 +10,12 @@
 #include <motionlang/text/glove.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/word_piece_tokens.hpp>
+#include <motionlang/text/word_vectors.hpp>
 #include <motionlang/weights/glove_file.hpp>
 #include <motionlang/weights/text_network_file.hpp>
 #include <motionlang/weights/tokenizer_files.hpp>
 #include <motionlang/weights/weight_file.hpp>
+#include <motionlang/weights/word_vector_file.hpp>
 
 void bert_(const JsonView& config, const WeightFile& weights, const BertTokenizer& tokenizer,
            const std::vector<std::string>& texts) {
@@ -37,4 +39,7 @@ void encoders(const ClipTokenizer& clip_tokenizer, const BertTokenizer& bert_tok
 }
 void word_pieces(const Tmr<B>& tmr, const std::vector<std::string>& captions, Philox& rng) {
 #include "text/word_piece_tokens.1.inc"
+}
+void word_vectors() {
+#include "text/word_vectors.1.inc"
 }

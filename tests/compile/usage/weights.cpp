@@ -18,6 +18,8 @@
 #include <motionlang/weights/tokenizer_json.hpp>
 #include <motionlang/weights/vae_run.hpp>
 #include <motionlang/weights/weight_file.hpp>
+#include <motionlang/weights/word_vector_file.hpp>
+#include <motionlang/weights/word_vector_source.hpp>
 
 void actor_file() {
 #include "weights/actor_file.1.inc"
@@ -63,4 +65,8 @@ void vae() {
 }
 void weight_file(Linear<B>& model) {
 #include "weights/weight_file.1.inc"
+}
+void word_vector_file(const std::vector<std::string>& captions) {
+#include "weights/word_vector_file.1.inc"
+#include "weights/word_vector_source.1.inc"
 }

@@ -165,11 +165,11 @@ TEST_CASE("what is wrong has an id and a message") {
   CHECK(no_model == nullptr);
   CHECK(motionlang_load_model(nullptr, &no_model) == 101);
   CHECK(motionlang_load_model("x", nullptr) == 101);
+  CHECK(told("model is NULL"));
   CHECK(motionlang_load_model_with(nullptr, nullptr, nullptr, &no_model) == 101);
   CHECK(motionlang_load_model_with(MOTIONLANG_BUNDLED_MODEL, "clip", nullptr, &no_model) == 102);
   CHECK(told("this one has its own"));
   CHECK(no_model == nullptr);
-  CHECK(told("model is NULL"));
 
   Made made;
   CHECK(motionlang_generate(nullptr, timeline, nullptr, &made.motion) == 101);

@@ -78,7 +78,7 @@ TEST_CASE("captions: what was written is read again, what others would misread i
     CHECK_ERROR(ml::format_captions(Captions{bad}), "[motionlang.timeline.510]");
   }
   CHECK_ERROR(ml::format_captions(Captions{{"step #1", {}}}, "t.txt"),
-              "[motionlang.timeline.510] t.txt: 'step #1' cannot");
+              "[motionlang.timeline.510] t.txt: 'step #1' is not allowed");
   CHECK_ERROR(ml::format_captions(Captions{timed(-1, 0)}), "[motionlang.io.403] captions: '");
   CHECK_ERROR(ml::format_captions(Captions{timed(0, NAN)}), "[motionlang.io.403]");
 }

@@ -155,7 +155,7 @@ TEST_CASE("a sequence of actions: gaps, pasts, seeds, refusals") {
   CHECK(same_bits(make(1), make(1)));
   CHECK(distance(make(1), make(2)) > 1e-6);
   CHECK(same_bits(make(1, {.mean = true}), make(2, {.fact = 0})));
-  CHECK_ERROR(model.generate(texts, Offsets{5, 4, 6}, eps, 3), "[motionlang.config.101] TEACH: action 1 of 4 frames");
+  CHECK_ERROR(model.generate(texts, Offsets{5, 4, 6}, eps, 3), "[motionlang.config.101] TEACH: action 1 has 4 frames");
   CHECK_ERROR(model.generate(texts, Offsets{5, 4}, eps), "[motionlang.shape.204] Teach: 3 texts, 2 lengths");
   CHECK_ERROR(model.generate(texts, Offsets{1, 4, 4}, eps), "[motionlang.shape.207] last_rows");
 
