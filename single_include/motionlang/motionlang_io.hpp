@@ -14087,7 +14087,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_DATASETS_SEGMENT_MOTION_HPP
 /// The motion of a line of captions, on the floor, with what the table lets follow.
 ///
-///     const SegmentMotion s = segment_motion(line, [&](const ClipLine& l) { return clip_at_20_fps(l); });
+///     const SegmentMotion s = segment_motion(line, [&](const ClipLine& l) { return clip_at_20_fps(l); }, 16);
 ///     const Motion long_enough = lasting(s, 40);
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -24771,8 +24771,8 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP
 /// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
 ///
-///     write_word_vectors("words.safetensors", vectors, {{"license", "PDDL 1.0"}});
-///     const WordVectors again = read_word_vectors("words.safetensors");
+///     write_word_vectors("words.safetensors", table, {{"license", "PDDL 1.0"}});
+///     const WordVectors vectors = read_word_vectors("words.safetensors");
 ///
 /// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
 /// Metadata   vector_words: a word on each line, sorted; for people: license, provenance

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The motion of a line of captions, on the floor, with what the table lets follow.
 ///
-///     const SegmentMotion s = segment_motion(line, [&](const ClipLine& l) { return clip_at_20_fps(l); });
+///     const SegmentMotion s = segment_motion(line, [&](const ClipLine& l) { return clip_at_20_fps(l); }, 16);
 ///     const Motion long_enough = lasting(s, 40);
 #pragma once
 

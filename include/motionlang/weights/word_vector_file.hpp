@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
 ///
-///     write_word_vectors("words.safetensors", vectors, {{"license", "PDDL 1.0"}});
-///     const WordVectors again = read_word_vectors("words.safetensors");
+///     write_word_vectors("words.safetensors", table, {{"license", "PDDL 1.0"}});
+///     const WordVectors vectors = read_word_vectors("words.safetensors");
 ///
 /// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
 /// Metadata   vector_words: a word on each line, sorted; for people: license, provenance
