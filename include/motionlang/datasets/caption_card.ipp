@@ -6,6 +6,7 @@
 #include <cmath>      // isinf
 #include <utility>    // pair
 
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/datasets/caption_card.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN

@@ -2,6 +2,7 @@
 // Bodies of word_vector_file.hpp.
 #pragma once
 
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/weights/word_vector_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
