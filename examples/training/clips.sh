@@ -29,3 +29,15 @@ for row in pelvis:Hips spine1:lowerback spine2:Chest spine3:Chest2 neck:Neck hea
 done > "$drawings/joints.tsv"
 "$program" convert "$drawings/jumping_jacks.bvh" "$drawings/upright.bvh" --joints "$drawings/joints.tsv" --scale 0.05
 mv "$drawings/upright.bvh" "$drawings/jumping_jacks.bvh"
+# Gestures by hand over people who stand still; needs Python 3 with NumPy
+k=0
+set --
+for window in reactidle/001_acted:0.2:7 reactidle/002_genuine:46:53 reactidle/002_genuine:54:62.5 \
+  cmu-motionbuilder/05_18:4.8:9.4; do
+  from=${window#*:}
+  "$program" convert "$clips/${window%%:*}.bvh" "$clips/standing_$k.npz" --from "${from%:*}" --to "${from#*:}" --fps 20
+  set -- "$@" "$clips/standing_$k.npz"
+  k=$((k + 1))
+done
+python3 "$(dirname "$0")/gestures.py" "$@" "$clips/gestures"
+rm "$@"
