@@ -27,7 +27,16 @@ namespace {
 const ml::TrainingSet& data() { return captioned::training_set(); }
 
 ml::SampleOptions plain() {
-  return {.shortest = 30, .longest = 40, .no_text = 0, .compose = 0, .mirror = 0, .speed = 0, .tempo = 0, .reverse = 0};
+  return {.shortest = 30,
+          .longest = 40,
+          .no_text = 0,
+          .compose = 0,
+          .mirror = 0,
+          .speed = 0,
+          .tempo = 0,
+          .reverse = 0,
+          .curve = 0,
+          .then = 0};
 }
 
 double way_ahead(const ml::TrainingSample& s) {  // metres
@@ -100,6 +109,17 @@ TEST_CASE("a caption of walking played backwards says so, and one that says more
                               "walk forward up the stairs", "lean forward"})
     CHECK_MESSAGE(!ml::reversed_caption(caption), caption);
   CHECK(ml::mirrored_caption("raise the left arm, turn right") == "raise the right arm, turn left");
+}
+
+TEST_CASE("a caption of walking along a curve says which, by the angle and the side") {
+  CHECK(ml::curved_caption("a person walks forward", 5, 1) == "a person walks in a circle to the left");
+  CHECK(ml::curved_caption("walk straight ahead slowly", -5, 3) == "walk in a clockwise circle slowly");
+  CHECK(ml::curved_caption("run forward", -1.5, 3) == "run in a quarter circle to the right");
+  CHECK(ml::curved_caption("run forward", 3, 0) == "run in a half circle to the left");
+  CHECK(ml::curved_caption("run forward", 1, 2) == "run to the left");
+  CHECK(!ml::curved_caption("run forward", 0.3, 0));  // hardly a curve
+  for (const char* caption : {"walk", "walk forward and turn left", "jump forward", ""})
+    CHECK_MESSAGE(!ml::curved_caption(caption, 5, 0), caption);
 }
 
 TEST_CASE("walking is played backwards, slower and faster, and the captions follow") {

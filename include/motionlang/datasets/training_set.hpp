@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>  // pair
 #include <vector>
 
 #include <motionlang/core/progress.hpp>
@@ -45,7 +46,8 @@ inline constexpr double training_fps = 20;
 inline constexpr Index longest_rest = 3;
 
 /// The words that samples add to captions.
-inline constexpr std::string_view added_caption_words = "while and slowly quickly backwards";
+inline constexpr std::string_view added_caption_words =
+    "while and then slowly quickly backwards in a circle curve along the half quarter to clockwise counterclockwise";
 
 struct SampleOptions {
   Index shortest = 16, longest = 196;  // frames
@@ -57,6 +59,8 @@ struct SampleOptions {
   double stretch = 0.5;  // the slowest factor at which one whole action fills a longer sample
   double tempo = 0.15;   // probability of half or nearly twice the speed; the caption says so
   double reverse = 0.3;  // probability that steady walking ahead is played backwards; the caption says so
+  double curve = 0.6;    // probability that steady walking or running ahead is bent; the caption says so
+  double then = 0.12;    // probability that a second action follows; the caption has both
 };
 
 class TrainingSet {
@@ -75,7 +79,8 @@ class TrainingSet {
   /// A sample that depends only on the generator. It is one of these:
   ///   - a segment: mirrored, faster or slower, with its cycle repeated if it has one, or a part of it
   ///   - an action in its own time and then its continuation, if the table has one
-  ///   - a segment slower or faster, or backwards in time, if the caption can say so
+  ///   - a segment slower or faster, backwards in time, or along a curve, if the caption can say so
+  ///   - two segments one after the other, under both captions
   ///   - a segment about the legs with the arms of another one about the arms, under either caption or both (as SINC).
   ///     The legs may be those of a person who stands or sits still, under a caption that does not mention arms
   ///   - one of these with the caption "", sometimes
@@ -84,6 +89,9 @@ class TrainingSet {
  private:
   Motion variant(const CaptionedSegment& s, Index frames, bool mirrored, double tempo, Philox& rng,
                  const SampleOptions& options) const;
+  /// A segment and one that begins in a similar pose, blended into each other; nothing if none was found in few tries.
+  std::optional<std::pair<Motion, std::string>> two_actions(Index frames, bool mirrored, Philox& rng,
+                                                            const SampleOptions& options) const;
   /// Segments of which one is drawn, the likelier the larger its weight.
   struct Choice {
     std::vector<std::size_t> segments{};
@@ -105,6 +113,12 @@ class TrainingSet {
 /// The caption of steady walking that is played backwards in time: "forward" and "ahead" become "backwards". Nothing
 /// for captions that name no direction, or say more than that.
 std::optional<std::string> reversed_caption(const std::string& caption);
+
+/// The caption of steady walking or running along a curve: "forward" and "ahead" become "in a circle to the left", "to
+/// the right", ...  Nothing for captions that name no direction, or say more than that.
+/// turn     radians in all, above 0 to the left
+/// wording  chooses among the words for that turn
+std::optional<std::string> curved_caption(const std::string& caption, double turn, std::uint32_t wording);
 
 /// Exchanges "left" and "right", and "clockwise" and "counterclockwise", word by word.
 std::string mirrored_caption(const std::string& caption);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>  // sqrt
 #include <map>
+#include <numbers>  // pi
 #include <set>
 #include <utility>  // move
 
@@ -14,6 +15,8 @@
 #include <motionlang/datasets/training_set.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/file/detail/content_hash.hpp>
+#include <motionlang/kinematics/blend.hpp>
+#include <motionlang/kinematics/curved_path.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/overlay.hpp>
 
@@ -126,6 +129,14 @@ inline bool legs_are_still(const Motion& motion) {
   return stays_on_the_ground(motion);
 }
 
+/// True for captions of walking or running ahead that say no more than how.
+inline bool goes_ahead_only(const std::string& caption) {
+  return has_word(caption, {"forward", "ahead"}) &&
+         has_word(caption, {"walk", "step", "go", "pace", "mov", "stroll", "run", "jog", "sprint"}) &&
+         !has_word(caption, {"left", "right", "turn", "up", "down", "stair", "back", "stop", "then", "and", "climb",
+                             "lean", "without"});
+}
+
 /// Captions that do not say what arms and hands do.
 inline std::vector<std::string> without_arms(const std::vector<std::string>& captions) {
   std::vector<std::string> out;
@@ -153,14 +164,29 @@ MOTIONLANG_BODY std::string mirrored_caption(const std::string& caption) {
 }
 
 MOTIONLANG_BODY std::optional<std::string> reversed_caption(const std::string& caption) {
-  if (!detail::has_word(caption, {"forward", "ahead"}) ||
-      !detail::has_word(caption, {"walk", "step", "go", "pace", "mov", "stroll"}) ||
-      detail::has_word(caption, {"left", "right", "turn", "up", "down", "stair", "back", "stop", "then", "and", "climb",
-                                 "lean", "without"}))
-    return std::nullopt;
+  if (!detail::goes_ahead_only(caption) || detail::has_word(caption, {"run", "jog", "sprint"})) return std::nullopt;
   return detail::word_by_word(caption, [](const std::string& word) -> std::string {
     return word.starts_with("forward") || word == "ahead" ? "backwards" : word;
   });
+}
+
+MOTIONLANG_BODY std::optional<std::string> curved_caption(const std::string& caption, double turn,
+                                                          std::uint32_t wording) {
+  const double degrees = std::abs(turn) * 180 / std::numbers::pi;
+  if (!detail::goes_ahead_only(caption) || degrees < 35) return std::nullopt;
+  const std::string side = turn > 0 ? "left" : "right", clock = turn > 0 ? "counterclockwise" : "clockwise";
+  std::vector<std::string> words{"in a curve to the " + side, "along a curve to the " + side};
+  if (degrees < 150) words.push_back("to the " + side);
+  if (degrees > 60 && degrees < 120) words.push_back("in a quarter circle to the " + side);
+  if (degrees > 150 && degrees < 240) words = {"in a half circle to the " + side, "in a curve to the " + side};
+  if (degrees >= 240)
+    words = {"in a circle", "in a circle to the " + side, clock + " in a circle", "in a " + clock + " circle"};
+  bool said = false;
+  const std::string out = detail::word_by_word(caption, [&](const std::string& word) -> std::string {
+    const bool way = word.starts_with("forward") || word == "ahead" || word.starts_with("straight");
+    return !way ? word : std::exchange(said, true) ? "" : words[wording % words.size()];
+  });
+  return join_text(detail::caption_words(out), " ", [](const std::string& word) { return word; });
 }
 
 MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data,
@@ -273,6 +299,33 @@ MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index fra
   return mirrored ? mirror(m) : m;
 }
 
+MOTIONLANG_BODY std::optional<std::pair<Motion, std::string>> TrainingSet::two_actions(
+    Index frames, bool mirrored, Philox& rng, const SampleOptions& options) const {
+  constexpr Index blend = 8;          // frames
+  constexpr double most_apart = 0.2;  // metres, as a mean over the joints
+  const auto drawn = [&] {
+    const CaptionedSegment& s = pick(all_, rng);
+    const std::string& c = s.captions[rng.below(static_cast<std::uint32_t>(s.captions.size()))];
+    return std::pair(variant(s, frames / 2, mirrored, 1, rng, options), mirrored ? mirrored_caption(c) : c);
+  };
+  const auto short_enough = [&](const Motion& m, Index others) {
+    return m.frames() > 2 * blend && m.frames() + others - blend <= options.longest;
+  };
+  const auto [first, said] = drawn();
+  if (!short_enough(first, 2 * blend)) return std::nullopt;
+  const Index joints = first.skeleton.size();
+  const auto end = detail::poses_in_place(crop(first, first.frames() - 1, first.frames()));
+  for (int tries = 0; tries < 6; ++tries) {
+    const auto [second, says] = drawn();
+    if (!short_enough(second, first.frames())) continue;
+    const auto start = detail::poses_in_place(crop(second, 0, 1));
+    if (detail::pose_distance(end.data(), start.data(), joints) > most_apart) continue;
+    const char* const between[] = {" and then ", " then ", " and ", ", then "};
+    return std::pair(blend_into(first, second, blend), said + between[rng.below(4)] + says);
+  }
+  return std::nullopt;
+}
+
 MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions& options) const {
   const Index range = options.longest - options.shortest;
   // Short lengths are more frequent than long ones, because most texts of a timeline last a few seconds.
@@ -288,7 +341,11 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
   const auto bases = [&]() -> const Choice& {
     return !still_.empty() && rng.uniform() < options.still ? still_ : bases_;
   };
-  if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
+  auto both = rng.uniform() < options.then ? two_actions(frames, mirrored, rng, options) : std::nullopt;
+  if (both) {
+    motion = std::move(both->first);
+    sample.caption = std::move(both->second);
+  } else if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
     const CaptionedSegment &base = pick(bases(), rng), &overlay = pick(overlays_, rng);
     const auto with = variant(overlay, frames, mirrored, 1, rng, options);
     BodyParts parts = overlay.parts;
@@ -320,6 +377,14 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
     if (backwards && rng.uniform() < options.reverse) {
       motion = detail::reversed_motion(motion);
       sample.caption = *backwards;
+    } else if (s.loop && detail::goes_ahead_only(sample.caption) && rng.uniform() < options.curve) {
+      const bool runs = detail::has_word(sample.caption, {"run", "jog", "sprint"});
+      const double radius = (0.7 + 1.3 * rng.uniform()) * (runs ? 2 : 1), turn = path_length(motion) / radius;
+      const bool left = rng.uniform() < 0.5;
+      if (const auto bent = curved_caption(sample.caption, left ? turn : -turn, rng.below(16))) {
+        motion = curved_path(motion, (left ? 1 : -1) / radius);
+        sample.caption = *bent;
+      }
     }
   }
   if (motion.frames() < 4) return draw(rng.split("again"), options);

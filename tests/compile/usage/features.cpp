@@ -9,6 +9,7 @@
 #include <motionlang/features/statistics.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/body_motion.hpp>
+#include <motionlang/kinematics/curved_path.hpp>
 #include <motionlang/kinematics/face_landmarks.hpp>
 #include <motionlang/kinematics/floor_fix.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
@@ -38,6 +39,9 @@ void statistics_of(FeatureStatistics& statistics, const std::vector<std::vector<
 }
 void blend(const Motion& walk, const Motion& run, const Motion& motion) {
 #include "kinematics/blend.1.inc"
+}
+void curve(const Motion& walk) {
+#include "kinematics/curved_path.1.inc"
 }
 void own_body(const Body<B>& body, const Motion& on_smpls_joints, const std::vector<float>& betas) {
 #include "kinematics/body_motion.1.inc"
