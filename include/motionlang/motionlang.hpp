@@ -222,11 +222,13 @@
 #include <motionlang/text/glove.hpp>
 #include <motionlang/text/heard_words.hpp>
 #include <motionlang/text/joined_labels.hpp>
+#include <motionlang/text/known_captions.hpp>
 #include <motionlang/text/known_words.hpp>
 #include <motionlang/text/mirror_caption.hpp>
 #include <motionlang/text/tagged_word.hpp>
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/text_repair.hpp>
+#include <motionlang/text/text_table.hpp>
 #include <motionlang/text/token_offsets.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/tokenizer.hpp>
@@ -256,6 +258,7 @@
 #include <motionlang/compose/stitching.hpp>
 #include <motionlang/compose/teach_join.hpp>
 #include <motionlang/compose/text_sinc_parts.hpp>
+#include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 

@@ -6,9 +6,11 @@
 #include <set>
 
 #include <motionlang/c/motionlang_c.h>
+#include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/file/safetensors.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/stmc.hpp>
+#include <motionlang/weights/known_caption_file.hpp>
 #include <motionlang/weights/module_file.hpp>
 
 #include "../support/temporary_folder.hpp"
@@ -217,6 +219,38 @@ TEST_CASE("a motion of which something is kept") {
   CHECK(motionlang_generate(c_model(), texts, &c, &none) == 102);
   CHECK(none == nullptr);
   motionlang_free_motion(read);
+}
+
+TEST_CASE("a text without times, and one that is longer than its action") {
+  const Workplace w;
+  const auto captions = ml::load_known_captions(ml::FilePath(model_file), stmc().text_encoder);
+  std::set<std::string> different;
+  for (const double seconds : {0.0, 3.0, 9.0}) {
+    CAPTURE(seconds);
+    std::vector<std::string> arguments{"generate", "--text",   "sit down", "--steps", "3",
+                                       "--model",  model_file, "--out",    "of_text"};
+    ml::TextTimelineOptions times{.fps = stmc().fps};
+    if (seconds > 0) times.seconds = seconds, arguments.insert(arguments.end(), {"--seconds", std::to_string(seconds)});
+    const Outcome out = run(arguments, w.path);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    const std::string program = ml::read_file(w / "of_text/sit_down.bvh");
+    ml::write_bvh(w / "by_library.bvh",
+                  ml::generate_motion(stmc(), ml::text_timeline("sit down", captions, times), {.steps = 3}));
+    CHECK(ml::read_file(w / "by_library.bvh") == program);
+    motionlang_options c = motionlang_default_options();
+    c.steps = 3;
+    motionlang_motion* motion = nullptr;
+    REQUIRE(motionlang_generate_text(c_model(), "sit down", seconds, &c, &motion) == 0);
+    CHECK(motionlang_write_motion(motion, (w / "by_c.bvh").string().c_str()) == 0);
+    motionlang_free_motion(motion);
+    CHECK(ml::read_file(w / "by_c.bvh") == program);
+    different.insert(program);
+  }
+  CHECK(different.size() == 3);
+  motionlang_motion* none = nullptr;
+  CHECK(motionlang_generate_text(c_model(), "", 1, nullptr, &none) == 101);
+  CHECK(motionlang_generate_text(c_model(), "walk", -1, nullptr, &none) == 101);
+  CHECK(motionlang_generate_text(c_model(), nullptr, 1, nullptr, &none) == 101);
 }
 
 TEST_CASE("the README's code writes what the program writes") {

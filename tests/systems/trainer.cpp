@@ -83,6 +83,7 @@ TEST_CASE(
   CHECK(ml::read_file(folder / "one") == ml::read_file(folder / "two"));
   const auto before = ml::SafetensorsFile::open(folder / "before"), after = ml::SafetensorsFile::open(folder / "one");
   for (const auto& t : before.tensors()) {
+    if (t.name.starts_with(ml::caption_tensors)) continue;  // depend on the texts
     const bool same = ml::values_of<float>(t) == ml::values_of<float>(after.tensor(t.name));
     CHECK_MESSAGE(same == !t.name.starts_with("text_encoder."), t.name);
   }
@@ -108,6 +109,7 @@ TEST_CASE("training changes every weight, and its export is a model") {
   const auto before = ml::SafetensorsFile::open(folder / "before.safetensors");
   const auto trained = ml::SafetensorsFile::open(folder / "checkpoint.safetensors");
   for (const auto& t : before.tensors()) {
+    if (t.name.starts_with(ml::caption_tensors)) continue;  // not a weight
     const bool statistics = t.name.find("normalizer") != std::string::npos;
     const auto old = ml::values_of<float>(t), now = ml::values_of<float>(trained.tensor("model." + t.name));
     double largest = 0;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include <motionlang/compose/plan.hpp>
+#include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/bvh.hpp>
@@ -34,7 +35,7 @@ struct GenerateCommand {
   std::string timeline, text, towards, model = default_model().string(), out = "out", backend = "eigen";
   bool action = false;               // true if the text names one
   bool in_turn = false;              // the actions of a text follow each other
-  double seconds = 5;                // of the text
+  std::optional<double> seconds;     // of the text; default: what its action takes
   std::optional<ml::Index> samples;  // of each timeline; default 1, with `towards` 5
   ml::ModelSources sources;
   ml::GenerateOptions settings;
@@ -49,11 +50,11 @@ struct GenerateCommand {
   MachineOptions machine;
 };
 
-ml::Timeline timeline_of(const std::string& text, double seconds, double fps) {
-  return ml::whole_body_timeline(text, ml::frame_at(seconds, fps));
+/// One text or action for all the time.
+ml::Timeline timeline_of(const std::string& text, const GenerateCommand& o, double fps) {
+  return ml::whole_body_timeline(text, ml::frame_at(o.seconds.value_or(ml::text_seconds), fps));
 }
-/// The timelines of the user, or one text. They are checked at once; `at` converts seconds to frames when the rate of
-/// the model is known.
+/// The timelines of the user, or one text. They are checked at once; `of` makes them when the model is known.
 class WantedTimelines {
  public:
   explicit WantedTimelines(const GenerateCommand& o) : o_(o), source_(timeline_source(o.timeline)) {
@@ -62,9 +63,18 @@ class WantedTimelines {
     count_ = ml::timelines_of_text(text_, {.fps = 1, .as_published = true, .name = source_}).size();
   }
   std::size_t count() const { return count_; }
-  std::vector<ml::Timeline> at(double fps) const {
-    if (o_.text.empty()) return ml::timelines_of_text(text_, {.fps = fps, .name = source_});
-    return {timeline_of(o_.text, o_.seconds, fps)};
+  std::vector<ml::Timeline> of(const ml::MotionModel& model, const ml::GenerateOptions& settings) const {
+    if (o_.text.empty()) {
+      auto timelines = ml::timelines_of_text(text_, {.fps = model.fps(), .name = source_});
+      if (o_.in_turn) make_in_turn(timelines, model.fps());
+      return timelines;
+    }
+    if (!model.takes_timelines()) return {timeline_of(o_.text, o_, model.fps())};
+    ml::Timeline timeline = ml::text_timeline(
+        o_.text, model.captions(),
+        {.seconds = o_.seconds, .fps = model.fps(), .end_actions = ml::ends_actions(settings), .in_turn = o_.in_turn});
+    warn(ml::divided_text_notes(o_.text, timeline, model.fps()));
+    return {std::move(timeline)};
   }
 
  private:
@@ -114,8 +124,8 @@ std::vector<ml::ViewerMotion> line_of(const GenerateCommand& o, const std::vecto
   const double fps = generator.fps();
   std::vector<ml::ViewerMotion> out;
   for (auto& [m, shown] :
-       ml::generate_between(require_latent(generator, "--towards", o.model), timeline_of(o.text, o.seconds, fps),
-                            timeline_of(o.towards, o.seconds, fps), std::ssize(names), settings)) {
+       ml::generate_between(require_latent(generator, "--towards", o.model), timeline_of(o.text, o, fps),
+                            timeline_of(o.towards, o, fps), std::ssize(names), settings)) {
     m.name = names[out.size()];
     out.push_back({std::move(m), ml::timeline_tracks(shown, fps)});
   }
@@ -212,8 +222,7 @@ void run(const GenerateCommand& o) {
   const auto generator = load_generator(o.backend, o.model, o.sources);
   require_fitting(o, *generator);
 
-  auto timelines = o.towards.empty() ? wanted.at(generator->fps()) : std::vector<ml::Timeline>();
-  if (o.in_turn) make_in_turn(timelines, generator->fps());
+  const auto timelines = o.towards.empty() ? wanted.of(*generator, settings) : std::vector<ml::Timeline>();
   warn_of_texts(o, timelines, *generator);
   if (!o.towards.empty()) require_latent(*generator, "--towards", o.model);
   ml::check_options(*generator, settings);
@@ -250,10 +259,12 @@ void add_generate(CLI::App& app) {
               "Name or number of an action, for models of actions (ACTOR, MDM). 'any' is for an unconstrained MDM")
           ->check(not_empty());
   what->require_option(1);
-  c->add_option("--seconds", o->seconds, "Duration of the text or action. TM2T chooses its own duration")
+  c->add_option("--seconds", o->seconds,
+                "Duration of the text or action. The default for a text is the time that its action usually takes, as "
+                "far as the model knows that, and 5 otherwise. In a longer time an action that ends is made once, and "
+                "what follows it is added; --no-cut-texts prevents that. TM2T chooses its own duration")
       ->excludes(timeline)
-      ->check(in_range(0.05, 3600))
-      ->capture_default_str();
+      ->check(in_range(0.05, 3600));
   c->add_option("--samples", o->samples,
                 "Number of motions to make for each timeline, text or action, named NAME_1 to NAME_N. The default is "
                 "1, or 5 with --towards")

@@ -112,6 +112,14 @@ void print_shares(double hovering, double sinking, double statues) {
   std::printf("hovering %.1f %%, sinking %.1f %%, statues %.1f %%\n", 100 * hovering, 100 * sinking, 100 * statues);
 }
 
+void print_warnings(const ml::MotionModel& model, const ml::Judgement& j) {
+  if (model.captions().empty()) return;
+  const ml::WarningShares w = ml::warning_shares(model, j);
+  std::printf("warnings about meaning: %.0f %% of %s have none, %.0f %% of %zu successes have one\n",
+              100 * w.silent_failures, ml::counted(w.failures, "failure").c_str(), 100 * w.warned_successes,
+              w.successes);
+}
+
 void judge_clips(const JudgeOptions& o) {
   const ml::RecordedFigures figures = [&] {
     ProgressBar bar("reading clips");
@@ -159,6 +167,7 @@ void run(const JudgeOptions& o) {
       print_prompts(j, o.details);
       std::printf("foot skate %.3f m/s, jitter %.1f m/s^3 (means over all motions)\n", j.skate, j.jitter);
       print_shares(j.hovering(), j.sinking(), j.statues());
+      print_warnings(*generator, j);
       std::fflush(stdout);
     }
   }

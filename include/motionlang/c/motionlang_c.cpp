@@ -4,6 +4,7 @@
 #include <motionlang/c/motionlang_c.h>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/generate/generate_motion.ipp>
 #include <motionlang/generate/kept_clip_text.hpp>
@@ -19,6 +20,7 @@ namespace ml = motionlang;
 
 struct motionlang_model {
   ml::StmcCheckpoint<ml::EigenBackend<float>> stmc;
+  ml::KnownCaptions captions;
 };
 struct motionlang_motion {
   ml::Motion motion;
@@ -208,8 +210,11 @@ int motionlang_load_model(const char* file, motionlang_model** model) {
 int motionlang_load_model_with(const char* path, const char* text_encoder, const char* statistics,
                                motionlang_model** model) {
   return made(model, "model", [&] {
-    return ml::load_stmc<ml::EigenBackend<float>>(
-        &given(path, "file"), {.text_encoder = or_empty(text_encoder), .statistics = or_empty(statistics)});
+    const ml::FilePath file(&given(path, "file"));
+    auto stmc = ml::load_stmc<ml::EigenBackend<float>>(
+        file, {.text_encoder = or_empty(text_encoder), .statistics = or_empty(statistics)});
+    auto captions = ml::load_known_captions(file, stmc);
+    return motionlang_model{std::move(stmc), std::move(captions)};
   });
 }
 void motionlang_free_model(motionlang_model* model) { delete model; }
@@ -230,6 +235,20 @@ int motionlang_generate(const motionlang_model* model, const char* timeline, con
     const auto& stmc = given(model, "model").stmc;
     const auto text = ml::parse_timeline(&given(timeline, "timeline"), {.fps = stmc.fps});
     return with_options(options, [&](const ml::GenerateOptions& how) { return ml::generate_motion(stmc, text, how); });
+  });
+}
+int motionlang_generate_text(const motionlang_model* model, const char* text, double seconds,
+                             const motionlang_options* options, motionlang_motion** motion) {
+  return made(motion, "motion", [&] {
+    const motionlang_model& all = given(model, "model");
+    const std::string of = &given(text, "text");
+    if (of.empty() || !(seconds == 0 || seconds >= 0.05))
+      ml::raise<ml::config_error>(101, "motionlang_generate_text: '", of, "' for ", seconds, " s");
+    return with_options(options, [&](const ml::GenerateOptions& how) {
+      ml::TextTimelineOptions times{.fps = all.stmc.fps, .end_actions = ml::ends_actions(how)};
+      if (seconds > 0) times.seconds = seconds;
+      return ml::generate_motion(all.stmc, ml::text_timeline(of, all.captions, times), how);
+    });
   });
 }
 int motionlang_generate_motions(const motionlang_model* model, const char* timelines, const motionlang_options* options,

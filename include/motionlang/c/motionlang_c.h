@@ -92,6 +92,12 @@ MOTIONLANG_C_API motionlang_options motionlang_default_options(void);
 MOTIONLANG_C_API int motionlang_generate(const motionlang_model* model, const char* timeline,
                                          const motionlang_options* options, motionlang_motion** motion);
 
+/* The motion of one text for the whole body. seconds: 0 for the time that its action usually takes. In a longer time an
+ * action that ends is made once, and what follows it is added, unless cut_texts is 0 or `mode` is a baseline. The
+ * program's `generate --text` makes the same. */
+MOTIONLANG_C_API int motionlang_generate_text(const motionlang_model* model, const char* text, double seconds,
+                                              const motionlang_options* options, motionlang_motion** motion);
+
 /* The motions of several timelines, which blank lines separate, or of a list of lines "text # duration". All are made
  * together; the noise of each depends on the seed and on its place. */
 MOTIONLANG_C_API int motionlang_generate_motions(const motionlang_model* model, const char* timelines,

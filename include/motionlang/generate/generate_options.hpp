@@ -62,6 +62,9 @@ struct GenerateOptions {
   GenerateNotes* notes = nullptr;       // filled if given
 };
 
+/// True if a text that ends may be divided into its action and what follows (compose/text_timeline.hpp).
+inline bool ends_actions(const GenerateOptions& o) { return o.cut_texts && o.mode == StmcMode::stmc; }
+
 /// A small number of steps that does as many prompts as all steps, measured by `motionlang judge --compare`.
 inline constexpr Index fast_steps = 10;
 inline void use_fast_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddim, o.steps = fast_steps; }

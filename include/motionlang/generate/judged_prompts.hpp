@@ -32,6 +32,8 @@ struct JudgedPrompt {
   std::string name() const;  // "sit down + raise both arms"
   std::string rule() const;
   Timeline timeline(double fps) const;
+  /// As `generate` makes it: one text for the whole body may be divided into its action and what follows.
+  Timeline timeline(const MotionModel& model, const GenerateOptions& options) const;
 };
 
 /// Twelve prompts that the bundled model was trained for, each with the time that it takes.
@@ -87,6 +89,15 @@ struct Judgement {
 /// generate_motions throws.
 Judgement judge(const MotionModel& model, std::vector<JudgedPrompt> prompts, const GenerateOptions& options, int seeds,
                 bool keep_motions = false);
+
+/// How well warnings about the meaning of texts (far_text_warnings) tell which motions fail.
+struct WarningShares {
+  std::size_t failures = 0, successes = 0;
+  double silent_failures = 0;   // the share of the failures without a warning
+  double warned_successes = 0;  // the share of the successes with one
+};
+/// Those of a model with its captions; all is 0 without them.
+WarningShares warning_shares(const MotionModel& model, const Judgement& judgement);
 
 /// Mean distance in metres between the joints of two judgements. In the second, motions are shifted by `shift`.
 double mean_distance(const Judgement& a, const Judgement& b, std::size_t shift = 0);

@@ -5,8 +5,10 @@
 #include <algorithm>  // any_of, count_if, max
 #include <ctime>      // time of the processor
 
+#include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/generate/judged_prompts.hpp>
+#include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/kinematics/loops.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
@@ -46,6 +48,13 @@ MOTIONLANG_BODY Timeline JudgedPrompt::timeline(double fps) const {
   for (const JudgedText& t : texts)
     out.intervals.push_back({t.text, frame_at(t.from * seconds, fps), frame_at(t.to * seconds, fps), t.parts});
   return out;
+}
+
+MOTIONLANG_BODY Timeline JudgedPrompt::timeline(const MotionModel& model, const GenerateOptions& options) const {
+  if (texts.size() != 1 || texts[0].from != 0 || texts[0].to != 1 || !(texts[0].parts == BodyParts::all()))
+    return timeline(model.fps());
+  return text_timeline(texts[0].text, model.captions(),
+                       {.seconds = seconds, .fps = model.fps(), .end_actions = ends_actions(options)});
 }
 
 MOTIONLANG_BODY std::vector<JudgedPrompt> own_prompts() {
@@ -282,7 +291,7 @@ MOTIONLANG_BODY Judgement judge(const MotionModel& model, std::vector<JudgedProm
   std::vector<Timeline> timelines;
   double length = 0;
   for (const JudgedPrompt& p : prompts) {
-    timelines.push_back(p.timeline(model.fps()));
+    timelines.push_back(p.timeline(model, options));
     length += p.seconds;
   }
   GenerateNotes notes;
@@ -308,6 +317,23 @@ MOTIONLANG_BODY Judgement judge(const MotionModel& model, std::vector<JudgedProm
   for (double* sum : {&out.skate, &out.jitter, &out.bones})
     *sum /= static_cast<double>(std::max<std::size_t>(1, out.motions()));
   out.prompts = std::move(prompts);
+  return out;
+}
+
+MOTIONLANG_BODY WarningShares warning_shares(const MotionModel& model, const Judgement& judgement) {
+  WarningShares out;
+  if (model.captions().empty()) return out;
+  for (std::size_t i = 0; i < judgement.prompts.size(); ++i) {
+    const auto& texts = judgement.prompts[i].texts;
+    const bool warned = std::any_of(texts.begin(), texts.end(), [&](const JudgedText& t) {
+      return !far_text_warnings(t.text, model.captions(), model.words()).empty();
+    });
+    const std::size_t done = judgement.done(i), failed = judgement.verdicts[i].size() - done;
+    out.successes += done, out.failures += failed;
+    (warned ? out.warned_successes : out.silent_failures) += static_cast<double>(warned ? done : failed);
+  }
+  out.silent_failures /= static_cast<double>(std::max<std::size_t>(1, out.failures));
+  out.warned_successes /= static_cast<double>(std::max<std::size_t>(1, out.successes));
   return out;
 }
 

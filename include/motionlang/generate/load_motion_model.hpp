@@ -46,8 +46,9 @@ std::unique_ptr<MotionModel> load_diffusion_motion_model(const MotionModelPlace&
   auto stmc =
       load_stmc<B>(FilePath(place.path), {.text_encoder = sources.text_encoder, .statistics = sources.statistics});
   if (!place.system.empty()) return stmc_motion_model(std::move(stmc));
-  return stmc_motion_model(std::move(stmc),
-                           known_words(SafetensorsFile::open(FilePath(stmc_model_file(place.path))).metadata()));
+  const FilePath file(stmc_model_file(place.path));
+  KnownCaptions captions = load_known_captions<B>(file, stmc);
+  return stmc_motion_model(std::move(stmc), known_words(SafetensorsFile::open(file).metadata()), std::move(captions));
 }
 
 /// Published ACTOR.

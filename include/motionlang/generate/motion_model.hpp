@@ -14,6 +14,8 @@
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/generate/generate_options.hpp>
+#include <motionlang/text/known_captions.hpp>
+#include <motionlang/text/known_words.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -46,8 +48,10 @@ class MotionModel {
   virtual bool takes_actions() const { return false; }
   /// True if its motions come from latents with noise in them.
   virtual bool draws_latents() const { return false; }
-  /// The words of its training texts. None if its weights do not list them.
-  virtual std::vector<std::string> words() const { return {}; }
+  /// The words that it knows. Empty if its weights do not list them.
+  virtual const KnownWords& words() const;
+  /// The captions that it learned from. Empty if its weights do not have them.
+  virtual const KnownCaptions& captions() const;
   /// The length of a text, and the length that the model reads. None without such a limit.
   virtual TextLength length_of(const std::string&) const { return {}; }
   /// The same model as one with a latent for every motion. Null if it has none.

@@ -33,6 +33,15 @@ MOTIONLANG_BODY void check_options(const MotionModel& model, const GenerateOptio
                         model.system(), ", which draws none");
 }
 
+MOTIONLANG_BODY const KnownWords& MotionModel::words() const {
+  static const KnownWords none;
+  return none;
+}
+MOTIONLANG_BODY const KnownCaptions& MotionModel::captions() const {
+  static const KnownCaptions none;
+  return none;
+}
+
 MOTIONLANG_BODY std::vector<Motion> MotionModel::generate(std::span<const Timeline> timelines,
                                                           const GenerateOptions& options) const {
   check_options(*this, options);

@@ -10,24 +10,21 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 class StmcMotionModel final : public MotionModel {
  public:
-  /// words  of its training texts (text/known_words.hpp)
-  explicit StmcMotionModel(Stmc<B, D, E> model, std::vector<std::string> words = {})
-      : model_(std::move(model)), words_(std::move(words)) {}
+  /// words  of its training texts (text/known_words.hpp); words that have a vector are known with them
+  explicit StmcMotionModel(Stmc<B, D, E> model, std::vector<std::string> words = {}, KnownCaptions known = {})
+      : model_(std::move(model)), known_(std::move(known)) {
+    words_ = KnownWords(std::move(words), encoder() == nullptr ? WordVectors() : encoder()->vectors);
+  }
 
   double fps() const override { return model_.fps; }
   std::string system() const override { return "a diffusion model"; }
   Index steps() const override { return model_.diffusion.steps(); }
   bool takes_timelines() const override { return true; }
   Index longest_crop() const override { return model_.denoiser.traits().longest(); }
-  /// With word vectors, also the words that have one.
-  std::vector<std::string> words() const override {
-    std::vector<std::string> out = words_;
-    if (const CaptionEncoder<B>* encoder = captions(); encoder != nullptr && !out.empty())
-      out.insert(out.end(), encoder->vectors.words().begin(), encoder->vectors.words().end());
-    return out;
-  }
+  const KnownWords& words() const override { return words_; }
+  const KnownCaptions& captions() const override { return known_; }
   TextLength length_of(const std::string& text) const override {
-    const CaptionEncoder<B>* encoder = captions();
+    const CaptionEncoder<B>* encoder = this->encoder();
     if (encoder == nullptr) return {};
     const auto heard = heard_words(encoder->tokenizer, encoder->vectors, std::span(&text, 1), std::ssize(text) + 2);
     return {heard.lengths.front() - 2, encoder->positions.rows().size(0) - 2};  // two are for special tokens
@@ -38,7 +35,7 @@ class StmcMotionModel final : public MotionModel {
     return generate_motions(model_, timelines, options);
   }
   /// The encoder of ours, which reads as far as it has positions. Null: another one.
-  const CaptionEncoder<B>* captions() const {
+  const CaptionEncoder<B>* encoder() const {
     if constexpr (std::same_as<E, CaptionEncoder<B>>)
       return &model_.text_encoder;
     else if constexpr (requires { model_.text_encoder.captions.has_value(); })
@@ -48,12 +45,14 @@ class StmcMotionModel final : public MotionModel {
   }
 
   Stmc<B, D, E> model_;
-  std::vector<std::string> words_;
+  KnownWords words_{};
+  KnownCaptions known_;
 };
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-std::unique_ptr<MotionModel> stmc_motion_model(Stmc<B, D, E> model, std::vector<std::string> words = {}) {
-  return std::make_unique<StmcMotionModel<B, D, E>>(std::move(model), std::move(words));
+std::unique_ptr<MotionModel> stmc_motion_model(Stmc<B, D, E> model, std::vector<std::string> words = {},
+                                               KnownCaptions known = {}) {
+  return std::make_unique<StmcMotionModel<B, D, E>>(std::move(model), std::move(words), std::move(known));
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -2,12 +2,15 @@
 // Bodies of text_warnings.hpp.
 #pragma once
 
-#include <algorithm>  // count, find_if
+#include <algorithm>  // count, find, find_if
+#include <cmath>      // round
 
 #include <motionlang/compose/body_part_lexicon.hpp>
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/compose/in_turn.hpp>
+#include <motionlang/compose/natural_lengths.hpp>
 #include <motionlang/compose/plan.hpp>
+#include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/text/known_words.hpp>
 #include <motionlang/text/word_piece.hpp>
@@ -32,6 +35,31 @@ inline std::string placed_text(const Interval& i, const WarningNames& names) {
 
 inline std::string in_quotes(const std::string& text) { return concat_text("'", text, "'"); }
 
+/// Warns about words of a text that the tokenizer cannot read.
+inline std::vector<std::string> unreadable_word_warnings(const std::string& text) {
+  if (text.empty()) return {};
+  if (WordPiece::words(text).empty())
+    return {in_quotes(text) + ": the model reads no word of it; it knows those of a-z and 0-9"};
+  const auto unreadable = unreadable_words(text);
+  if (unreadable.empty()) return {};
+  return {concat_text(in_quotes(text), ": the model reads a-z and 0-9, not all of ",
+                      join_text(unreadable, ", ", in_quotes))};
+}
+
+/// The texts of the list that say different words, the first of each.
+inline std::vector<std::string> of_different_words(const std::vector<NearText>& list, std::size_t most) {
+  std::vector<std::vector<std::string>> said;
+  std::vector<std::string> out;
+  for (const NearText& near : list) {
+    auto words = WordPiece::words(near.text);
+    std::erase_if(words, is_function_word);
+    if (out.size() == most || std::find(said.begin(), said.end(), words) != said.end()) continue;
+    said.push_back(std::move(words));
+    out.push_back(near.text);
+  }
+  return out;
+}
+
 inline void append_all(std::vector<std::string>& to, const std::vector<std::string>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
@@ -46,15 +74,9 @@ MOTIONLANG_BODY std::vector<BodyPart> listed_parts(BodyParts parts) {
   return out;
 }
 
-MOTIONLANG_BODY std::vector<std::string> unknown_word_warnings(const std::string& text,
-                                                               const std::vector<std::string>& known) {
-  std::vector<std::string> out;
-  if (known.empty() || text.empty()) return out;
-  if (WordPiece::words(text).empty())
-    return {detail::in_quotes(text) + ": the model reads no word of it; it knows those of a-z and 0-9"};
-  if (const auto unreadable = unreadable_words(text); !unreadable.empty())
-    out.push_back(concat_text(detail::in_quotes(text), ": the model reads a-z and 0-9, not all of ",
-                              join_text(unreadable, ", ", detail::in_quotes)));
+MOTIONLANG_BODY std::vector<std::string> unknown_word_warnings(const std::string& text, const KnownWords& known) {
+  if (known.empty()) return {};
+  auto out = detail::unreadable_word_warnings(text);
   const auto unknown = unknown_words(text, known);
   if (unknown.empty()) return out;
   const auto with_like = [](const UnknownWord& w) {
@@ -65,8 +87,22 @@ MOTIONLANG_BODY std::vector<std::string> unknown_word_warnings(const std::string
   return out;
 }
 
+MOTIONLANG_BODY std::vector<std::string> far_text_warnings(const std::string& text, const KnownCaptions& captions,
+                                                           const KnownWords& known) {
+  if (captions.empty() || text.empty()) return {};
+  if (WordPiece::words(text).empty()) return detail::unreadable_word_warnings(text);
+  constexpr Index asked = 24;
+  const auto near = captions.nearest(text, asked);
+  if (near.front().likeness >= captions.nearness()) return detail::unreadable_word_warnings(text);
+  auto out = unknown_word_warnings(text, known);
+  out.push_back(concat_text(detail::in_quotes(text), " is far from all that the model learned; the nearest to it: ",
+                            join_text(detail::of_different_words(near, 3), ", ", detail::in_quotes)));
+  return out;
+}
+
 MOTIONLANG_BODY std::vector<std::string> text_warnings(const MotionModel& model, const std::string& text) {
-  auto out = unknown_word_warnings(text, model.words());
+  auto out = model.captions().empty() ? unknown_word_warnings(text, model.words())
+                                      : far_text_warnings(text, model.captions(), model.words());
   if (const auto [pieces, read] = model.length_of(text); pieces > read)
     out.push_back(
         concat_text(detail::in_quotes(text), ": the model reads the first ", read, " of its ", pieces, " word pieces"));
@@ -141,6 +177,22 @@ MOTIONLANG_BODY std::vector<std::string> long_text_warnings(std::span<const Time
   return out;
 }
 
+MOTIONLANG_BODY std::vector<std::string> outlasting_text_warnings(std::span<const Timeline> timelines,
+                                                                  const KnownCaptions& captions, double fps) {
+  std::vector<std::string> out;
+  if (captions.empty()) return out;
+  for (const Timeline& t : timelines) {
+    for (const Interval& i : t.intervals) {
+      if (!outlasts_action(i, captions, fps)) continue;
+      const auto action = *usual_action(i.text, captions);
+      out.push_back(concat_text(detail::in_quotes(i.text), " takes about ", std::round(10 * action.seconds) / 10,
+                                " s; in ", static_cast<double>(i.end - i.start) / fps,
+                                " s a model may repeat it. It could end earlier, before '", action.then, "'"));
+    }
+  }
+  return out;
+}
+
 MOTIONLANG_BODY std::vector<std::string> timeline_warnings(const MotionModel& model,
                                                            std::span<const Timeline> timelines,
                                                            const GenerateOptions& options, bool in_turn,
@@ -151,7 +203,19 @@ MOTIONLANG_BODY std::vector<std::string> timeline_warnings(const MotionModel& mo
   detail::append_all(out, whole_body_warnings(timelines, names));
   if (!in_turn && !model.words().empty()) detail::append_all(out, several_action_warnings(timelines, names));
   if (options.cut_texts && !model.takes_actions()) detail::append_all(out, long_text_warnings(timelines, model.fps()));
+  std::vector<Timeline> made;
+  for (const Timeline& t : timelines) made.push_back(options.cut_texts ? end_actions(t, model.fps()) : t);
+  detail::append_all(out, outlasting_text_warnings(made, model.captions(), model.fps()));
   return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> divided_text_notes(const std::string& text, const Timeline& timeline,
+                                                            double fps) {
+  if (timeline.intervals.size() < 2) return {};
+  const auto with_seconds = [&](const Interval& i) {
+    return concat_text(static_cast<double>(i.end - i.start) / fps, " s of '", i.text, "'");
+  };
+  return {concat_text(detail::in_quotes(text), ": ", join_text(timeline.intervals, ", then ", with_seconds))};
 }
 
 MOTIONLANG_BODY std::vector<std::string> in_turn_notes(std::span<const Timeline> timelines, double fps) {

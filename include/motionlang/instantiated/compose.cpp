@@ -17,5 +17,6 @@
 #include <motionlang/compose/sinc_composition.ipp>
 #include <motionlang/compose/stitching.ipp>
 #include <motionlang/compose/text_sinc_parts.ipp>
+#include <motionlang/compose/text_timeline.ipp>
 #include <motionlang/compose/timeline.ipp>
 #include <motionlang/compose/timeline_text.ipp>

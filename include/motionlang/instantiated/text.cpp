@@ -6,9 +6,11 @@
 #include <motionlang/text/glove.ipp>
 #include <motionlang/text/heard_words.ipp>
 #include <motionlang/text/joined_labels.ipp>
+#include <motionlang/text/known_captions.ipp>
 #include <motionlang/text/known_words.ipp>
 #include <motionlang/text/mirror_caption.ipp>
 #include <motionlang/text/text_repair.ipp>
+#include <motionlang/text/text_table.ipp>
 #include <motionlang/text/tokenizer.ipp>
 #include <motionlang/text/unicode.ipp>
 #include <motionlang/text/word_piece.ipp>

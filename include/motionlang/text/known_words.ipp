@@ -2,7 +2,7 @@
 // Bodies of known_words.hpp.
 #pragma once
 
-#include <algorithm>  // find
+#include <algorithm>  // binary_search, sort
 #include <set>        // words, each once
 
 #include <motionlang/core/utf8.hpp>
@@ -12,16 +12,6 @@
 #include <motionlang/text/word_piece.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-/// A known word that differs in a third of its letters at most; "" if there is none.
-inline std::string near_word(const std::string& word, const std::vector<std::string>& known) {
-  const std::string like = nearest_name(word, known);
-  return 3 * edit_distance(word, like, word.size()) <= word.size() ? like : "";
-}
-
-}  // namespace detail
 
 MOTIONLANG_BODY std::string listed_words(std::span<const std::string> captions) {
   std::set<std::string> words;
@@ -38,13 +28,30 @@ MOTIONLANG_BODY std::vector<std::string> known_words(const std::map<std::string,
   return found == metadata.end() ? std::vector<std::string>() : WordPiece::words(found->second);
 }
 
-MOTIONLANG_BODY std::vector<UnknownWord> unknown_words(std::string_view text, const std::vector<std::string>& known) {
+MOTIONLANG_BODY KnownWords::KnownWords(std::vector<std::string> listed, WordVectors vectors)
+    : vectors_(std::move(vectors)) {
+  if (listed.empty()) return;
+  std::sort(listed.begin(), listed.end());
+  listed_ = std::make_shared<const std::vector<std::string>>(std::move(listed));
+}
+
+MOTIONLANG_BODY bool KnownWords::knows(const std::string& word) const {
+  return (listed_ && std::binary_search(listed_->begin(), listed_->end(), word)) || vectors_.find(word).has_value();
+}
+
+MOTIONLANG_BODY std::string KnownWords::like(const std::string& word) const {
+  if (!listed_) return "";
+  const std::string like = nearest_name(word, *listed_);
+  return 3 * edit_distance(word, like, word.size()) <= word.size() ? like : "";
+}
+
+MOTIONLANG_BODY std::vector<UnknownWord> unknown_words(std::string_view text, const KnownWords& known) {
   std::vector<UnknownWord> out;
   if (known.empty()) return out;
   std::set<std::string> seen;
   for (const std::string& word : WordPiece::words(text)) {
-    if (std::find(known.begin(), known.end(), word) != known.end() || !seen.insert(word).second) continue;
-    out.push_back({word, detail::near_word(word, known)});
+    if (known.knows(word) || !seen.insert(word).second) continue;
+    out.push_back({word, known.like(word)});
   }
   return out;
 }

@@ -23,6 +23,7 @@
 #include <motionlang/loss/reconstruction.hpp>
 #include <motionlang/nn/linear.hpp>
 #include <motionlang/optim/lr_schedule.hpp>
+#include <motionlang/train/learned_captions.hpp>
 #include <motionlang/train/learner.hpp>
 #include <motionlang/train/trainer.hpp>
 #include <motionlang/weights/stmc_file.hpp>
@@ -122,7 +123,7 @@ class StmcTraining {
   double learn_texts(Progress progress = {});
   /// Takes denoiser and normaliser from a trained model, so that only texts are learned again. For a new run.
   void take_denoiser(const std::filesystem::path& model);
-  /// Writes the averaged weights in half precision.
+  /// Writes the averaged weights in half precision, and the captions.
   void export_model(const std::filesystem::path& path, const std::map<std::string, std::string>& about) const;
 
   std::uint64_t seed() const { return config_.seed; }
@@ -298,7 +299,9 @@ void StmcTraining<A>::load(const SafetensorsFile& file, Index steps) {
 template <AutodiffBackend A>
 void StmcTraining<A>::export_model(const std::filesystem::path& path,
                                    const std::map<std::string, std::string>& about) const {
-  save_stmc(path, learner_.average, config_.model, about);
+  const CaptionEncoder<B>& encoder = learner_.average.text_encoder;
+  save_stmc(path, learner_.average, config_.model, about, DType::F16,
+            learned_captions(*data_, text_vectors(encoder), encoder.vectors));
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -68,4 +68,12 @@ StmcCheckpoint<B> load_stmc(const FilePath& path, const CheckpointOptions& optio
   return any(std::move(stmc), std::move(denoiser), std::move(text));
 }
 
+/// The captions that a model of ours learned from, if its file has them. Throws what stored_known_captions throws.
+template <Backend B>
+KnownCaptions load_known_captions(const FilePath& path, const StmcCheckpoint<B>& stmc) {
+  const StmcPlace place = stmc_place(path);
+  if (place.run || !stmc.text_encoder.captions) return {};
+  return load_known_captions(FilePath(place.file), *stmc.text_encoder.captions);
+}
+
 MOTIONLANG_NAMESPACE_END

@@ -4,11 +4,13 @@
 /// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; guidance and sampling
 ///             ("ddpm 20": sampler and steps), the recommended values, which are optional; and, for readers: license,
 ///             provenance, data, command, commit. Nothing in the file is executed. Word vectors are stored as in
-///             weights/word_vector_file.hpp, with the prefix text_encoder.vectors.
+///             weights/word_vector_file.hpp, with the prefix text_encoder.vectors; the captions of the training as in
+///             weights/known_caption_file.hpp
 #pragma once
 
 #include <motionlang/core/standard_library.hpp>  // numbers in the metadata
 #include <motionlang/systems/stmc.ipp>
+#include <motionlang/weights/known_caption_file.hpp>
 #include <motionlang/weights/module_file.hpp>
 #include <motionlang/weights/word_vector_file.hpp>
 
@@ -96,7 +98,9 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   check_sizes(file, c, tokenizer.size(), vectors.width());
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{}, std::move(vectors));
   KeyReport report = load_module_partly(model, file, "", LoadFor::inference);
-  std::erase_if(report.unexpected, [](const std::string& name) { return name.starts_with(detail::vector_tensors); });
+  std::erase_if(report.unexpected, [](const std::string& name) {
+    return name.starts_with(detail::vector_tensors) || name.starts_with(caption_tensors);
+  });
   if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);
   return model;
 }
@@ -106,16 +110,20 @@ Stmc<B> load_stmc(const FilePath& path) {
   return load_stmc<B>(SafetensorsFile::open(path));
 }
 
-/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. Throws io_error 401,
-/// config_error 102 if `about` would overwrite an entry of the model.
+/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. captions: those of its
+/// training, if they are to be stored. Throws io_error 401, config_error 102 if `about` would overwrite an entry of the
+/// model.
 template <Backend B>
 void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig& config,
-               const std::map<std::string, std::string>& about, DType dtype = DType::F16) {
+               const std::map<std::string, std::string>& about, DType dtype = DType::F16,
+               const KnownCaptions& captions = {}) {
   TensorStore store;
   store.add_module(model, "", dtype);
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
   auto tensors = store.views();
   store_word_vectors(tensors, metadata, model.text_encoder.vectors, detail::vector_tensors);
+  const StoredCaptions stored(captions);
+  stored.add_to(tensors, metadata);
   detail::add_metadata(metadata, about, "model", path.string());
   write_safetensors(path, tensors, metadata);
 }

@@ -8,6 +8,7 @@
 #include <motionlang/compose/mtt_timelines.hpp>
 #include <motionlang/compose/natural_lengths.hpp>
 #include <motionlang/compose/sinc_composition.hpp>
+#include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/datasets/amass_releases.hpp>
 #include <motionlang/datasets/annotations.hpp>
@@ -18,6 +19,7 @@
 #include <motionlang/datasets/teach_pairs.hpp>
 #include <motionlang/file/id_list.hpp>
 #include <motionlang/stmc.hpp>
+#include <motionlang/weights/known_caption_file.hpp>
 
 void cut(const Stmc<B>& stmc, const Timeline& timeline, const Philox& rng) {
 #include "compose/cut_texts.1.inc"
@@ -36,6 +38,9 @@ void mtt() {
 }
 void lengths() {
 #include "compose/natural_lengths.1.inc"
+}
+void times_of_text(const std::string& path, const Stmc<B>& stmc) {
+#include "compose/text_timeline.1.inc"
 }
 void text() {
 #include "compose/timeline_text.1.inc"

@@ -8,10 +8,12 @@
 #include <motionlang/text/clip_text.hpp>
 #include <motionlang/text/clip_tokenizer.hpp>
 #include <motionlang/text/glove.hpp>
+#include <motionlang/text/text_table.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/word_piece_tokens.hpp>
 #include <motionlang/text/word_vectors.hpp>
 #include <motionlang/weights/glove_file.hpp>
+#include <motionlang/weights/stmc_file.hpp>
 #include <motionlang/weights/text_network_file.hpp>
 #include <motionlang/weights/tokenizer_files.hpp>
 #include <motionlang/weights/weight_file.hpp>
@@ -39,6 +41,13 @@ void encoders(const ClipTokenizer& clip_tokenizer, const BertTokenizer& bert_tok
 }
 void word_pieces(const Tmr<B>& tmr, const std::vector<std::string>& captions, Philox& rng) {
 #include "text/word_piece_tokens.1.inc"
+}
+void text_tables(const CaptionEncoder<B>& encoder, const std::vector<std::string>& captions) {
+#include "text/text_table.1.inc"
+}
+void known_captions_(const std::string& path, const Stmc<B>& stmc) {
+  const auto show = [](const std::vector<NearText>&) {};
+#include "text/known_captions.1.inc"
 }
 void word_vectors() {
 #include "text/word_vectors.1.inc"

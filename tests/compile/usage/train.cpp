@@ -36,6 +36,9 @@ void epoch_batches(std::uint64_t seed) {
 void guo_evaluation(const Tm2tRun<B>& run, const DescribedMotions& data) {
 #include "train/guo_evaluation.1.inc"
 }
+void learned(const TrainingSet& data, const Stmc<B>& stmc, const StmcModelConfig& config) {
+#include "train/learned_captions.1.inc"
+}
 void stmc_notes(Trainer<StmcTraining<A>>& trainer, const TrainingSet& data) {
 #include "train/stmc_training_notes.1.inc"
 }

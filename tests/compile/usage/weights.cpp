@@ -66,6 +66,9 @@ void vae() {
 void weight_file(Linear<B>& model) {
 #include "weights/weight_file.1.inc"
 }
+void known_caption_file(const std::string& path) {
+#include "weights/known_caption_file.1.inc"
+}
 void word_vector_source(const std::vector<std::string>& captions) {
 #include "weights/word_vector_source.1.inc"
 }

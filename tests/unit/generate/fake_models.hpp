@@ -14,7 +14,8 @@ namespace ml = motionlang;
 struct Model final : ml::MotionModel {
   ml::Index diffusion_steps = 0;
   bool timelines = false, actions = false, latents = false;
-  std::vector<std::string> known{};
+  ml::KnownWords known{};
+  ml::KnownCaptions learned{};
   ml::TextLength length{};
   mutable int calls = 0;
 
@@ -24,7 +25,8 @@ struct Model final : ml::MotionModel {
   bool takes_timelines() const override { return timelines; }
   bool takes_actions() const override { return actions; }
   bool draws_latents() const override { return latents; }
-  std::vector<std::string> words() const override { return known; }
+  const ml::KnownWords& words() const override { return known; }
+  const ml::KnownCaptions& captions() const override { return learned; }
   ml::TextLength length_of(const std::string&) const override { return length; }
 
  private:

@@ -7,6 +7,7 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/word_count_encoder.hpp"
 #include "fake_models.hpp"
 
 namespace ml = motionlang;
@@ -165,4 +166,26 @@ TEST_CASE("the benches have names of their own, and prompts as long as asked") {
   CHECK(ml::judged_benches().front().name == "own");
   const auto own = ml::judged_benches().front().prompts(0);
   for (std::size_t i = 0; i < own.size(); ++i) CHECK(own[i].seconds == ml::own_prompts()[i].seconds);
+}
+
+TEST_CASE("warnings are compared with what failed, and a text is judged with what follows its action") {
+  fake::Model model;
+  ml::Judgement j;
+  j.prompts = {{.texts = {{"sit", "sit"}}, .seconds = 8}, {.texts = {{"blorp", "walk"}}, .seconds = 4}};
+  j.verdicts = {{{}, {}, {}, {.why_not = "stands"}}, {{.why_not = "stands"}, {.why_not = "stands"}, {}, {}}};
+  CHECK(ml::warning_shares(model, j).failures == 0);  // it has no captions
+  model.learned = counted::captions();
+  const auto shares = ml::warning_shares(model, j);
+  CHECK(shares.failures == 3);
+  CHECK(shares.successes == 5);
+  CHECK(shares.silent_failures == doctest::Approx(1.0 / 3));
+  CHECK(shares.warned_successes == doctest::Approx(2.0 / 5));
+
+  const auto sit = j.prompts[0].timeline(model, {});
+  REQUIRE(sit.intervals.size() == 2);
+  CHECK(sit.intervals[1].text == "sit quietly");
+  CHECK(sit.end() == 160);
+  CHECK(j.prompts[0].timeline(model, {.cut_texts = false}).intervals.size() == 1);
+  const ml::JudgedPrompt arms{.texts = {{"sit", "sit", ml::BodyParts{}.with(ml::BodyPart::legs)}}, .seconds = 8};
+  CHECK(arms.timeline(model, {}) == arms.timeline(model.fps()));
 }

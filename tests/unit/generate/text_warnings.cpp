@@ -4,6 +4,7 @@
 
 #include <motionlang/compose/timeline_text.hpp>
 
+#include "../../support/word_count_encoder.hpp"
 #include "fake_models.hpp"
 
 namespace ml = motionlang;
@@ -16,7 +17,7 @@ std::vector<ml::Timeline> timelines(const char* text) { return ml::parse_timelin
 }  // namespace
 
 TEST_CASE("words that a model does not know, and texts that are too long for it") {
-  const Lines known{"forward", "walk"};
+  const ml::KnownWords known({"forward", "walk"});
   CHECK(ml::unknown_word_warnings("Walk forwad, dance", known) ==
         Lines{"'Walk forwad, dance': the model never learned the words 'forwad' (did you mean 'forward'?), 'dance'"});
   CHECK(ml::unknown_word_warnings("dance", known) == Lines{"'dance': the model never learned the word 'dance'"});
@@ -32,6 +33,56 @@ TEST_CASE("words that a model does not know, and texts that are too long for it"
   model.known = known, model.length = {5, 3};
   CHECK(ml::text_warnings(model, "dance") == Lines{"'dance': the model never learned the word 'dance'",
                                                    "'dance': the model reads the first 3 of its 5 word pieces"});
+}
+
+TEST_CASE("a text far from all captions is warned about with those nearest to it, one that is near is not") {
+  const auto captions = counted::captions();
+  const ml::KnownWords known({"kick", "walk"});
+  CHECK(ml::far_text_warnings("kick", captions, known).empty());
+  CHECK(ml::far_text_warnings("please sit", captions, known).empty());  // near, although no word of it is listed
+  const auto far = ml::far_text_warnings("kicc blorp", captions, known);
+  REQUIRE(far.size() == 2);
+  CHECK(far[0] == "'kicc blorp': the model never learned the words 'kicc' (did you mean 'kick'?), 'blorp'");
+  CHECK(far[1].starts_with("'kicc blorp' is far from all that the model learned; the nearest to it: '"));
+  for (const char* caption : {"'walk'", "'kick'", "'sit'"}) CHECK(far[1].find(caption) != std::string::npos);
+  CHECK(ml::far_text_warnings("\xD0\xB8", captions, known).front().find("reads no word of it") != std::string::npos);
+  CHECK(ml::far_text_warnings("kick \xD0\xB8", captions, known).front().find("not all of") != std::string::npos);
+  CHECK(ml::far_text_warnings("blorp", {}, known).empty());
+  CHECK(ml::far_text_warnings("", captions, known).empty());
+
+  fake::Model model;
+  model.known = known, model.learned = captions;
+  CHECK(ml::text_warnings(model, "sit").empty());
+  CHECK(ml::text_warnings(model, "blorp").size() == 2);
+}
+
+TEST_CASE("of captions with the same words the first is shown") {
+  const std::vector<std::string> texts{"walk", "a person can walk", "the walk", "kick", "kick again"};
+  const std::vector<ml::KnownAction> actions(texts.size());
+  const ml::KnownCaptions captions(ml::TextTable::encoded(texts, counted::vectors), actions, 0.9);
+  const auto far = ml::far_text_warnings("walk blorp", captions, {});
+  REQUIRE(far.size() == 1);
+  CHECK(far[0].find("'walk', 'kick") != std::string::npos);
+}
+
+TEST_CASE("texts that outlast their action") {
+  const auto captions = counted::captions();
+  CHECK(ml::outlasting_text_warnings(timelines("sit # 0 # 8\nwalk # 8 # 16\n"), captions, 20) ==
+        Lines{"'sit' takes about 2 s; in 8 s a model may repeat it. It could end earlier, before 'sit quietly'"});
+  CHECK(ml::outlasting_text_warnings(timelines("sit # 0 # 3.5\n"), captions, 20).empty());
+  CHECK(ml::outlasting_text_warnings(timelines("sit # 0 # 8\n"), {}, 20).empty());
+  CHECK(ml::divided_text_notes("sit", {{{"sit", 0, 40, ml::BodyParts::all()}, {"rest", 40, 60, ml::BodyParts::all()}}},
+                               20) == Lines{"'sit': 2 s of 'sit', then 1 s of 'rest'"});
+  CHECK(ml::divided_text_notes("sit", {{{"sit", 0, 40, ml::BodyParts::all()}}}, 20).empty());
+
+  fake::Model model;
+  model.diffusion_steps = 10, model.learned = captions;
+  const auto count = [&](const char* text, const ml::GenerateOptions& options = {}) {
+    return ml::timeline_warnings(model, timelines(text), options).size();
+  };
+  CHECK(count("sit # 0 # 8\n") == 1);
+  CHECK(count("kick # 0 # 8\n") == 0);  // cut_texts ends it
+  CHECK(count("kick # 0 # 8\n", {.cut_texts = false}) == 1);
 }
 
 TEST_CASE("texts that others hide, and texts that take more than they need") {
@@ -68,7 +119,7 @@ TEST_CASE("a model gets the warnings that concern it") {
   CHECK(count() == 0);  // no diffusion model
   model.diffusion_steps = 10;
   CHECK(count() == 1);  // its words are not known: long only
-  model.known = {"walk"};
+  model.known = ml::KnownWords({"walk"});
   CHECK(count() == 2);
   CHECK(count({.cut_texts = false}) == 1);
   CHECK(count({}, true) == 1);

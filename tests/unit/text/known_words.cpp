@@ -14,7 +14,7 @@ TEST_CASE("the words of captions, listed for the metadata and read from there") 
 }
 
 TEST_CASE("words that are not known, each once, with a known one like it") {
-  const std::vector<std::string> known{"forward", "walk"};
+  const ml::KnownWords known({"walk", "forward"});
   const auto found = ml::unknown_words("Walk forwad, dance, forwad", known);
   REQUIRE(found.size() == 2);
   CHECK(found[0].word == "forwad");
@@ -23,6 +23,20 @@ TEST_CASE("words that are not known, each once, with a known one like it") {
   CHECK(found[1].like.empty());
   CHECK(ml::unknown_words("walk", known).empty());
   CHECK(ml::unknown_words("dance", {}).empty());
+}
+
+TEST_CASE("words with a vector are known in all of their forms, but never suggested") {
+  const std::vector<std::string> words{"forwards", "stroll"};
+  const ml::KnownWords known({"forward", "walk"}, ml::WordVectors::rounded(words, std::vector<float>{1, 2}));
+  CHECK(known.knows("walk"));
+  CHECK(known.knows("stroll"));
+  CHECK(known.knows("strolled"));
+  CHECK_FALSE(known.knows("walked"));
+  CHECK(known.like("forwadrs") == "forward");
+  CHECK(known.like("strol").empty());
+  CHECK(ml::unknown_words("stroll forward, walk", known).empty());
+  CHECK(ml::KnownWords().empty());
+  CHECK(ml::KnownWords({}, ml::WordVectors::rounded(words, std::vector<float>{1, 2})).empty());
 }
 
 TEST_CASE("words that the tokenizer cannot read") {

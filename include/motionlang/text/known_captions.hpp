@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+/// The captions that a motion model learned from, with the times that their actions take. They tell if a model can know
+/// what a text means, which texts it knows instead, and how long the text should last.
+///
+///     const auto captions = load_known_captions(path, stmc.text_encoder);     // weights/known_caption_file.hpp
+///     if (!captions.knows("do a moonwalk")) show(captions.nearest("do a moonwalk", 3));
+///     const auto action = captions.action("have a seat");                     // 2.4 s, then "sit quietly"
+///
+/// The captions of mirrored motions are known as well, but not stored: a text and its mirror image are looked up.
+#pragma once
+
+#include <optional>     // texts that are far from all captions
+#include <string>       // texts
+#include <string_view>  // messages
+#include <vector>       // tables
+
+#include <motionlang/text/text_table.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The action of a text: how long it takes, and whether it goes on for any time. If it ends, `then` is a text for what
+/// follows.
+struct KnownAction {
+  double seconds = 0;
+  bool repeats = true;
+  std::string then{};
+};
+
+class KnownCaptions {
+ public:
+  /// No captions.
+  KnownCaptions() = default;
+  /// actions   of the texts of the table
+  /// nearness  the least likeness of a text that is known (dividing_likeness)
+  /// Throws    shape_error 205 for another number of actions; messages name `source`
+  KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness,
+                std::string_view source = "KnownCaptions");
+
+  bool empty() const { return table_.empty(); }
+  const TextTable& table() const { return table_; }
+  const std::vector<KnownAction>& actions() const { return actions_; }
+  double nearness() const { return nearness_; }
+
+  /// At most `count` captions or mirror images of captions, the nearest first, each once.
+  std::vector<NearText> nearest(const std::string& text, Index count) const;
+  /// True if the nearest caption is near.
+  bool knows(const std::string& text) const;
+  /// The action of a text that is known, by the captions near it: most of them decide if it repeats, three quarters of
+  /// these take no longer, and what follows is that of the nearest.
+  std::optional<KnownAction> action(const std::string& text) const;
+
+ private:
+  struct Found {
+    NearText near{};
+    bool mirrored = false;
+  };
+  std::vector<Found> found(const std::string& text, Index count) const;
+
+  TextTable table_{};
+  std::vector<KnownAction> actions_{};
+  double nearness_ = 0;
+};
+
+/// The likeness that divides best what is related from what is not: the largest sum of the shares that are on the right
+/// side. Half way between the two values that it divides. 0 if one of both has no values.
+double dividing_likeness(std::vector<double> related, std::vector<double> unrelated);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/text/known_captions.ipp>
+#endif

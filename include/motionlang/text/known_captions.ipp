@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Bodies of known_captions.hpp.
+#pragma once
+
+#include <algorithm>  // any_of, lower_bound, sort
+#include <utility>    // pair
+
+#include <motionlang/text/known_captions.hpp>
+#include <motionlang/text/mirror_caption.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY KnownCaptions::KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness,
+                                             std::string_view source)
+    : table_(std::move(table)), actions_(std::move(actions)), nearness_(nearness) {
+  if (std::ssize(actions_) != table_.size())
+    raise<shape_error>(205, source, ": ", counted(actions_.size(), "action"), " for ",
+                       counted(table_.size(), "caption"));
+}
+
+MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std::string& text, Index count) const {
+  std::vector<std::string> texts{text};
+  if (std::string mirrored = mirror_caption(text); mirrored != text) texts.push_back(std::move(mirrored));
+  const auto near = table_.nearest(texts, count);
+  std::vector<Found> all, out;
+  for (std::size_t t = 0; t < near.size(); ++t) {
+    for (NearText n : near[t]) {
+      if (t == 1) n.text = mirror_caption(n.text);
+      all.push_back({std::move(n), t == 1});
+    }
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Found& a, const Found& b) { return a.near.likeness > b.near.likeness; });
+  for (Found& f : all) {
+    const bool again = std::any_of(out.begin(), out.end(), [&](const Found& o) { return o.near.text == f.near.text; });
+    if (!again && std::ssize(out) < count) out.push_back(std::move(f));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& text, Index count) const {
+  std::vector<NearText> out;
+  for (Found& f : found(text, count)) out.push_back(std::move(f.near));
+  return out;
+}
+
+MOTIONLANG_BODY bool KnownCaptions::knows(const std::string& text) const {
+  const auto first = nearest(text, 1);
+  return !first.empty() && first.front().likeness >= nearness_;
+}
+
+MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& text) const {
+  constexpr Index asked = 12;
+  constexpr double as_near = 0.9, exact = 3;  // a share of the best likeness; the weight of the caption itself
+  const auto found = this->found(text, asked);
+  if (found.empty() || found.front().near.likeness < nearness_) return std::nullopt;
+  double repeats = 0, all = 0;
+  const auto weight = [&](const Found& f) {
+    if (f.near.likeness < as_near * found.front().near.likeness) return 0.0;
+    return f.near.text == text ? exact * f.near.likeness : f.near.likeness;
+  };
+  const auto action_of = [&](const Found& f) { return actions_[static_cast<std::size_t>(f.near.row)]; };
+  for (const Found& f : found) {
+    all += weight(f);
+    if (action_of(f).repeats) repeats += weight(f);
+  }
+  KnownAction out{.repeats = 2 * repeats > all};
+  std::vector<std::pair<double, double>> lengths;  // seconds, weight
+  for (const Found& f : found) {
+    const KnownAction action = action_of(f);
+    if (weight(f) == 0 || action.repeats != out.repeats) continue;
+    if (lengths.empty()) out.then = f.mirrored ? mirror_caption(action.then) : action.then;
+    lengths.emplace_back(action.seconds, weight(f));
+  }
+  std::sort(lengths.begin(), lengths.end());
+  const double three_quarters = 0.75 * (out.repeats ? repeats : all - repeats);
+  double until = 0;
+  for (const auto& [seconds, w] : lengths) {
+    out.seconds = seconds;
+    if (until += w; until >= three_quarters) break;
+  }
+  return out;
+}
+
+MOTIONLANG_BODY double dividing_likeness(std::vector<double> related, std::vector<double> unrelated) {
+  if (related.empty() || unrelated.empty()) return 0;
+  std::sort(related.begin(), related.end());
+  std::sort(unrelated.begin(), unrelated.end());
+  const auto below = [](const std::vector<double>& values, double x) {
+    const auto count = std::lower_bound(values.begin(), values.end(), x) - values.begin();
+    return static_cast<double>(count) / static_cast<double>(values.size());
+  };
+  double best = -2, out = 0;
+  for (const double r : related) {  // the smallest related value that is still counted in
+    const double right = below(unrelated, r) - below(related, r);
+    if (right <= best) continue;
+    best = right;
+    const auto next = std::lower_bound(unrelated.begin(), unrelated.end(), r);
+    out = next == unrelated.begin() ? r : (r + *(next - 1)) / 2;
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END

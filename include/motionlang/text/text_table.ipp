@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+// Bodies of text_table.hpp.
+#pragma once
+
+#include <algorithm>  // partial_sort, max
+#include <cmath>      // log, round, sqrt
+#include <map>        // words
+#include <numeric>    // iota
+#include <set>        // words of a text, each once
+
+#include <motionlang/text/text_table.hpp>
+#include <motionlang/text/word_forms.hpp>
+#include <motionlang/text/word_piece.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY bool is_function_word(const std::string& word) {
+  static const std::set<std::string> words{
+      "a",      "an",      "and",      "are",     "as",      "at",     "be",     "been",  "being", "both",     "by",
+      "can",    "do",      "does",     "doing",   "for",     "from",   "he",     "her",   "hers",  "him",      "his",
+      "i",      "in",      "is",       "it",      "its",     "just",   "like",   "man",   "me",    "my",       "of",
+      "on",     "one",     "or",       "our",     "ourself", "person", "please", "she",   "so",    "some",     "that",
+      "the",    "their",   "them",     "there",   "these",   "they",   "this",   "those", "to",    "us",       "very",
+      "was",    "we",      "were",     "while",   "who",     "with",   "woman",  "you",   "your",  "yourself", "human",
+      "figure", "someone", "somebody", "himself", "herself", "itself"};
+  return words.contains(word);
+}
+
+}  // namespace detail
+
+/// The words of the texts by number.
+struct TextTable::Words {
+  std::vector<std::string> words{};            // in alphabetical order, in the form that known_form finds
+  std::vector<double> rarity{};                // of each
+  std::vector<std::vector<float>> vectors{};   // of each; empty: it has none
+  std::vector<std::uint32_t> said{}, first{};  // word numbers of all texts; where each text begins
+  double rarest = 0;                           // of a word that no text says
+
+  std::optional<std::size_t> find(const std::string& word) const {
+    const auto exact = [&](const std::string& w) { return std::binary_search(words.begin(), words.end(), w); };
+    const std::string form = known_form(word, exact);
+    const auto found = std::lower_bound(words.begin(), words.end(), form);
+    if (found == words.end() || *found != form) return std::nullopt;
+    return static_cast<std::size_t>(found - words.begin());
+  }
+};
+
+MOTIONLANG_BODY TextTable::TextTable(std::vector<std::string> texts, std::vector<std::int8_t> codes,
+                                     std::vector<float> mean, TextVectors encode, WordVectors words,
+                                     std::string_view source) {
+  if (codes.size() != texts.size() * mean.size())
+    raise<shape_error>(205, source, ": ", counted(codes.size(), "number"), " for ", counted(texts.size(), "text"),
+                       " of ", mean.size());
+  auto said = std::make_shared<Words>();
+  std::map<std::string, double> texts_with;
+  std::vector<std::vector<std::string>> words_of;
+  for (const std::string& text : texts) {
+    words_of.push_back(WordPiece::words(text));
+    std::erase_if(words_of.back(), detail::is_function_word);
+    for (const std::string& word : std::set<std::string>(words_of.back().begin(), words_of.back().end()))
+      ++texts_with[word];
+  }
+  const double all = 1 + static_cast<double>(texts.size());
+  for (const auto& [word, count] : texts_with) {
+    said->words.push_back(word);
+    said->rarity.push_back(std::log(all / (1 + count)));
+    const auto row = words.find(word);
+    said->vectors.push_back(row ? words.vector(*row) : std::vector<float>());
+  }
+  said->rarest = std::log(all);
+  for (const auto& list : words_of) {
+    said->first.push_back(static_cast<std::uint32_t>(said->said.size()));
+    for (const std::string& word : list)
+      said->said.push_back(static_cast<std::uint32_t>(std::lower_bound(said->words.begin(), said->words.end(), word) -
+                                                      said->words.begin()));
+  }
+  said->first.push_back(static_cast<std::uint32_t>(said->said.size()));
+  table_ = std::make_shared<const Table>(
+      Table{std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words), std::move(said)});
+}
+
+MOTIONLANG_BODY TextTable TextTable::encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words) {
+  constexpr std::size_t at_once = 256;
+  std::vector<float> vectors;
+  for (std::size_t first = 0; first < texts.size(); first += at_once) {
+    const auto some = encode(std::span(texts).subspan(first, std::min(at_once, texts.size() - first)));
+    vectors.insert(vectors.end(), some.begin(), some.end());
+  }
+  const std::size_t width = texts.empty() ? 0 : vectors.size() / texts.size();
+  std::vector<double> sum(width);
+  for (std::size_t i = 0; i < vectors.size(); ++i) sum[i % width] += static_cast<double>(vectors[i]);
+  std::vector<float> mean;
+  for (const double s : sum) mean.push_back(static_cast<float>(s / static_cast<double>(texts.size())));
+  std::vector<std::int8_t> codes;
+  for (std::size_t t = 0; t < texts.size(); ++t) {
+    float largest = 0;
+    for (std::size_t k = 0; k < width; ++k) largest = std::max(largest, std::abs(vectors[t * width + k] - mean[k]));
+    for (std::size_t k = 0; k < width; ++k)
+      codes.push_back(
+          static_cast<std::int8_t>(largest > 0 ? std::round((vectors[t * width + k] - mean[k]) / largest * 127) : 0));
+  }
+  return {std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words)};
+}
+
+MOTIONLANG_BODY const TextTable::Table& TextTable::table() const {
+  static const Table none{.said = std::make_shared<const Words>()};
+  return table_ ? *table_ : none;
+}
+
+MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text, std::span<const float> vector) const {
+  const Table& t = table();
+  const std::size_t width = t.mean.size();
+  // How alike each word of the text is to each word of the table, with the rarity as its weight.
+  const Words& said = *t.said;
+  std::vector<std::vector<double>> alike;
+  double weights = 0;
+  std::set<std::string> seen;
+  for (const std::string& word : WordPiece::words(text)) {
+    if (detail::is_function_word(word) || !seen.insert(word).second) continue;
+    const auto same = said.find(word);
+    const auto row = t.words.find(word);
+    const auto of_word = row ? t.words.vector(*row) : std::vector<float>();
+    const double weight = same ? said.rarity[*same] : said.rarest;
+    auto& list = alike.emplace_back(said.words.size());
+    for (std::size_t v = 0; v < said.words.size() && row; ++v) {
+      if (!said.vectors[v].empty()) list[v] = weight * std::max(0.0, word_likeness(of_word, said.vectors[v]));
+    }
+    if (same) list[*same] = weight;
+    weights += weight;
+  }
+  std::vector<double> out(t.texts.size());
+  double own = 0;
+  for (std::size_t k = 0; k < width; ++k) own += std::pow(static_cast<double>(vector[k] - t.mean[k]), 2);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    double product = 0, length = 0, words = 0;
+    for (std::size_t k = 0; k < width; ++k) {
+      const double code = t.codes[i * width + k];
+      product += code * static_cast<double>(vector[k] - t.mean[k]), length += code * code;
+    }
+    if (product <= 0) continue;
+    for (const auto& list : alike) {
+      double best = 0;
+      for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) best = std::max(best, list[said.said[w]]);
+      words += best;
+    }
+    out[i] = product / std::sqrt(own * length) * (0.01 + 0.99 * (weights > 0 ? words / weights : 1));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::vector<NearText>> TextTable::nearest(
+    std::span<const std::string> texts, Index count, const std::function<bool(Index, Index)>& wanted) const {
+  std::vector<std::vector<NearText>> out(texts.size());
+  if (empty() || texts.empty()) return out;
+  const auto vectors = table().encode(texts);
+  if (vectors.size() != texts.size() * mean().size())
+    raise<shape_error>(205, "TextTable: the encoder gives ", counted(vectors.size(), "number"), " for ",
+                       counted(texts.size(), "text"), ", those of the table have ", mean().size());
+  for (std::size_t t = 0; t < texts.size(); ++t) {
+    const auto all = likeness(texts[t], std::span(vectors).subspan(t * mean().size(), mean().size()));
+    std::vector<Index> rows;
+    for (Index row = 0; row < size(); ++row) {
+      if (!wanted || wanted(static_cast<Index>(t), row)) rows.push_back(row);
+    }
+    const auto of = [&](Index row) { return all[static_cast<std::size_t>(row)]; };
+    const auto most = std::clamp<Index>(count, 0, std::ssize(rows));
+    std::partial_sort(rows.begin(), rows.begin() + most, rows.end(),
+                      [&](Index a, Index b) { return of(a) > of(b) || (of(a) == of(b) && a < b); });
+    for (Index i = 0; i < most; ++i) {
+      const Index row = rows[static_cast<std::size_t>(i)];
+      out[t].push_back({row, this->texts()[static_cast<std::size_t>(row)], of(row)});
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<NearText> TextTable::nearest(const std::string& text, Index count,
+                                                         const std::function<bool(Index)>& wanted) const {
+  if (!wanted) return nearest(std::span(&text, 1), count).front();
+  return nearest(std::span(&text, 1), count, [&](Index, Index row) { return wanted(row); }).front();
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// The captions of a training in the file of its weights (text/known_captions.hpp).
+///
+///     const auto stmc = load_stmc<B>(path);
+///     const KnownCaptions captions = load_known_captions(path, stmc.text_encoder);
+///
+/// Tensors    captions.codes (captions, width) I8, captions.mean (width) F32, captions.seconds (captions) F32,
+///            captions.then (captions) I16: -1 for an action that repeats, else a line of captions.then
+/// Metadata   captions: one on each line; captions.then: texts for what follows, one on each line; captions.nearness
+#pragma once
+
+#include <motionlang/file/safetensors.hpp>
+#include <motionlang/text/known_captions.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The prefix of the names of their tensors, which are constants.
+inline constexpr const char* caption_tensors = "captions.";
+
+/// None if the file lists no captions. encode: by the text encoder of the file; words: its vectors of words. Throws
+/// io_error 406, 407, config_error 107.
+KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors encode, const WordVectors& words = {});
+
+/// Known captions as tensors and metadata, for a file that is about to be written. Views point into it.
+class StoredCaptions {
+ public:
+  /// Throws config_error 101 for more than 32,767 different texts of what follows.
+  explicit StoredCaptions(const KnownCaptions& captions);
+  void add_to(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata) const;
+
+ private:
+  KnownCaptions captions_;
+  std::vector<float> seconds_{};
+  std::vector<std::int16_t> then_{};
+  std::vector<std::string> following_{};
+};
+
+/// The captions of a file of ours. encoder: of the same file, with its vectors of words.
+template <class Encoder>
+KnownCaptions load_known_captions(const FilePath& path, const Encoder& encoder) {
+  return stored_known_captions(SafetensorsFile::open(path), text_vectors(encoder), encoder.vectors);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/known_caption_file.ipp>
+#endif

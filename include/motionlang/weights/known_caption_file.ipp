@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// Bodies of known_caption_file.hpp.
+#pragma once
+
+#include <algorithm>  // find
+#include <limits>     // numbers of texts
+
+#include <motionlang/core/standard_library.hpp>
+#include <motionlang/core/text_lines.hpp>
+#include <motionlang/weights/known_caption_file.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr const char *captions_entry = "captions", *following_entry = "captions.then",
+                            *nearness_entry = "captions.nearness";
+
+inline std::vector<std::string> lines_of_entry(const SafetensorsFile& file, const char* entry) {
+  const auto found = file.metadata().find(entry);
+  if (found == file.metadata().end()) raise<config_error>(107, file.name(), ": metadata '", entry, "' is missing");
+  std::vector<std::string> lines;
+  for_each_line(found->second, [&](std::string_view line, Index) { lines.emplace_back(line); });
+  return lines;
+}
+
+inline double nearness_of(const SafetensorsFile& file) {
+  const std::string text = join_text(lines_of_entry(file, nearness_entry), " ");
+  double value = 0;
+  const auto [end, error] = from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0 && value <= 1))
+    raise<config_error>(107, file.name(), ": metadata '", nearness_entry, "' = '", text, "' is not in 0 ... 1");
+  return value;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors encode,
+                                                    const WordVectors& words) {
+  if (!file.metadata().contains(detail::captions_entry)) return {};
+  auto texts = detail::lines_of_entry(file, detail::captions_entry);
+  const auto following = detail::lines_of_entry(file, detail::following_entry);
+  const std::string prefix = caption_tensors;
+  const TensorView &codes = file.tensor(prefix + "codes"), &mean = file.tensor(prefix + "mean"),
+                   &seconds = file.tensor(prefix + "seconds"), &then = file.tensor(prefix + "then");
+  const auto require = [&](const TensorView& view, DType dtype, const FileShape& shape) {
+    if (view.dtype != dtype || view.shape != shape)
+      raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.dtype, " ", view.shape, ", not ", dtype,
+                      " ", shape);
+  };
+  const Index count = std::ssize(texts);
+  if (mean.shape.rank() != 1) raise<io_error>(407, file.name(), ": tensor '", mean.name, "' is ", mean.shape);
+  require(mean, DType::F32, {mean.shape[0]});
+  require(codes, DType::I8, {count, mean.shape[0]});
+  require(seconds, DType::F32, {count});
+  require(then, DType::I16, {count});
+  const auto lengths = values_of<float>(seconds);
+  const auto numbers = values_of<std::int16_t>(then);
+  std::vector<KnownAction> actions;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    if (numbers[i] >= std::ssize(following))
+      raise<config_error>(107, file.name(), ": caption ", i, " is followed by text ", numbers[i], " of ",
+                          following.size());
+    actions.push_back({.seconds = static_cast<double>(lengths[i]), .repeats = numbers[i] < 0});
+    if (numbers[i] >= 0) actions.back().then = following[static_cast<std::size_t>(numbers[i])];
+  }
+  return {TextTable(std::move(texts), values_of<std::int8_t>(codes), values_of<float>(mean), std::move(encode), words,
+                    file.name()),
+          std::move(actions), detail::nearness_of(file), file.name()};
+}
+
+MOTIONLANG_BODY StoredCaptions::StoredCaptions(const KnownCaptions& captions) : captions_(captions) {
+  for (const KnownAction& action : captions_.actions()) {
+    seconds_.push_back(static_cast<float>(action.seconds));
+    if (action.repeats) {
+      then_.push_back(-1);
+      continue;
+    }
+    auto found = std::find(following_.begin(), following_.end(), action.then);
+    if (found == following_.end()) found = following_.insert(found, action.then);
+    if (std::ssize(following_) > std::numeric_limits<std::int16_t>::max())
+      raise<config_error>(101, "known captions: ", following_.size(), " different texts follow actions");
+    then_.push_back(static_cast<std::int16_t>(found - following_.begin()));
+  }
+}
+
+MOTIONLANG_BODY void StoredCaptions::add_to(std::vector<TensorView>& tensors,
+                                            std::map<std::string, std::string>& metadata) const {
+  if (captions_.empty()) return;
+  const TextTable& table = captions_.table();
+  const Index count = table.size(), width = std::ssize(table.mean());
+  const std::string prefix = caption_tensors;
+  metadata[detail::captions_entry] = join_text(table.texts(), "\n");
+  metadata[detail::following_entry] = join_text(following_, "\n");
+  metadata[detail::nearness_entry] = concat_text(captions_.nearness());
+  tensors.push_back(tensor_view(prefix + "codes", {count, width}, table.codes()));
+  tensors.push_back(tensor_view(prefix + "mean", {width}, table.mean()));
+  tensors.push_back(tensor_view(prefix + "seconds", {count}, std::span<const float>(seconds_)));
+  tensors.push_back(tensor_view(prefix + "then", {count}, std::span<const std::int16_t>(then_)));
+}
+
+MOTIONLANG_NAMESPACE_END

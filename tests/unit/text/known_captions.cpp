@@ -1,0 +1,70 @@
+// The captions that a model knows, and the lengths of their actions.
+#include <motionlang/text/known_captions.hpp>
+
+#include <doctest/doctest.h>
+
+#include "../../support/check_error.hpp"
+#include "../../support/word_count_encoder.hpp"
+
+namespace ml = motionlang;
+using Texts = std::vector<std::string>;
+
+namespace {
+
+ml::KnownCaptions known(double nearness = 0.5) {
+  const std::vector<std::pair<const char*, ml::KnownAction>> rows{
+      {"walk", {3, true, ""}},
+      {"walk ahead", {4, true, ""}},
+      {"raise the right arm", {2, false, "hold the right arm up"}},
+      {"kick", {1, false, "stand still"}},
+      {"kick hard", {2, false, "stand still"}},
+      {"kick again and again", {6, true, ""}},
+  };
+  Texts texts;
+  std::vector<ml::KnownAction> actions;
+  for (const auto& [text, action] : rows) texts.emplace_back(text), actions.push_back(action);
+  return {ml::TextTable::encoded(texts, counted::vectors), actions, nearness};
+}
+
+}  // namespace
+
+TEST_CASE("captions and their mirror images are known, other texts are not") {
+  const auto captions = known();
+  CHECK(captions.knows("walk"));
+  CHECK(captions.knows("raise the left arm"));
+  CHECK_FALSE(captions.knows("moonwalk"));
+  const auto near = captions.nearest("raise the left arm", 3);
+  REQUIRE(near.size() == 3);
+  CHECK(near[0].text == "raise the left arm");
+  CHECK(near[0].likeness > 0.99);
+  CHECK(near[1].text == "raise the right arm");
+  CHECK(known(0).knows("moonwalk"));
+  CHECK_FALSE(ml::KnownCaptions().knows("walk"));
+  CHECK(ml::KnownCaptions().nearest("walk", 2).empty());
+}
+
+TEST_CASE("how long an action takes, and what follows") {
+  const auto captions = known();
+  const auto kick = captions.action("kick");
+  REQUIRE(kick);
+  CHECK_FALSE(kick->repeats);
+  CHECK(kick->seconds == 1);
+  CHECK(kick->then == "stand still");
+  const auto walk = captions.action("walk");
+  REQUIRE(walk);
+  CHECK(walk->repeats);
+  CHECK(walk->then.empty());
+  CHECK(captions.action("kick again and again")->repeats);
+  CHECK(captions.action("raise the left arm")->then == "hold the left arm up");
+  CHECK(captions.action("raise the right arm")->then == "hold the right arm up");
+  CHECK_FALSE(captions.action("moonwalk"));
+  CHECK_ERROR(ml::KnownCaptions(captions.table(), {{}}, 0), "1 action for 6 captions");
+}
+
+TEST_CASE("the likeness that divides two lists") {
+  CHECK(ml::dividing_likeness({0.6, 0.8, 0.9}, {0.1, 0.2, 0.4}) == doctest::Approx(0.5));
+  CHECK(ml::dividing_likeness({0.1, 0.8, 0.9, 1}, {0.2, 0.3, 0.4, 0.5}) == doctest::Approx(0.65));
+  CHECK(ml::dividing_likeness({0.3, 0.4}, {0.5, 0.6}) == doctest::Approx(0.3));  // nothing is right about them
+  CHECK(ml::dividing_likeness({}, {0.5}) == 0);
+  CHECK(ml::dividing_likeness({0.5}, {}) == 0);
+}
