@@ -6,7 +6,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/generate/generate_motion.hpp>
 #include <motionlang/search/index_folder.hpp>
-#include <motionlang/search/search.hpp>
+#include <motionlang/search/text_answer.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/stmc.hpp>
 
@@ -33,6 +33,9 @@ int main(int argc, char** argv) {
   ml::write_motion_index("moves.index", index);  // opens again with MotionIndexFile::open("moves.index")
 
   std::printf("%td clips, %zu left out; \"%s\":\n", index.count(), report.skipped.size(), words.c_str());
-  for (const ml::MotionHit& hit : ml::search(ml::MotionSearch(index), tmr.encode_text(words), {.top = 3}))
+  const ml::TextAnswer answer = ml::answer_text(ml::MotionSearch(index), tmr, words, {.top = 3});
+  for (const ml::UnknownWord& word : answer.unheard) std::printf("  the model does not know '%s'\n", word.word.c_str());
+  if (!answer.shown) std::printf("  no clip shows this; the nearest:\n");
+  for (const ml::MotionHit& hit : answer.hits)
     std::printf("  %s\n", std::filesystem::path(ml::clip_of(index, hit).path).filename().string().c_str());
 }

@@ -225,6 +225,7 @@
 #include <motionlang/text/known_captions.hpp>
 #include <motionlang/text/known_words.hpp>
 #include <motionlang/text/mirror_caption.hpp>
+#include <motionlang/text/stranger_texts.hpp>
 #include <motionlang/text/tagged_word.hpp>
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/text_repair.hpp>
@@ -232,6 +233,7 @@
 #include <motionlang/text/token_offsets.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/tokenizer.hpp>
+#include <motionlang/text/unheard_words.hpp>
 #include <motionlang/text/unicode.hpp>
 #include <motionlang/text/word_forms.hpp>
 #include <motionlang/text/word_piece.hpp>
@@ -279,6 +281,7 @@
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/metrics/rows.hpp>
 #include <motionlang/metrics/sampled_errors.hpp>
+#include <motionlang/metrics/similarity_scale.hpp>
 #include <motionlang/metrics/stgcn.hpp>
 #include <motionlang/metrics/summary.hpp>
 #include <motionlang/metrics/temos_score.hpp>

@@ -27,16 +27,17 @@ using B = ml::EigenBackend<float>;
 
 namespace {
 
-void save_model(const fs::path& folder, std::uint64_t seed, const std::string& features = "guoh3d") {
+void save_model(const fs::path& folder, std::uint64_t seed, const std::string& features = "guoh3d",
+                const ml::WordVectors& vectors = {}, const ml::SimilarityScale* scale = nullptr) {
   auto config = ml::tmr_preset("small");
   config.features = features;
   config.network.latent_dim = 32, config.network.ff_size = 32, config.network.num_layers = 1;
   config.text.width = 16;
   std::vector<std::string> pieces{"[CLS]", "[SEP]", "[UNK]", "a", "person", "walks", "slowly", "turns", "left"};
   const ml::MotionFeatures& rows = ml::motion_features(features);
-  const auto model =
-      ml::make_text_motion<ml::Tmr, B>(config, rows.width, ml::WordPiece(pieces, "pieces"), ml::Philox{.seed = seed});
-  ml::save_text_motion(folder, model, config, rows.fps, {{"license", "CC0"}, {"provenance", "random numbers"}});
+  const auto model = ml::make_text_motion<ml::Tmr, B>(config, rows.width, ml::WordPiece(pieces, "pieces"),
+                                                      ml::Philox{.seed = seed}, vectors);
+  ml::save_text_motion(folder, model, config, rows.fps, {{"license", "CC0"}, {"provenance", "random numbers"}}, scale);
 }
 
 ml::Motion walk(const std::string& name, int frames, double turn, double steps = 1.8) {
@@ -139,6 +140,35 @@ TEST_CASE("index and search: clips, moments, another motion, a page") {
   CHECK(strips == 4);
   CHECK(contains(html, "a person walks &lt;slowly&gt;"));
   CHECK(contains(html, "Free as air"));
+}
+
+TEST_CASE("search: a score on the scale of the model, unknown words, no clip shows this, a table of queries") {
+  const Gallery g;
+  const ml::WordVectors vectors({"person", "stroll", "walks"}, {1, 2, 3, 4, 5, 6}, {0.1f, 0.2f});
+  ml::SimilarityScale scale{.shares = {0, 1}, .cosines = {-1, 1}, .least = 0.9999};
+  save_model(g / "model", 1, "guoh3d", vectors, &scale);
+  ml::write_file(g / "captions.tsv", std::string_view("straight.bvh\ta person walks | walks\nleft\tturns left\n"));
+  REQUIRE(g.index({"--captions", "captions.tsv"}).code == 0);
+  check_contains(g.run({"search", "moves.index", "a person strols", "--top", "1"}), 0,
+                 {"word 'strols' (did you mean 'stroll'?)", "no clip shows this; the nearest are:", "  1  0."});
+  const auto json = ml::parse_json(g.run({"search", "moves.index", "a strols", "--json"}).text);
+  CHECK(json["shown"] == false);
+  CHECK(json["unknown_words"] == nlohmann::json{"strols"});
+  const auto shares = g.search({"a person walks"});
+
+  scale.least = -1;
+  save_model(g / "model", 1, "guoh3d", vectors, &scale);
+  CHECK(g.search({"a person walks"}) == shares);
+  const Outcome shown = g.run({"search", "moves.index", "a person strolls"});
+  CHECK_MESSAGE(!contains(shown.text, "shows this"), shown.text);
+  CHECK_MESSAGE(!contains(shown.text, "the word"), shown.text);
+  check_contains(g.run({"search", "moves.index", "xyz"}), 0, {"word 'xyz'", "no clip shows this"});
+
+  ml::write_file(g / "queries.tsv", std::string_view("somebody walks\twalk | turn\nflies away\tfly\nxyz\n"));
+  check_contains(g.run({"search", "moves.index", "--queries", "queries.tsv"}), 0,
+                 {"the first result is right for 1 of 2 queries",
+                  "no clip shows this is the answer to 1 of 1 queries that nothing shows"});
+  check_contains(g.run({"search", "moves.index", "walk", "--queries", "queries.tsv"}), 2, {"a text or --queries"});
 }
 
 TEST_CASE("index: a model of KIT's features has their rate, and sees clips on their joints as they are") {

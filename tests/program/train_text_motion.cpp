@@ -11,6 +11,7 @@
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
+#include <motionlang/weights/word_vector_file.hpp>
 
 #include "training_clips.hpp"
 
@@ -372,4 +373,60 @@ TEST_CASE("hyperparameters: presets, files, single ones; unknown names with the 
   refused({"--set", "optimizer.lr=1"}, "has no member 'optimizer'; did you mean 'optimiser'?");
   refused({"--set", "network.num_layers=many"}, "network.num_layers");
   refused({"--preset", "large"}, "--preset 'large' is not tmr-published or small", 2);
+}
+
+TEST_CASE("vectors of words and texts that no motion shows are learned with, and the model keeps both") {
+  const Clips clips;
+  const std::vector<std::string> words{"ahead", "budget", "person", "senate", "stroll", "turns", "walks"};
+  std::vector<float> numbers;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    for (std::size_t k = 0; k < words.size(); ++k) numbers.push_back(i == k ? 1.0f : 0.0f);
+  }
+  numbers[4 * words.size() + 6] = 2;  // stroll is nearly walks
+  ml::write_word_vectors(clips / "words.safetensors", ml::WordVectors::rounded(words, numbers));
+  for (const std::string command : {"train-tmr", "train-temos"}) {
+    CAPTURE(command);
+    std::vector<std::string> more{"--word-vectors", "words.safetensors", "--set", "optimiser.epochs=4"};
+    if (command == "train-tmr")
+      more.insert(more.end(), {"--set", "losses.strangers=3", "--set", "text.strange_words=0.5"});
+    REQUIRE(clips.train(command, command, more).code == 0);
+    more[3] = "optimiser.epochs=2";
+    REQUIRE(clips.train(command, command + "_halves", more).code == 0);
+    more[3] = "optimiser.epochs=4";
+    REQUIRE(clips.train(command, command + "_halves", more).code == 0);
+    CHECK(clips.weights(command) == clips.weights(command + "_halves"));
+    const auto file = ml::read_text_motion_config(clips / (command + "/model"));
+    CHECK(file.similarity.empty() == (command == "train-temos"));
+    CHECK(file.config.text.hidden_words == 0.3);
+    more.erase(more.begin(), more.begin() + 2);
+    const auto without = clips.train(command, command + "_halves", more);
+    CHECK(without.code == 1);
+    CHECK_MESSAGE(contains(without.text, "text."), without.text);  // other settings than those of the checkpoint
+  }
+  const auto tmr = ml::load_text_motion<ml::Tmr, ml::EigenBackend<float>>(
+      clips / "train-tmr/model", ml::read_text_motion_config(clips / "train-tmr/model"));
+  REQUIRE(tmr.words);
+  CHECK(tmr.words->vectors.words() == words);
+  CHECK(tmr.words->tokenizer.find("walks"));
+  const std::vector<std::string> texts{"strolls", "budget"};
+  const auto rows = tmr.words->operator()(texts).tokens;
+  CHECK(rows[0].to_vector() != rows[1].to_vector());  // neither is a piece
+
+  const auto half =
+      run({"convert", "train-tmr/model/weights.safetensors", "half.safetensors", "--store", "F16"}, clips.path);
+  REQUIRE_MESSAGE(half.code == 0, half.text);
+  std::filesystem::rename(clips / "half.safetensors", clips / "train-tmr/model/weights.safetensors");
+  CHECK(run({"index", ".", "--model", "train-tmr/model", "-o", "moves.index"}, clips.path).code == 0);
+  const auto found = run({"search", "moves.index", "a person zzyx"}, clips.path);
+  CHECK_MESSAGE(contains(found.text, "the word 'zzyx'"), found.text);
+
+  const auto refused =
+      clips.train("train-tmr", "refused",
+                  {"--word-vectors", "words.safetensors", "--set", "text.encoder=distilbert", "--text-encoder", "."});
+  CHECK(refused.code == 2);
+  CHECK_MESSAGE(contains(refused.text, "--word-vectors"), refused.text);
+  const auto margin =
+      clips.train("train-tmr", "refused", {"--set", "losses.strangers=3", "--set", "losses.contrastive_loss=margin"});
+  CHECK(margin.code == 1);
+  CHECK_MESSAGE(contains(margin.text, "losses.strangers is for info_nce"), margin.text);
 }

@@ -3,7 +3,7 @@
 
 #include <motionlang/file/json.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
-#include <motionlang/search/search.hpp>
+#include <motionlang/search/query_bench.hpp>
 #include <motionlang/view/search_page.hpp>
 
 #include "../commands.hpp"
@@ -20,7 +20,7 @@ namespace {
 using ml::Index;
 
 struct SearchOptions {
-  std::string index, text, like, model, text_encoder, html;
+  std::string index, text, like, model, text_encoder, html, queries;
   double from = 0, to = 0, overlap = 0.3;
   Index top = 10;
   bool moments = false, captions = false, json = false, exact = false;
@@ -43,14 +43,21 @@ class Search {
   explicit Search(const SearchOptions& options) : o_(options), file_(ml::MotionIndexFile::open(o_.index)) {}
 
   void run() {
+    if (!o_.queries.empty()) {
+      if (!o_.text.empty()) ml::raise<usage_error>(102, "search: give either a text or --queries");
+      return bench();
+    }
     if (o_.text.empty() == o_.like.empty())
       ml::raise<usage_error>(102, "search: give either a text or --like with a motion file");
     if (o_.moments && o_.captions)
       ml::raise<usage_error>(102, "search: --moments and --captions are two different searches");
     if (!o_.html.empty()) require_folder_of(o_.html);
     ml::InputFiles{o_.index, o_.like}.refuse(o_.html);
-    for (const ml::MotionHit& h : ml::search(file_, vector_of_query(), o_.search()))
-      found_.push_back({ml::clip_of(index(), h), h.start, h.end, ml::score_of(h), {}, {}});
+    answer_ = answer();
+    for (std::size_t i = 0; i < answer_.hits.size(); ++i) {
+      const ml::MotionHit& h = answer_.hits[i];
+      found_.push_back({ml::clip_of(index(), h), h.start, h.end, answer_.scores[i], {}, {}});
+    }
     o_.json ? say_json() : say();
     if (!o_.html.empty()) write_page();
   }
@@ -58,25 +65,57 @@ class Search {
  private:
   const ml::MotionIndex& index() const { return file_.index(); }
 
-  std::vector<float> vector_of_query() const {
+  SearchModel model() const {
     const ml::IndexModel& made_with = index().model();
     const std::string path = o_.model.empty() ? made_with.path : o_.model;
-    const SearchModel model = search_model(path, o_.text_encoder.empty() ? made_with.text_encoder : o_.text_encoder);
-    index().require_model(model.model().id, path);
-    if (!o_.text.empty()) return model.encode_text(o_.text);
-    const ml::Motion like = read_motions(o_.like, o_.read).front();
-    return ml::encode_motion(model, ml::edit_time(like, {.from = o_.from, .to = o_.to}));
+    SearchModel out = search_model(path, o_.text_encoder.empty() ? made_with.text_encoder : o_.text_encoder);
+    index().require_model(out.model().id, path);
+    return out;
+  }
+  ml::TextAnswer answer() const {
+    const SearchModel model = this->model();
+    const ml::SearchOptions how = o_.search();
+    const ml::MotionSearch moves = ml::open_motion_search(file_, how.exact, how.storage);
+    if (!o_.text.empty()) return ml::answer_text(moves, model, o_.text, how);
+    const ml::Motion like = ml::edit_time(read_motions(o_.like, o_.read).front(), {.from = o_.from, .to = o_.to});
+    ml::TextAnswer out{.hits = ml::search(moves, ml::encode_motion(model, like), how)};
+    for (const ml::MotionHit& h : out.hits) out.scores.push_back(ml::score_of(h));
+    return out;
   }
 
+  /// Prints how often the first result of a query is right.
+  void bench() const {
+    struct Count {
+      int right = 0, all = 0;
+    } shown, absent;
+    for (const ml::QueryAnswer& a : ml::answer_queries(index(), model(), ml::read_queries(o_.queries))) {
+      Count& count = a.query.phrases.empty() ? absent : shown;
+      count.right += a.right ? 1 : 0, ++count.all;
+      const std::string answer = a.shown ? "\"" + a.found.captions.front() + "\"" : "no clip shows this";
+      std::printf("%-6s%.4f  %-44s %s\n", a.right ? "right" : "wrong", a.score, ml::printable(a.query.text).c_str(),
+                  ml::printable(answer).c_str());
+    }
+    if (shown.all > 0) std::printf("the first result is right for %d of %d queries\n", shown.right, shown.all);
+    if (absent.all > 0)
+      std::printf("no clip shows this is the answer to %d of %d queries that nothing shows\n", absent.right,
+                  absent.all);
+  }
+
+  const char* one() const { return o_.moments ? "moment" : "clip"; }
   const char* kind() const { return o_.moments ? "moments" : o_.captions ? "captions" : "clips"; }
   /// The number of items to search.
   Index gallery() const { return ml::gallery_size(index(), o_.search().what); }
   std::string query_text() const { return o_.text.empty() ? "like " + o_.like : o_.text; }
 
   void say() const {
+    for (const ml::UnknownWord& w : answer_.unheard)
+      std::printf("nobody taught the model the word '%s'%s\n", ml::printable(w.word).c_str(),
+                  w.like.empty() ? "" : (" (did you mean '" + w.like + "'?)").c_str());
+    if (!answer_.shown) std::printf("no %s shows this%s\n", one(), found_.empty() ? "" : "; the nearest are:");
     int place = 0;
     for (const ml::FoundMotion& f : found_) {
-      std::printf("%3d  %.3f  %7.2f %7.2f s  %s", ++place, f.score, f.start, f.end, ml::printable(f.clip.path).c_str());
+      std::printf("%3d  %.*f  %7.2f %7.2f s  %s", ++place, answer_.calibrated ? 4 : 3, f.score, f.start, f.end,
+                  ml::printable(f.clip.path).c_str());
       if (!f.clip.name.empty()) std::printf(" (%s)", ml::printable(f.clip.name).c_str());
       if (!f.clip.captions.empty()) std::printf("  \"%s\"", ml::printable(f.clip.captions.front()).c_str());
       std::printf("\n");
@@ -94,14 +133,21 @@ class Search {
                       {"captions", f.clip.captions},
                       {"license", f.clip.license}});
     }
-    const nlohmann::ordered_json out{{"query", query_text()}, {"kind", kind()}, {"hits", std::move(hits)}};
+    auto unheard = nlohmann::ordered_json::array();
+    for (const ml::UnknownWord& w : answer_.unheard) unheard.push_back(w.word);
+    const nlohmann::ordered_json out{{"query", query_text()},
+                                     {"kind", kind()},
+                                     {"shown", answer_.shown},
+                                     {"unknown_words", std::move(unheard)},
+                                     {"hits", std::move(hits)}};
     std::printf("%s\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   }
 
   void write_page() {
     ml::draw_found(found_, o_.read);
     for (ml::FoundMotion& f : found_) f.problem = with_options(f.problem);
-    const std::string summary = ml::concat_text("The nearest ", kind(), " of ", gallery(), " in ", o_.index);
+    const std::string summary = ml::concat_text(answer_.shown ? "" : ml::concat_text("No ", one(), " shows this. "),
+                                                "The nearest ", kind(), " of ", gallery(), " in ", o_.index);
     ml::write_file(o_.html, ml::search_html(found_, query_text(), summary));
     if (!o_.json)
       std::printf("Open %s in a browser to see them.\n", std::filesystem::absolute(o_.html).string().c_str());
@@ -109,6 +155,7 @@ class Search {
 
   const SearchOptions& o_;
   ml::MotionIndexFile file_;
+  ml::TextAnswer answer_;
   std::vector<ml::FoundMotion> found_;
 };
 
@@ -133,6 +180,12 @@ void add_search(CLI::App& app) {
       ->check(in_range(0, 1))
       ->needs(moments)
       ->capture_default_str();
+  c->add_option("--queries", o->queries,
+                "Instead of a text: a table of queries and of phrases in the captions of right results. Prints how "
+                "often the first result is right (examples/training/queries.tsv)")
+      ->check(CLI::ExistingFile)
+      ->excludes(like)
+      ->excludes(moments);
   c->add_option("--html", o->html, "HTML page with film strips of the results");
   c->add_flag("--exact", o->exact, "Compare with all vectors, even if the index has a graph");
   c->add_flag("--json", o->json, "Print the result as JSON");

@@ -26,6 +26,7 @@ void run_text_motion(const TextMotionOptions& o, const ml::TextMotionConfig& pre
   if (config.features.empty()) config.features = preset.features;
   if (!begin_training(o.common, ml::config_json(config))) return;
   as_usage([&] { ml::reads_pieces(config.text, o.files.text_encoder); });
+  as_usage([&] { ml::require_pieces(config.text, o.files); });
   auto language = ml::finetuned_language_model<B>(config.text, o.files.text_encoder);
   const auto data = read_data(sources, config.data, ml::row_maker(config.features));
   std::printf("%zu different texts\n", ml::all_texts(data).size());
@@ -47,6 +48,10 @@ void add_text_motion(CLI::App& app, const char* name, const char* what, const ch
                 "MPNet, which finds texts of equal meaning: a folder or a cache. The default is to compare the words "
                 "of all texts about the same frames")
       ->check(CLI::ExistingPath);
+  c->add_option("--word-vectors", o->files.word_vectors,
+                "Vectors of words beyond those of the captions, from `motionlang word-vectors`, for a model with word "
+                "pieces. Every word that the captions say twice then is one piece")
+      ->check(CLI::ExistingFile);
   c->add_option("--statistics", o->files.statistics,
                 "Folder with mean and std of the features, such as HumanML3D or KIT-ML with Mean.npy and Std.npy. The "
                 "default is the statistics of the training motions, as in the published programs")

@@ -11,7 +11,7 @@
 #include <motionlang/generate/timelines_of_text.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/search/kept_index.hpp>
-#include <motionlang/search/search.hpp>
+#include <motionlang/search/text_answer.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/view/view_file.hpp>
 #include <motionlang/weights/stmc_checkpoint.hpp>
@@ -41,8 +41,11 @@ struct motionlang_hits {
   struct Hit {
     ml::IndexedClip clip;
     ml::MotionHit hit;
+    double score;
   };
   std::vector<Hit> hits;
+  bool shown = true;
+  std::string unknown_words;
 };
 
 namespace {
@@ -124,11 +127,12 @@ ml::SearchOptions search_options(const motionlang_search_options* given_options)
                                                          : ml::SearchFor::clips,
           .most_overlap = o.most_overlap};
 }
-motionlang_hits hits_of(const motionlang_index& index, std::span<const float> query,
-                        const motionlang_search_options* options) {
+motionlang_hits hits_of(const motionlang_index& index, const ml::TextAnswer& answer) {
   motionlang_hits out;
-  for (const ml::MotionHit& hit : ml::search(index.search, query, search_options(options)))
-    out.hits.push_back({ml::clip_of(index.file->index(), hit), hit});
+  for (std::size_t i = 0; i < answer.hits.size(); ++i)
+    out.hits.push_back({ml::clip_of(index.file->index(), answer.hits[i]), answer.hits[i], answer.scores[i]});
+  out.shown = answer.shown;
+  for (const ml::UnknownWord& w : answer.unheard) out.unknown_words += (out.unknown_words.empty() ? "" : " ") + w.word;
   return out;
 }
 std::span<const std::byte> memory(const void* bytes, int64_t size) {
@@ -415,14 +419,19 @@ int motionlang_search_text(const motionlang_index* index, const char* text, cons
                            motionlang_hits** hits) {
   return made(hits, "hits", [&] {
     const auto& searched = given(index, "index");
-    return hits_of(searched, searched.tmr.encode_text(&given(text, "text")), options);
+    return hits_of(searched,
+                   ml::answer_text(searched.search, searched.tmr, &given(text, "text"), search_options(options)));
   });
 }
 int motionlang_search_motion(const motionlang_index* index, const motionlang_motion* motion,
                              const motionlang_search_options* options, motionlang_hits** hits) {
   return made(hits, "hits", [&] {
     const auto& searched = given(index, "index");
-    return hits_of(searched, ml::encode_motion(searched.tmr, given(motion, "motion").motion), options);
+    ml::TextAnswer answer{.hits = ml::search(searched.search,
+                                             ml::encode_motion(searched.tmr, given(motion, "motion").motion),
+                                             search_options(options))};
+    for (const ml::MotionHit& hit : answer.hits) answer.scores.push_back(ml::score_of(hit));
+    return hits_of(searched, answer);
   });
 }
 int64_t motionlang_hits_count(const motionlang_hits* hits) { return hits == nullptr ? 0 : std::ssize(hits->hits); }
@@ -431,10 +440,18 @@ int motionlang_hits_at(const motionlang_hits* hits, int64_t i, motionlang_hit* h
     motionlang_hit& out = given(hit, "hit");
     const auto count = motionlang_hits_count(hits);
     if (i < 0 || i >= count) ml::raise<ml::shape_error>(203, "hit ", i, " of ", count);
-    const auto& [clip, found] = hits->hits[static_cast<std::size_t>(i)];
-    out = {clip.path.c_str(),    clip.name.c_str(), clip.captions.empty() ? "" : clip.captions.front().c_str(),
-           clip.license.c_str(), found.start,       found.end,
-           ml::score_of(found)};
+    const auto& [clip, found, score] = hits->hits[static_cast<std::size_t>(i)];
+    out = {clip.path.c_str(),
+           clip.name.c_str(),
+           clip.captions.empty() ? "" : clip.captions.front().c_str(),
+           clip.license.c_str(),
+           found.start,
+           found.end,
+           score};
   });
+}
+int motionlang_hits_shown(const motionlang_hits* hits) { return hits != nullptr && hits->shown ? 1 : 0; }
+const char* motionlang_hits_unknown_words(const motionlang_hits* hits) {
+  return hits == nullptr ? "" : hits->unknown_words.c_str();
 }
 void motionlang_free_hits(motionlang_hits* hits) { delete hits; }

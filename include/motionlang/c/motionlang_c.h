@@ -229,11 +229,17 @@ typedef struct motionlang_hit {
   const char* caption; /* the first one of the clip; "" if it has none */
   const char* license; /* "" if none is known */
   double start, end;   /* seconds in the file */
-  double score;        /* 0 to 1 */
+  double score;        /* 0 to 1. For a text and the bundled model: the share of pairs of a text and a motion of
+                          something else that are farther apart */
 } motionlang_hit;
 MOTIONLANG_C_API int64_t motionlang_hits_count(const motionlang_hits* hits);
 /* The texts belong to the hits. Error 203 if there is no such hit. */
 MOTIONLANG_C_API int motionlang_hits_at(const motionlang_hits* hits, int64_t i, motionlang_hit* hit);
+/* 0: no clip shows the text, and the hits are only the nearest. Otherwise 1. */
+MOTIONLANG_C_API int motionlang_hits_shown(const motionlang_hits* hits);
+/* Words of the text that the model knows nothing about, with blanks between them; "" if there are none. They belong to
+ * the hits. */
+MOTIONLANG_C_API const char* motionlang_hits_unknown_words(const motionlang_hits* hits);
 MOTIONLANG_C_API void motionlang_free_hits(motionlang_hits* hits); /* NULL is allowed */
 
 #ifdef __cplusplus

@@ -10,5 +10,6 @@
 #include <motionlang/metrics/mtt.ipp>
 #include <motionlang/metrics/retrieval.ipp>
 #include <motionlang/metrics/sampled_errors.ipp>
+#include <motionlang/metrics/similarity_scale.ipp>
 #include <motionlang/metrics/stgcn.ipp>
 #include <motionlang/metrics/summary.ipp>

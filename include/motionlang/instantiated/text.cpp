@@ -9,9 +9,11 @@
 #include <motionlang/text/known_captions.ipp>
 #include <motionlang/text/known_words.ipp>
 #include <motionlang/text/mirror_caption.ipp>
+#include <motionlang/text/stranger_texts.ipp>
 #include <motionlang/text/text_repair.ipp>
 #include <motionlang/text/text_table.ipp>
 #include <motionlang/text/tokenizer.ipp>
+#include <motionlang/text/unheard_words.ipp>
 #include <motionlang/text/unicode.ipp>
 #include <motionlang/text/word_piece.ipp>
 #include <motionlang/text/word_vectors.ipp>

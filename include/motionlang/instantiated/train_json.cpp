@@ -5,6 +5,7 @@
 #include <motionlang/train/classifier_training.ipp>
 #include <motionlang/train/epoch_task.ipp>
 #include <motionlang/train/measured_items.ipp>
+#include <motionlang/train/measured_similarity.ipp>
 #include <motionlang/train/moment_evaluation.ipp>
 #include <motionlang/train/mtt_evaluation.ipp>
 #include <motionlang/train/presets.ipp>

@@ -25,6 +25,7 @@ inline std::string checksum_of_lines(const std::vector<ClipLine>& lines) {
   std::string all;
   for (const ClipLine& line : lines) {
     all += concat_text(line.start, "\t", line.end);
+    if (!line.animation.empty()) all += "#" + line.animation;
     for (const std::string& text : line.texts) all += "\t" + text;
     all += "\n";
   }
@@ -245,7 +246,9 @@ MOTIONLANG_BODY std::vector<IndexUpdate::Prepared> IndexUpdate::prepare(const Fi
     if (found == lines_of_.end())
       take(m, nullptr);
     else
-      for (const ClipLine& line : found->second) take(m, &line);
+      for (const ClipLine& line : found->second) {
+        if (line.animation.empty() || line.animation == m.name) take(m, &line);
+      }
   }
   return out;
 }

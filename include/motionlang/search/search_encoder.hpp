@@ -9,7 +9,9 @@
 
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/kinematics/motion.hpp>
+#include <motionlang/metrics/similarity_scale.hpp>
 #include <motionlang/search/motion_index.hpp>
+#include <motionlang/text/known_words.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -29,6 +31,11 @@ class SearchEncoder {
   virtual Index frames(std::span<const float> rows) const = 0;
   /// (windows, width): windows of the frames of `rows`.
   virtual std::vector<float> encode_windows(std::span<const float> rows, std::span<const FrameSlice> windows) const = 0;
+
+  /// The meaning of the cosines of texts and motions; empty if it was not measured.
+  virtual const SimilarityScale& similarity() const;
+  /// The words of a text about which the model knows nothing; none if it cannot tell.
+  virtual std::vector<UnknownWord> unheard_words(const std::string&) const { return {}; }
 
  protected:
   SearchEncoder() = default;

@@ -10,6 +10,11 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+MOTIONLANG_BODY const SimilarityScale& SearchEncoder::similarity() const {
+  static const SimilarityScale none;
+  return none;
+}
+
 MOTIONLANG_BODY std::vector<float> encode_clip(const SearchEncoder& encoder, std::span<const float> rows) {
   const Index width = encoder.model().width, all = encoder.frames(rows),
               longest = std::max<Index>(1, std::lround(10 * encoder.model().fps)),

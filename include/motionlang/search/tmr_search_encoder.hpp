@@ -75,6 +75,11 @@ class TmrSearchEncoder final : public SearchEncoder {
     return out;
   }
 
+  const SimilarityScale& similarity() const override { return tmr_.similarity; }
+  std::vector<UnknownWord> unheard_words(const std::string& text) const override {
+    return tmr_.unheard_words ? tmr_.unheard_words(text) : std::vector<UnknownWord>();
+  }
+
  private:
   static void append(std::vector<float>& out, const Tensor<B, 2>& rows) {
     for (const auto x : rows.span()) out.push_back(static_cast<float>(x));

@@ -36,7 +36,7 @@ class TextMotionTask : public TextTask<A, System> {
       width = texts_.language->files.sizes.width;
     else if (texts_.states)
       width = texts_.states->width();
-    Base::begin_model(width, Base::training_texts(), statistics, std::exchange(texts_.language, {}));
+    Base::begin_model(width, Base::training_texts(), statistics, std::exchange(texts_.language, {}), texts_.vectors);
   }
 
   /// The motions of a step, each with one of its texts that `captions` draws.

@@ -17,15 +17,19 @@ struct TextMotionFiles {
   std::filesystem::path text_encoder{};      // DistilBERT: a folder, or the .npy file of an embedding cache
   std::filesystem::path sentence_encoder{};  // MPNet, likewise; without it, texts are compared by their words
   std::filesystem::path statistics{};        // folder with mean and deviation of the features
+  std::filesystem::path word_vectors{};      // of words beyond those of the texts (weights/word_vector_file.hpp)
 };
 
 template <Backend B>
 struct TextMotionTexts {
   std::optional<EmbeddingCache> states{};      // of a language model that is not trained
   EmbeddingCache sentences{0};                 // unit vectors
+  WordVectors vectors{};                       // for a model that reads word pieces
   std::optional<LanguageModel<B>> language{};  // that is trained with the model
 };
 
+/// Throws config_error 102 if vectors of words are for a model that reads the states of a language model.
+void require_pieces(const TextTokensConfig& text, const TextMotionFiles& files);
 /// Throws config_error 102 if text.finetune lacks a DistilBERT.
 void require_finetuned(const TextTokensConfig& text, const std::filesystem::path& text_encoder);
 
@@ -44,6 +48,8 @@ template <Backend B>
 TextMotionTexts<B> text_motion_texts(const TextTokensConfig& text, const TextMotionFiles& files,
                                      const DescribedMotions& data, std::optional<LanguageModel<B>> language) {
   TextMotionTexts<B> out;
+  require_pieces(text, files);
+  if (!files.word_vectors.empty()) out.vectors = read_word_vectors(files.word_vectors);
   if (!reads_pieces(text, files.text_encoder) && !language)
     out.states = token_states<B>(files.text_encoder, all_texts(data));
   out.sentences = sentence_vectors<B>(files.sentence_encoder, data);

@@ -12,4 +12,10 @@ MOTIONLANG_BODY void require_finetuned(const TextTokensConfig& text, const std::
                         text_encoder.string(), "', expected distilbert and its folder");
 }
 
+MOTIONLANG_BODY void require_pieces(const TextTokensConfig& text, const TextMotionFiles& files) {
+  if (!files.word_vectors.empty() && !reads_pieces(text, files.text_encoder))
+    raise<config_error>(102, files.word_vectors.string(),
+                        ": `word_vectors` are for text.encoder word_pieces, not for '", text.encoder, "'");
+}
+
 MOTIONLANG_NAMESPACE_END

@@ -30,6 +30,7 @@ class TextTask : public EpochTask<typename TrainedSystem<System>::Config, TextMo
     if (const auto& words = learner_.average.words) {
       std::string& pieces = out["text.pieces"];
       for (const auto& p : words->tokenizer.vocabulary()) pieces += p + "\n";
+      if (!words->vectors.empty()) out["text.word_vectors"] = words->vectors.checksum();
     }
     return out;
   }
@@ -48,14 +49,17 @@ class TextTask : public EpochTask<typename TrainedSystem<System>::Config, TextMo
   /// width       of the states of a language model; none: word pieces are learned from `words`
   /// statistics  a folder with those of the features; empty: those of the training motions
   /// language    trained with the model
+  /// vectors     of words, for a model of word pieces: each word that `words` say twice is a piece then
   void begin_model(std::optional<Index> width, const std::vector<std::string>& words,
-                   const std::filesystem::path& statistics, std::optional<LanguageModel<B>> language = {}) {
+                   const std::filesystem::path& statistics, std::optional<LanguageModel<B>> language = {},
+                   WordVectors vectors = {}) {
     std::optional<WordPiece> pieces;
     if (width)
       config_.text.width = *width;
     else
-      pieces = WordPiece::learn(words, config_.text.vocabulary);
-    auto model = make_text_motion<System, B>(config_, data_->width, pieces, Philox{.seed = this->seed()}.split("init"));
+      pieces = vectors.empty() ? WordPiece::learn(words, config_.text.vocabulary) : WordPiece::of_words(words);
+    auto model = make_text_motion<System, B>(config_, data_->width, pieces, Philox{.seed = this->seed()}.split("init"),
+                                             std::move(vectors));
     model.language = std::move(language);
     model.motion_normalizer = statistics_of<B>(statistics, *data_);
     model.motion_normalizer.eps = TrainedSystem<System>::normalizer_eps;

@@ -18,6 +18,7 @@
 
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/systems/tmr.hpp>
+#include <motionlang/train/measured_similarity.hpp>
 #include <motionlang/train/text_motion_task.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -44,16 +45,29 @@ class TmrTraining : public TextMotionTask<A, Tmr> {
   /// The loss without dropout, of first captions and always with the same noise; recalls among the motions of the
   /// validation part. A motion also counts as found if it has a text with the same meaning.
   std::vector<Measure> validate();
+  /// As for TextTask, with the scale of its similarities. Models that read the states of a language model get a scale
+  /// that does not tell if a text is shown.
+  void save(const std::filesystem::path& folder, const std::map<std::string, std::string>& about);
 
  private:
+  /// The batch, some of whose texts got words of other subjects.
+  TextMotionBatch<A> disturbed(TextMotionBatch<A> batch, Philox rng) const {
+    if (config_.text.strange_words == 0) return batch;
+    for (std::size_t i = 0; i < batch.texts.size(); ++i) {
+      if (rng.uniform() < config_.text.strange_words)
+        batch.texts[i] = strangers_->disturb(batch.texts[i], rng.split(static_cast<std::uint64_t>(i)));
+    }
+    return batch;
+  }
   template <Backend T>
   TextMotionBranches<T> branches_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch, const Philox& rng,
                                     const Context& context) const;
   template <Backend T>
-  LossTerms<T> loss_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch,
-                       const TextMotionBranches<T>& branches) const;
+  LossTerms<T> loss_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch, const TextMotionBranches<T>& branches,
+                       const Tensor<T, 2>* strangers = nullptr) const;
 
-  using Base::config_, Base::learner_, Base::texts_;
+  using Base::config_, Base::data_, Base::learner_, Base::texts_;
+  std::optional<StrangerTexts> strangers_{};
 };
 
 template <AutodiffBackend A>
@@ -64,12 +78,30 @@ TmrTraining<A>::TmrTraining(TextMotionConfig config, const DescribedMotions& dat
   if (config_.validation.watch != "loss" && config_.validation.watch != "retrieval")
     raise<config_error>(103, "validation.watch '", config_.validation.watch, "' is not loss or retrieval");
   Base::begin_with_texts(statistics);
+  const auto& words = learner_.average.words;
+  if (words) strangers_.emplace(words->tokenizer, words->vectors);
+  if ((config_.losses.strangers > 0 || config_.text.strange_words > 0) && !strangers_)
+    raise<config_error>(102, "losses.strangers and text.strange_words are for text.encoder word_pieces, not for '",
+                        config_.text.encoder, "'");
 }
 
 template <AutodiffBackend A>
 LossTerms<A> TmrTraining<A>::loss(Philox rng, Index step, const Context& context) const {
+  const auto& model = learner_.model;
   const auto batch = Base::training_batch(step, rng.split("captions"));
-  return loss_of(learner_.model, batch, branches_of(learner_.model, batch, rng.split("noise"), context));
+  const auto branches = branches_of(model, disturbed(batch, rng.split("strange words")), rng.split("noise"), context);
+  if (config_.losses.strangers == 0) return loss_of(model, batch, branches);
+  const auto texts = strangers_->draw(config_.losses.strangers, rng.split("strangers"));
+  const auto strangers = model.system.encode_text(model.tokens(texts, nullptr, context), context).mu;
+  return loss_of(model, batch, branches, &strangers);
+}
+
+template <AutodiffBackend A>
+void TmrTraining<A>::save(const std::filesystem::path& folder, const std::map<std::string, std::string>& about) {
+  const auto& model = Base::result();
+  const auto scale = measured_similarity(model, *data_, texts_.states ? &*texts_.states : nullptr, texts_.sentences,
+                                         strangers_ ? &*strangers_ : nullptr);
+  save_text_motion(folder, model, config_, data_->fps, about, &scale);
 }
 
 template <AutodiffBackend A>
@@ -108,12 +140,12 @@ TextMotionBranches<T> TmrTraining<A>::branches_of(const TmrModel<T>& model, cons
 template <AutodiffBackend A>
 template <Backend T>
 LossTerms<T> TmrTraining<A>::loss_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch,
-                                     const TextMotionBranches<T>& branches) const {
+                                     const TextMotionBranches<T>& branches, const Tensor<T, 2>* strangers) const {
   const auto sentences = texts_.sentences.template encode<T>(batch.texts).tokens.rows;
   std::optional<Tensor<T, 0>> temperature;
   if (model.log_temperature) temperature = exp(*model.log_temperature);
   return tmr_losses(branches, batch.motions, &sentences, tmr_loss_options(config_),
-                    temperature ? &*temperature : nullptr);
+                    temperature ? &*temperature : nullptr, strangers);
 }
 
 MOTIONLANG_NAMESPACE_END

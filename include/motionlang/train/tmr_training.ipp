@@ -16,6 +16,8 @@ MOTIONLANG_BODY TmrLossOptions tmr_loss_options(const TextMotionConfig& c) {
   if (l.learned_temperature && kind != ContrastiveLoss::info_nce)
     raise<config_error>(102, "losses.learned_temperature is for info_nce; losses.contrastive_loss is '",
                         l.contrastive_loss, "'");
+  if (l.strangers > 0 && kind != ContrastiveLoss::info_nce)
+    raise<config_error>(102, "losses.strangers is for info_nce; losses.contrastive_loss is '", l.contrastive_loss, "'");
   return {.recons = l.recons,
           .kl = l.kl,
           .latent = l.embedding ? l.latent : 0,

@@ -136,12 +136,13 @@ struct TmrLossOptions {
 /// recons and kl (the sums of TEMOS' terms), latent, contrastive: only those that the model and the options have.
 /// sentences    (batch, width), rows of length 1, to find texts with the same meaning. Null: nothing is filtered
 /// temperature  a learned one for InfoNCE, instead of that of the options. Null: that of the options
+/// strangers    (any, latent): for InfoNCE, texts that no motion shows (text/stranger_texts.hpp). Null: none
 /// Throws config_error 101 for a contrastive loss without a motion encoder.
 /// Source     TMR, section 3.2; thesis 5.2.2; TMR src/model/tmr.py compute_loss
 template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                         const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {},
-                        const Tensor<B, 0>* temperature = nullptr) {
+                        const Tensor<B, 0>* temperature = nullptr, const Tensor<B, 2>* strangers = nullptr) {
   const auto parts = temos_losses(branches, motion,
                                   TemosLossOptions{.cross_modal_kl = options.cross_modal_kl,
                                                    .gaussian_kl = options.gaussian_kl,
@@ -157,8 +158,8 @@ LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B
       sentences == nullptr ? std::vector<unsigned char>() : false_negatives(*sentences, options.threshold);
   out.add("contrastive", options.contrastive,
           options.contrastive_loss == ContrastiveLoss::margin ? margin_loss(x, y, options.margin, filtered)
-          : temperature != nullptr                            ? info_nce(x, y, *temperature, filtered)
-                                                              : info_nce(x, y, options.temperature, filtered));
+          : temperature != nullptr                            ? info_nce(x, y, *temperature, filtered, strangers)
+                                   : info_nce(x, y, options.temperature, filtered, strangers));
   return out;
 }
 

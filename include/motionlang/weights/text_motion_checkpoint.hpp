@@ -14,6 +14,7 @@
 
 #include <motionlang/features/feature_rows.hpp>
 #include <motionlang/features/normalizer.hpp>
+#include <motionlang/text/unheard_words.hpp>
 #include <motionlang/weights/checkpoint_options.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
 #include <motionlang/weights/text_states.hpp>
@@ -33,6 +34,9 @@ struct TextMotionCheckpoint {
   std::function<Sequences<B>(std::span<const std::string>)> tokens{};
   std::string folder{}, text_encoder{};  // where it was loaded from
   std::string id{};                      // of the weights (tensors_checksum); only for TMR
+  SimilarityScale similarity{};          // of texts and motions; empty if the model has none
+  /// The words of a text about which the text encoder knows nothing. Null if it cannot tell.
+  std::function<std::vector<UnknownWord>(std::string_view)> unheard_words{};
 
   /// The means of the latents, (texts, latent).
   Tensor<B, 2> encode_text(std::span<const std::string> texts) const { return model.encode_text(tokens(texts)).mu; }
@@ -82,9 +86,14 @@ TextMotionCheckpoint<B, System<B>> checkpoint_of(TextMotionModel<B, System> mode
                                          .fps = file.fps,
                                          .longest = longest,
                                          .folder = folder.string(),
-                                         .text_encoder = options.text_encoder.string()};
+                                         .text_encoder = options.text_encoder.string(),
+                                         .similarity = file.similarity};
   if (model.words) {
-    out.tokens = [words = std::move(*model.words)](std::span<const std::string> texts) { return words(texts).tokens; };
+    const auto words = std::make_shared<const WordPieceTokens<B>>(std::move(*model.words));
+    out.tokens = [words](std::span<const std::string> texts) { return (*words)(texts).tokens; };
+    out.unheard_words = [words](std::string_view text) {
+      return motionlang::unheard_words(words->tokenizer, words->vectors, text);
+    };
   } else if (model.language) {
     out.tokens = [language = std::move(*model.language)](std::span<const std::string> texts) {
       return language(texts, {});

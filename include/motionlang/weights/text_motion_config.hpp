@@ -30,16 +30,22 @@ struct TextMotionNetworkConfig {
 /// The form in which the model's text encoder receives texts.
 struct TextTokensConfig {
   std::string encoder =
-      "distilbert";        // states of a language model (a folder or a cache), or "word_pieces": learned here
-  Index width = 768;       // of a token
-  Index vocabulary = 800;  // of word pieces
-  bool finetune = false;   // DistilBERT is also trained
+      "distilbert";           // states of a language model (a folder or a cache), or "word_pieces": learned here
+  Index width = 768;          // of a token
+  Index vocabulary = 800;     // of word pieces; with vectors of words, all words that occur twice instead
+  bool finetune = false;      // DistilBERT is also trained
+  double hidden_words = 0.3;  // training: probability that only the vector of a word is used, if it has one
+  double strange_words = 0;   // training of TMR with word pieces: probability that a text gets words of other subjects
 
-  void require_sound() const { require_value("width", width, width >= 1 && width <= 65'536, "1 to 65536"); }
+  void require_sound() const {
+    require_value("width", width, width >= 1 && width <= 65'536, "1 to 65536");
+    require_value("hidden_words", hidden_words, hidden_words >= 0 && hidden_words <= 1, "0 to 1");
+    require_value("strange_words", strange_words, strange_words >= 0 && strange_words <= 1, "0 to 1");
+  }
   static constexpr auto fields() {
     using C = TextTokensConfig;
     return motionlang::fields("encoder", &C::encoder, "width", &C::width, "vocabulary", &C::vocabulary, "finetune",
-                              &C::finetune);
+                              &C::finetune, "hidden_words", &C::hidden_words, "strange_words", &C::strange_words);
   }
 };
 
@@ -51,6 +57,7 @@ struct TextMotionLossConfig {
   bool learned_temperature = false;  // for info_nce; training starts from that value, as for CLIP
   double threshold = 0.8;            // texts more similar than that are not negatives; 0: all are
   double margin = 10;
+  Index strangers = 0;  // for info_nce and word pieces: texts in a step that no motion shows (text/stranger_texts.hpp)
   bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // the terms that kl and latent weight
 
   void require_sound() const {
@@ -60,14 +67,15 @@ struct TextMotionLossConfig {
                                       {"contrastive", contrastive},
                                       {"margin", margin}})
       require_value(name, value, value >= 0, "0 or more");
+    require_value("strangers", strangers, strangers >= 0 && strangers <= 65'536, "0 to 65536");
   }
   static constexpr auto fields() {
     using C = TextMotionLossConfig;
     return motionlang::fields("recons", &C::recons, "kl", &C::kl, "latent", &C::latent, "contrastive", &C::contrastive,
                               "contrastive_loss", &C::contrastive_loss, "temperature", &C::temperature,
                               "learned_temperature", &C::learned_temperature, "threshold", &C::threshold, "margin",
-                              &C::margin, "cross_modal_kl", &C::cross_modal_kl, "gaussian_kl", &C::gaussian_kl,
-                              "embedding", &C::embedding);
+                              &C::margin, "strangers", &C::strangers, "cross_modal_kl", &C::cross_modal_kl,
+                              "gaussian_kl", &C::gaussian_kl, "embedding", &C::embedding);
   }
 };
 

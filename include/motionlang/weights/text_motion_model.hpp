@@ -3,10 +3,11 @@
 /// statistics of the features, its configuration. How to make it, and its folder.
 ///
 ///     config.json            weights/model_folder.hpp, with the configuration of the training; "vocabulary" of word
-///                            pieces; "about"
+///                            pieces; "similarity", the scale of a TMR (metrics/similarity_scale.hpp); "about"
 ///     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean,
 ///                            motion_normalizer.std, log_temperature; textencoder.text_model.* of a DistilBERT that was
-///                            trained with it, as in TEMOS
+///                            trained with it, as in TEMOS; words.vectors.* of a model with vectors of words
+///                            (weights/word_vector_file.hpp)
 ///     text_encoder/          its config.json and tokenizer
 ///
 ///     const auto file = read_text_motion_config(folder);         // also of a published TMR
@@ -24,6 +25,7 @@
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/file/fields_json.hpp>
+#include <motionlang/metrics/similarity_scale.hpp>
 #include <motionlang/systems/sinc.hpp>
 #include <motionlang/systems/teach.hpp>
 #include <motionlang/systems/temos.hpp>
@@ -36,6 +38,7 @@
 #include <motionlang/weights/text_motion_file.hpp>
 #include <motionlang/weights/trained_model.hpp>
 #include <motionlang/weights/weight_file.hpp>
+#include <motionlang/weights/word_vector_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -108,7 +111,7 @@ struct TextMotionModel {
   /// or from `states`, which has all texts.
   Sequences<B> tokens(std::span<const std::string> texts, const EmbeddingCache* states,
                       const Context& context = {}) const {
-    if (words) return (*words)(texts).tokens;
+    if (words) return (*words)(texts, context).tokens;
     if (language) return (*language)(texts, context);
     if (states == nullptr)
       raise<config_error>(102, "this model reads the states of a language model: `text_encoder` names it");
@@ -173,14 +176,15 @@ struct TrainedSystem<Teach> {
 /// New weights, with statistics that change nothing. Throws what TrainedSystem::sizes throws.
 template <template <class> class System, Backend B>
 TextMotionModel<B, System> make_text_motion(const typename TrainedSystem<System>::Config& c, Index width,
-                                            std::optional<WordPiece> pieces, const Philox& rng) {
+                                            std::optional<WordPiece> pieces, const Philox& rng,
+                                            WordVectors vectors = {}) {
   using Trained = TrainedSystem<System>;
   TextMotionModel<B, System> m;
   auto init = rng.split("system"), words = rng.split("words");
   const auto sizes = Trained::sizes(c, width);
   if (const auto temperature = Trained::temperature(c)) m.log_temperature = Tensor<B, 0>(std::log(*temperature));
   m.system = System<B>(sizes, init);
-  if (pieces) m.words.emplace(std::move(*pieces), c.text.width, words);
+  if (pieces) m.words.emplace(std::move(*pieces), c.text.width, words, std::move(vectors), c.text.hidden_words);
   m.motion_normalizer = Normalizer<B>::identity(width);
   m.motion_normalizer.eps = Trained::normalizer_eps;
   return m;
@@ -195,7 +199,14 @@ struct TextModelFile {
   std::optional<WordPiece> pieces;
   std::optional<LanguageModelFiles> language{};  // of the trained language model
   std::optional<RunFolder> published{};          // for a published folder
+  SimilarityScale similarity{};                  // of a TMR; empty if the file has none
 };
+
+/// As config.json has it.
+nlohmann::ordered_json similarity_json(const SimilarityScale& scale);
+/// Throws config_error 107 for missing members, and for shares and cosines that do not ascend.
+SimilarityScale read_similarity(const JsonView& view);
+
 using TextMotionFile = TextModelFile<TextMotionConfig>;
 
 /// Reads the contents of an open config.json; `path` appears in messages. Throws config_error 101, 103, 107, io_error
@@ -209,6 +220,7 @@ TextModelFile<Config> text_model_file(const ModelFolder& model, const std::strin
     const JsonView view(others, path);
     file.pieces = WordPiece(view["vocabulary"].as<std::vector<std::string>>(), path + ": vocabulary");
   }
+  if (others.contains("similarity")) file.similarity = read_similarity(JsonView(others, path)["similarity"]);
   return file;
 }
 /// Reads that of a TMR or a TEMOS of our training, or of a published TMR. Throws io_error 401, 403, config_error 103,
@@ -220,12 +232,28 @@ TextModelFile<Config> read_babel_config(const std::filesystem::path& folder) {
   return text_model_file<Config>(read_model_folder(folder), (folder / "config.json").string());
 }
 
+namespace detail {
+/// The beginning of the names of the tensors of word vectors, which are constants.
+inline constexpr const char* word_vector_tensors = "words.vectors.";
+
+/// Those beside the weights, if there are any. Throws what listed_word_vectors throws.
+WordVectors word_vectors_of(const WeightFile& weights);
+/// Fills a model, except its vectors of words. Throws what load_module throws.
+template <Module M>
+void load_text_motion_tensors(M& model, const TensorSet& weights) {
+  KeyReport report = load_module_partly(model, weights);
+  std::erase_if(report.unexpected, [](const std::string& name) { return name.starts_with(word_vector_tensors); });
+  if (!report.missing.empty() || !report.unexpected.empty()) raise_key_mismatch(weights.name(), report);
+}
+}  // namespace detail
+
 /// Writes config.json and weights.safetensors over the existing ones. `about`: license and provenance, which are
 /// required, data, command, ... Throws what overwrite_model throws.
+/// similarity  null: none
 template <template <class> class System, Backend B>
 void save_text_motion(const std::filesystem::path& folder, const TextMotionModel<B, System>& model,
                       const typename TrainedSystem<System>::Config& config, double fps,
-                      const std::map<std::string, std::string>& about) {
+                      const std::map<std::string, std::string>& about, const SimilarityScale* similarity = nullptr) {
   TensorStore store;
   store.add_module(model);
   auto description = described_model(TrainedSystem<System>::name, about);
@@ -234,8 +262,11 @@ void save_text_motion(const std::filesystem::path& folder, const TextMotionModel
   description.text_encoder = config.text.encoder;
   description.config = config_json(config);
   if (model.words) description.others["vocabulary"] = model.words->tokenizer.vocabulary();
+  if (similarity != nullptr && !similarity->empty()) description.others["similarity"] = similarity_json(*similarity);
   if (model.language) write_language_model_files(folder / "text_encoder", model.language->files);
-  overwrite_model(folder, description, store);
+  const WordVectors none, &vectors = model.words ? model.words->vectors : none;
+  const ModelWordVectors words{vectors, detail::word_vector_tensors};
+  overwrite_model(folder, description, store, &words);
 }
 /// Throws what the readers throw; io_error 401 if there are no statistics, config_error 102 for features of another
 /// width.
@@ -257,7 +288,7 @@ TmrModel<B> load_published_tmr(const TensorSet& weights, const RunFolder& run, c
 /// The model with the weights of an open file. Throws what the readers throw; config_error 102 for one of another
 /// system.
 template <template <class> class System, Backend B>
-TextMotionModel<B, System> load_text_motion(const TensorSet& weights,
+TextMotionModel<B, System> load_text_motion(const WeightFile& weights,
                                             const TextModelFile<typename TrainedSystem<System>::Config>& file) {
   using Trained = TrainedSystem<System>;
   if (file.system != Trained::name)
@@ -267,9 +298,10 @@ TextMotionModel<B, System> load_text_motion(const TensorSet& weights,
     if (file.published) return load_published_tmr<B>(weights, *file.published, features);
   }
   const auto room = detail::room_of(weights);
-  auto model = make_text_motion<System, B>(file.config, features.width, file.pieces, Philox{});
+  auto model =
+      make_text_motion<System, B>(file.config, features.width, file.pieces, Philox{}, detail::word_vectors_of(weights));
   if (file.language) model.language.emplace(*file.language);
-  load_module(model, weights);
+  detail::load_text_motion_tensors(model, weights);
   prepare(model);
   return model;
 }

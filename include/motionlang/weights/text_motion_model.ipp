@@ -2,6 +2,8 @@
 // Bodies of text_motion_model.hpp.
 #pragma once
 
+#include <algorithm>  // is_sorted
+
 #include <motionlang/weights/diffusion_folder.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
 
@@ -24,6 +26,11 @@ Sizes babel_sizes(const Network& n, Index width, Index text_width) {
   c.latent_dim = n.latent_dim, c.ff_size = n.ff_size, c.num_layers = n.num_layers, c.num_heads = n.num_heads;
   c.dropout = n.dropout, c.activation = parse_activation(n.activation);
   return c;
+}
+
+MOTIONLANG_BODY WordVectors word_vectors_of(const WeightFile& weights) {
+  const FileValue* list = weights.value(vector_words_entry);
+  return list == nullptr ? WordVectors() : listed_word_vectors(weights, to_string(*list), word_vector_tensors);
 }
 
 }  // namespace detail
@@ -66,6 +73,27 @@ MOTIONLANG_BODY TeachConfig TrainedSystem<Teach>::sizes(const TeachTrainingConfi
   auto out = detail::babel_sizes<TeachConfig>(c.network, width, c.text.width);
   out.hist_frames = c.network.hist_frames, out.z_prev_text = c.network.z_prev_text;
   out.mask_padding = c.network.mask_padding;
+  return out;
+}
+
+MOTIONLANG_BODY nlohmann::ordered_json similarity_json(const SimilarityScale& scale) {
+  return {{"shares", scale.shares}, {"cosines", scale.cosines}, {"least", scale.least}, {"missed", scale.missed},
+          {"fooled", scale.fooled}, {"pairs", scale.pairs},     {"texts", scale.texts}, {"strangers", scale.strangers}};
+}
+
+MOTIONLANG_BODY SimilarityScale read_similarity(const JsonView& view) {
+  SimilarityScale out{.shares = view["shares"].as<std::vector<double>>(),
+                      .cosines = view["cosines"].as<std::vector<double>>(),
+                      .least = view["least"].as<double>(),
+                      .missed = view.value_or("missed", 0.0),
+                      .fooled = view.value_or("fooled", 0.0),
+                      .pairs = view.value_or("pairs", Index{0}),
+                      .texts = view.value_or("texts", Index{0}),
+                      .strangers = view.value_or("strangers", Index{0})};
+  if (out.shares.size() != out.cosines.size() || !std::is_sorted(out.shares.begin(), out.shares.end()) ||
+      !std::is_sorted(out.cosines.begin(), out.cosines.end()))
+    raise<config_error>(107, view.path(), ": ", counted(out.shares.size(), "share"), " and ",
+                        counted(out.cosines.size(), "cosine"), ", expected as many of both, ascending");
   return out;
 }
 

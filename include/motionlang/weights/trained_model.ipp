@@ -3,6 +3,7 @@
 #pragma once
 
 #include <motionlang/weights/trained_model.hpp>
+#include <motionlang/weights/word_vector_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -15,10 +16,13 @@ MOTIONLANG_BODY ModelFolder described_model(const std::string& system, std::map<
 }
 
 MOTIONLANG_BODY void overwrite_model(const std::filesystem::path& folder, const ModelFolder& model,
-                                     const TensorStore& weights) {
+                                     const TensorStore& weights, const ModelWordVectors* words) {
   const std::string config = model_config_text(model, (folder / "config.json").string());
   std::filesystem::create_directories(folder);
-  write_safetensors(folder / "weights.safetensors", weights.views(), {{"format", "motionlang"}});
+  auto tensors = weights.views();
+  std::map<std::string, std::string> metadata{{"format", "motionlang"}};
+  if (words != nullptr) store_word_vectors(tensors, metadata, words->vectors, words->prefix);
+  write_safetensors(folder / "weights.safetensors", tensors, metadata);
   write_file(folder / "config.json", std::string_view(config));
 }
 

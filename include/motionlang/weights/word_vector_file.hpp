@@ -13,9 +13,14 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// The entry of the words in the metadata.
+inline constexpr const char* vector_words_entry = "vector_words";
+
 /// The vectors of a file whose tensors begin with `prefix`; none if it has no list of words. Throws io_error 406, 407,
 /// config_error 107.
 WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix = "");
+/// The same from any file of weights. `list`: the entry vector_words of its metadata.
+WordVectors listed_word_vectors(const TensorSet& file, std::string_view list, const std::string& prefix = "");
 /// Adds them to what is about to be written. The views are of `vectors`, which has to outlive them.
 void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
                         const WordVectors& vectors, const std::string& prefix = "");

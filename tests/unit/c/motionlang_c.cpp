@@ -364,6 +364,8 @@ TEST_CASE("an index is made, updated and searched by words and by a motion") {
   CHECK(best.score > second.score);
   CHECK(best.end == doctest::Approx(4));
   CHECK(motionlang_hits_at(hits, 2, &best) == 203);
+  CHECK(motionlang_hits_shown(hits) == 1);
+  CHECK(std::string(motionlang_hits_unknown_words(hits)).empty());
   motionlang_free_hits(hits);
 
   Made jump;
@@ -372,6 +374,7 @@ TEST_CASE("an index is made, updated and searched by words and by a motion") {
   how.top = 3, how.what = MOTIONLANG_SEARCH_MOMENTS;
   REQUIRE(motionlang_search_motion(index, jump.motion, &how, &hits) == 0);
   CHECK(motionlang_hits_count(hits) == 3);
+  CHECK(motionlang_hits_shown(hits) == 1);  // motions are not compared with texts
   motionlang_free_hits(hits);
   how.what = 7;
   CHECK(motionlang_search_text(index, "x", &how, &hits) == 103);
@@ -385,6 +388,8 @@ TEST_CASE("an index is made, updated and searched by words and by a motion") {
   CHECK(index == nullptr);
   CHECK(motionlang_index_clips(nullptr) == 0);
   CHECK(motionlang_hits_count(nullptr) == 0);
+  CHECK(motionlang_hits_shown(nullptr) == 0);
+  CHECK(std::string(motionlang_hits_unknown_words(nullptr)).empty());
   motionlang_free_index(nullptr);
   motionlang_free_hits(nullptr);
 }

@@ -102,6 +102,11 @@ TEST_CASE("InfoNCE: perfect pairs, no pairs, filtered negatives") {
   CHECK(ml::info_nce(x, equal, 0.5, filtered(different, 0.4)).item() ==
         Approx(0));  // cosines above -0.2, except the diagonal
   CHECK(std::isfinite(ml::info_nce(Matrix::zeros({2, 2}), x, 0.1).item()));
+  // strangers join the sums over x of each y, which now have three equal terms; the sums over y have two
+  const auto stranger = Matrix::from({5, 5}, {1, 2});
+  CHECK(ml::info_nce(equal, equal, 0.5, {}, &stranger).item() == Approx((std::log(2.0) + std::log(3.0)) / 2));
+  const auto behind = Matrix::from({-1, -1}, {1, 2});  // far from every y
+  CHECK(ml::info_nce(equal, equal, 0.05, {}, &behind).item() == Approx(std::log(2.0)));
   CHECK_ERROR(ml::info_nce(x, Matrix::zeros({3, 2}), 0.1), "[motionlang.shape.204] info_nce");
   const std::vector<unsigned char> three(3);
   CHECK_ERROR(ml::info_nce(x, x, 0.1, three), "[motionlang.shape.205] info_nce: a filter of 3 pairs for a batch of 2");

@@ -5,8 +5,9 @@
 #include <algorithm>
 
 #include <motionlang/core/parallel.hpp>
+#include <motionlang/formats/glb.hpp>
 #include <motionlang/search/index_folder.hpp>
-#include <motionlang/search/search.hpp>
+#include <motionlang/search/text_answer.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/speed_encoder.hpp"
@@ -155,6 +156,64 @@ TEST_CASE("a search in one call gives what the classes give") {
   const ml::Motion fast = ml::read_motion(folder / "fast.bvh");
   CHECK(fs::path(ml::clip_of(index, ml::search(file, ml::encode_motion(encoder, fast))[0]).path).filename() ==
         "fast.bvh");
+}
+
+TEST_CASE("the answer to a text: scores on a scale, unknown words, and whether anything shows it") {
+  const TemporaryFolder folder;
+  write_clip(folder / "slow.bvh", 1);
+  write_clip(folder / "fast.bvh", 3);
+  SpeedEncoder encoder;
+  ml::MotionIndex index(ml::index_model(encoder));
+  ml::update_index(index, folder.path, encoder);
+  const ml::MotionSearch moves(index);
+
+  const auto plain = ml::answer_text(moves, encoder, "walk 3", {.top = 2});
+  REQUIRE(plain.hits.size() == 2);
+  CHECK(plain.hits == ml::search(moves, encoder.encode_texts(std::vector<std::string>{"walk 3"}), {.top = 2}));
+  CHECK_FALSE(plain.calibrated);
+  CHECK(plain.shown);
+  CHECK(plain.unheard.empty());
+  CHECK(plain.scores[0] == ml::score_of(plain.hits[0]));
+
+  const double nearest = static_cast<double>(plain.hits[0].score);
+  encoder.scale = {.shares = {0, 1}, .cosines = {-1, 1}, .least = nearest - 0.01};
+  const auto shown = ml::answer_text(moves, encoder, "walk 3", {.top = 2});
+  CHECK(shown.calibrated);
+  CHECK(shown.shown);
+  CHECK(shown.hits == plain.hits);
+  CHECK(shown.scores[0] == doctest::Approx((nearest + 1) / 2));
+  encoder.scale.least = nearest + 0.01;
+  CHECK_FALSE(ml::answer_text(moves, encoder, "walk 3").shown);
+  CHECK_FALSE(ml::answer_text(moves, encoder, "walk 3", {.top = 0}).shown);
+  const auto captions = ml::answer_text(moves, encoder, "walk 3", {.what = ml::SearchFor::captions});
+  CHECK(captions.shown);
+  CHECK_FALSE(captions.calibrated);
+
+  encoder.scale.least = -1;
+  const auto partly = ml::answer_text(moves, encoder, "xylo 3");
+  CHECK(partly.shown);
+  REQUIRE(partly.unheard.size() == 1);
+  CHECK(partly.unheard[0].word == "xylo");
+  CHECK_FALSE(ml::answer_text(moves, encoder, "xylo 0x3").shown);  // no word of it is known
+}
+
+TEST_CASE("captions of an animation of a file with several go to that one alone") {
+  const TemporaryFolder folder;
+  std::vector<ml::Motion> two{synthetic::walk({.frames = 60, .fps = 20, .steps_per_second = 1}),
+                              synthetic::walk({.frames = 60, .fps = 20, .steps_per_second = 3})};
+  two[0].name = "Slow", two[1].name = "Fast";
+  ml::write_glb(folder / "two.glb", two);
+  const SpeedEncoder encoder;
+  ml::MotionIndex index(ml::index_model(encoder, {.windows = {}}));
+  ml::write_file(folder / "captions.tsv", std::string_view("two.glb#Fast\t0\t2\tlegs\twalk 3\n"));
+  ml::IndexOptions options;
+  options.captions = ml::read_captions(folder / "captions.tsv", ml::indexed_path(folder.path));
+  const auto report = ml::update_index(index, folder.path, encoder, options);
+  CHECK(report.added == 1);
+  REQUIRE(index.count() == 1);
+  CHECK(index.clips()[0].name == "Fast");
+  CHECK(index.clips()[0].captions == std::vector<std::string>{"walk 3"});
+  CHECK(index.clips()[0].end == doctest::Approx(2));
 }
 
 TEST_CASE("a clip of more than ten seconds has the mean of the directions of its parts") {

@@ -37,6 +37,29 @@ TEST_CASE("bag of words: the same words are the same, words of every text count 
   CHECK(rows.span()[2 * 7 + 3] == runs[3]);
 }
 
+TEST_CASE("word piece tokens with vectors: an unknown word is its vector, and training hides known ones") {
+  const std::vector<std::string> words{"walk", "stroll", "wave"}, texts{"walk", "stroll", "wave", "xyz"};
+  const std::vector<float> numbers{1, 0, 0.9f, 0.1f, 0, -2};
+  ml::Philox rng{.seed = 3};
+  ml::WordPieceTokens<B> tokens(ml::WordPiece::of_words(std::vector<std::string>{"walk wave", "walk wave"}), 4, rng,
+                                ml::WordVectors::rounded(words, numbers), 1);
+  REQUIRE(tokens.vector_projection);
+  const auto rows = tokens(texts).tokens;
+  const ml::Index word = 1;  // the row behind that of the beginning
+  const auto vector = (*tokens.vector_projection)(
+      ml::word_rows<B>(ml::heard_words(tokens.tokenizer, tokens.vectors, texts, 64), tokens.vectors));
+  for (ml::Index k = 0; k < 4; ++k) {
+    const double of_walk = tokens.embedding.weight.at(*tokens.tokenizer.find("walk"), k),
+                 of_unknown = tokens.embedding.weight.at(ml::WordPiece::unknown_id, k);
+    CHECK(rows[0].at(word, k) == doctest::Approx(of_walk + vector.at(1, k)));
+    CHECK(rows[1].at(word, k) == doctest::Approx(of_unknown + vector.at(4, k)));
+    // hidden words have no piece of their own
+    const auto hidden = tokens(texts, {.dropout = ml::Philox{.seed = 1}}).tokens;
+    CHECK(hidden[0].at(word, k) == doctest::Approx(of_unknown + vector.at(1, k)));
+    CHECK(hidden[1].at(word, k) == rows[1].at(word, k));
+  }
+}
+
 TEST_CASE("word piece tokens: a row of the table for each piece") {
   ml::Philox rng{.seed = 3};
   const ml::WordPieceTokens<B> tokens(ml::WordPiece::learn(captions, 60), 4, rng);

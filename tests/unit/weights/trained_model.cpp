@@ -1,4 +1,5 @@
 #include <motionlang/weights/trained_model.hpp>
+#include <motionlang/weights/word_vector_file.hpp>
 
 #include <doctest/doctest.h>
 
@@ -30,6 +31,13 @@ TEST_CASE("a model is written over an older one") {
   CHECK(ml::read_model_folder(folder / "model").license == "MIT");
   const auto file = ml::SafetensorsFile::open(folder / "model/weights.safetensors");
   CHECK(ml::values_of<float>(file.tensor("weight")) == std::vector{2.0f});
+  const auto vectors = ml::WordVectors({"walk", "wave"}, {1, 2}, {0.5f});
+  const ml::ModelWordVectors words{vectors, "words.vectors."};
+  ml::overwrite_model(folder / "model", ml::described_model("tmr", {{"license", "MIT"}, {"provenance", "drawn"}}), {},
+                      &words);
+  const auto with_words = ml::SafetensorsFile::open(folder / "model/weights.safetensors");
+  CHECK(ml::stored_word_vectors(with_words, "words.vectors.").checksum() == vectors.checksum());
+  CHECK(with_words.metadata().at("format") == "motionlang");
   CHECK_ERROR(ml::overwrite_model(folder / "bad", ml::described_model("tmr", {{"license", "MIT"}}), {}),
               "[motionlang.config.101]");
 }
