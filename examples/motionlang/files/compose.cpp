@@ -9,6 +9,7 @@
 #include <motionlang/kinematics/match_motion.hpp>
 
 #include "../commands.hpp"
+#include "../formatted.hpp"
 #include "../option_checks.hpp"
 #include "motion_files.hpp"
 
@@ -24,9 +25,7 @@ struct ComposeOptions {
   double blend = 0.3, units = 100;
 };
 
-void write(const ComposeOptions& o, const ml::Motion& m) {
-  std::fputs(write_motion(o.out, m, o.units).c_str(), stdout);
-}
+void write(const ComposeOptions& o, const ml::Motion& m) { print(write_motion(o.out, m, o.units)); }
 
 void compose(const ComposeOptions& o) {
   require_folder_of(o.out);

@@ -2,8 +2,11 @@
 #include <cstdio>
 #include <utility>
 
+#include <motionlang/datasets/annotated_texts.hpp>
 #include <motionlang/formats/merged_body.hpp>
 #include <motionlang/view/convert_motions.hpp>
+#include <motionlang/weights/describe_weights.hpp>
+#include <motionlang/weights/safetensors_copy.hpp>
 
 #include "../commands.hpp"
 #include "../formatted.hpp"
@@ -11,8 +14,6 @@
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 #include "motion_files.hpp"
-#include "texts.hpp"
-#include "weights.hpp"
 
 namespace program {
 
@@ -30,7 +31,7 @@ struct ConvertOptions {
   std::vector<std::string> hands;         // left, right: files of MANO to merge into a file of SMPL-H
   const DataSetForm* data_set = nullptr;  // form of the folder for the clips
   MotionReadOptions read;
-  RigOptions rig;
+  ml::RigOptions rig;
   ml::ShownBodyOptions body;
   ml::TimeEdits time;
   ml::MotionEdits edits;
@@ -59,7 +60,7 @@ ml::MotionConversion conversion_of(const ConvertOptions& o, const ml::ShownBody*
   ml::MotionConversion out{.read = o.read,
                            .time = o.time,
                            .edits = o.edits,
-                           .rig = rig_writer(o.rig),
+                           .rig = ml::rig_writer(o.rig),
                            .body = body,
                            .features = o.features,
                            .data_set = o.data_set,
@@ -126,13 +127,23 @@ void merge_hands(const ConvertOptions& o) {
               o.hands[1].c_str());
 }
 
+/// True if the file holds texts of motions rather than motions.
+bool is_texts(const std::string& path) { return kind_of(path) == ".json"; }
+
+void convert_weights(const ConvertOptions& o) {
+  ml::WeightOptions options;
+  if (!o.tensors.empty()) options.path = o.tensors;
+  const auto weights = ml::open_weights(o.in, options);
+  ml::InputFiles(weights.files()).refuse(o.out);
+  ml::write_safetensors_copy(o.out, weights, ml::parse_dtype(o.store));
+  std::printf("%s: %s\n%s", o.out.c_str(), ml::line_about_weights(ml::open_weights(o.out)).c_str(),
+              ml::lines_about_skipped(weights).c_str());
+}
+
 void run(ConvertOptions o) {
   if (!o.hands.empty()) return merge_hands(o);
-  if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors, ml::parse_dtype(o.store));
-  if (is_texts(o.in)) {
-    std::printf("%s", convert_texts(o.in, o.out).c_str());
-    return;
-  }
+  if (kind_of(o.out) == ".safetensors") return convert_weights(o);
+  if (is_texts(o.in)) return print(ml::convert_texts(o.in, o.out));
   const bool folder = fs::is_directory(o.in);
   if (folder ? o.as.empty() : !fs::path(o.out).has_extension()) o.data_set = find_data_set_form(o.features);
   if (folder && o.as.empty() && o.data_set == nullptr)

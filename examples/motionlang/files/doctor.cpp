@@ -6,6 +6,7 @@
 #include <motionlang/view/inspect_folder.hpp>
 
 #include "../commands.hpp"
+#include "../formatted.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 #include "motion_files.hpp"
@@ -61,7 +62,7 @@ void run(const DoctorOptions& o) {
     return ml::inspect_files(
         files, o.folder, {.read = o.read, .clean = o.clean, .strips = o.report.empty() ? 0 : o.strips}, bar, &notes);
   }();
-  std::printf("%s", ml::printable(with_options(notes), "\n").c_str());
+  print(ml::printable(with_options(notes), "\n"));
   for (ml::InspectedMotion& m : found) m.unreadable = with_options(m.unreadable);
   say(found, o.all);
   if (o.report.empty()) return;

@@ -3,11 +3,7 @@
 #include <cstdio>
 #include <map>
 
-#include <motionlang/formats/glb_rig.hpp>
-#include <motionlang/formats/skeleton_table_file.hpp>
-#include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/view/convert_motions.hpp>
-#include <motionlang/view/rig_viewer.hpp>
 
 #include <CLI/CLI.hpp>
 
@@ -87,28 +83,6 @@ ml::Motion read_only_performed_motion(const std::filesystem::path& path, ml::Mot
   options.drop_lead_in = true;
   PrintedNotes notes;
   return ml::read_motion(path, options, &notes.lines);
-}
-
-RigWriter rig_writer(const RigOptions& options) {
-  if (options.file.empty()) return {};
-  ml::GlbRig::FindTable find_table = ml::detect_skeleton_table;
-  if (!options.joints.empty())
-    find_table = [&](const ml::Skeleton& s) { return ml::read_skeleton_table(options.joints, s); };
-  return [rig = ml::GlbRig::open(options.file, find_table), options](const std::filesystem::path& path,
-                                                                     std::span<const ml::Motion> motions) {
-    if (kind_of(path) != ".glb" && kind_of(path) != ".html")
-      ml::raise<usage_error>(103, path.string(), ": a character (--rig) is written to .glb and .html, not '",
-                             kind_of(path), "'");
-    if (motions.empty()) ml::raise<ml::config_error>(103, path.string(), ": no motion");
-    const ml::MotionsOnRig on_rig = ml::motions_on_rig(rig, motions);
-    if (kind_of(path) == ".html")
-      ml::write_rig_viewer(path, rig, on_rig.motions);
-    else
-      ml::write_glb(path, rig, on_rig.motions, {.keep_animations = !options.drop_animations});
-    return ml::concat_text(
-        path.string(), " on ", options.file, "\n",
-        on_rig.report ? to_string(*on_rig.report) : "all joints follow: it is the motion's own skeleton", "\n");
-  };
 }
 
 }  // namespace program

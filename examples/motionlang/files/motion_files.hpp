@@ -3,9 +3,7 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +12,7 @@
 #include <motionlang/file/input_files.hpp>
 #include <motionlang/file/output_folder.hpp>
 #include <motionlang/formats/motion_folder.hpp>
+#include <motionlang/view/rig_writer.hpp>
 #include <motionlang/view/shown_body.hpp>
 #include <motionlang/view/view_file.hpp>
 
@@ -74,18 +73,6 @@ ml::Motion read_only_performed_motion(const std::filesystem::path& path, ml::Mot
 
 /// Calls ml::write_motion_or_view. Returns a line about the file.
 std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
-
-/// The GLB file of a character to animate: --rig.
-struct RigOptions {
-  std::string file{};            // "": no character, and no writer
-  std::string joints{};          // table of the character's joints; "": a known one
-  bool drop_animations = false;  // of the character's file
-};
-/// Writes a GLB file, the character with one animation for every motion, and returns lines about how its skeleton
-/// follows. The character is read immediately. Throws what GlbRig throws; the writer throws usage_error 103 for an
-/// extension other than .glb.
-using RigWriter = std::function<std::string(const std::filesystem::path&, std::span<const ml::Motion>)>;
-RigWriter rig_writer(const RigOptions& options);
 
 /// The body of --body; null if the options name none. Throws what ml::load_shown_body throws.
 std::unique_ptr<const ml::ShownBody> shown_body(const ml::ShownBodyOptions& options);

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <vector>
 
-#include <motionlang/compose/plan.hpp>
+#include <motionlang/compose/describe_plan.hpp>
 #include <motionlang/weights/run_folder.hpp>
 #include <motionlang/weights/stmc_file.hpp>
 
@@ -40,21 +40,7 @@ void run(const std::string& path, double fps, double overlap, const std::string&
                 static_cast<double>(plan.frames) / fps, counted(texts, "text").c_str());
     if (pieces != texts) std::printf(" cut into %zu", pieces);
     std::printf("\n");
-    for (const auto& i : plan.timeline.intervals) {
-      std::printf("  %6.2f - %6.2f s  %-40s %s\n", static_cast<double>(i.start) / fps, static_cast<double>(i.end) / fps,
-                  i.text.empty() ? "(no text: moves freely)" : ml::printable(i.text).c_str(),
-                  ml::join_text(ml::listed_parts(i.parts)).c_str());
-    }
-    for (int p = 0; p < ml::body_part_count; ++p) {
-      std::printf("  %-10s", ml::body_part_names[static_cast<std::size_t>(p)].data());
-      for (const auto& part : plan.merged) {
-        if (part.part != static_cast<ml::BodyPart>(p)) continue;
-        const auto& text = plan.timeline.intervals[static_cast<std::size_t>(part.owner)].text;
-        std::printf(" [%.2f-%.2f %s]", static_cast<double>(part.range.start) / fps,
-                    static_cast<double>(part.range.end) / fps, text.empty() ? "-" : ml::printable(text).c_str());
-      }
-      std::printf("\n");
-    }
+    print(ml::describe_plan(plan, fps));
   }
   std::printf("%s is a valid timeline file.\n", timeline_source(path).c_str());
 }

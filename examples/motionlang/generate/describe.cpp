@@ -8,7 +8,6 @@
 
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"
-#include "../files/weights.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"

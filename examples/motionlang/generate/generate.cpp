@@ -46,7 +46,7 @@ struct GenerateCommand {
   bool record = false;
   std::string keep;  // a motion to keep in part
   std::vector<std::string> keep_seconds, keep_parts;
-  RigOptions rig;
+  ml::RigOptions rig;
   MachineOptions machine;
 };
 
@@ -133,12 +133,12 @@ std::vector<ml::ViewerMotion> line_of(const GenerateCommand& o, const std::vecto
 }
 
 /// Writes every format, and prints the names of the files.
-void write(const ml::ViewerMotion& made, const std::string& folder, const RigWriter& write_on_rig) {
+void write(const ml::ViewerMotion& made, const std::string& folder, const ml::RigWriter& write_on_rig) {
   const ml::Motion& motion = made.motion;
   const std::string base = (std::filesystem::path(folder) / motion.name).string();
   ml::write_bvh(base + ".bvh", motion);
   if (write_on_rig)
-    std::printf("%s", write_on_rig(base + ".glb", std::span(&motion, 1)).c_str());
+    print(write_on_rig(base + ".glb", std::span(&motion, 1)));
   else
     ml::write_glb(base + ".glb", motion);
   ml::write_amass(base + ".npz", on_smpl(motion));
@@ -199,7 +199,7 @@ void require_fitting(const GenerateCommand& o, const ml::MotionModel& generator)
 
 /// Prints how much was reused, and warns if kept frames moved over the floor.
 void say(const ml::GenerateNotes& notes, const ml::GenerateOptions& settings) {
-  if (notes.reuse) std::printf("%s", with_options(ml::reuse_notes(*notes.reuse, settings.keep_beyond)).c_str());
+  if (notes.reuse) print(with_options(ml::reuse_notes(*notes.reuse, settings.keep_beyond)));
   constexpr double noticeable = 0.1;  // metres
   if (notes.kept_moved > noticeable)
     std::fprintf(stderr,
@@ -218,7 +218,7 @@ void run(const GenerateCommand& o) {
   require_other_files(o, name, names);
   ml::GenerateNotes notes;
   const ml::GenerateOptions settings = settings_of(o, name, notes);
-  const RigWriter write_on_rig = rig_writer(o.rig);
+  const ml::RigWriter write_on_rig = ml::rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
   require_fitting(o, *generator);
 

@@ -5,11 +5,11 @@
 #include <set>
 
 #include <motionlang/datasets/described_motions.hpp>
-#include <motionlang/metrics/summary.hpp>
 #include <motionlang/train/recognition.hpp>
 #include <motionlang/weights/actor_model.hpp>
 
 #include "../files/motion_files.hpp"
+#include "../formatted.hpp"
 #include "../progress_bar.hpp"
 #include "../usage_error.hpp"
 #include "evaluate.hpp"
@@ -40,14 +40,6 @@ struct Measured {
   }
 };
 
-/// The mean over seeds, with the interval of ACTOR's tables.
-std::string summary(const std::string& metric, std::span<const double> of_seeds) {
-  const auto r = ml::actor_summary(metric, of_seeds);
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f +-%.2f", r.mean, r.half_width);
-  return text;
-}
-
 }  // namespace
 
 void evaluate_actor(const EvaluationOptions& o) {
@@ -71,23 +63,7 @@ void evaluate_actor(const EvaluationOptions& o) {
   ProgressBar bar("evaluating");
   const auto results = ml::recognition_results(model, who, part, {.seeds = o.seeds, .seed = o.seed}, bar);
   bar.finish();
-  std::printf("  %-25s %-12s %-12s %-12s %-12s\n", "", "accuracy %", "FID", "diversity", "multimodality");
-  for (const auto& [name, what] : {std::pair{"gt", "recorded"},
-                                   {"gt2", "recorded, other windows"},
-                                   {"gen", "generated"},
-                                   {"denoised", "denoised"},
-                                   {"between", "between two of an action"}}) {
-    std::printf("  %-25s", what);
-    for (const char* metric : {"accuracy_", "fid_", "diversity_", "multimodality_"}) {
-      const auto found = results.find(std::string(metric) + name);
-      if (found == results.end()) {
-        std::printf(" %-12s", "-");
-        continue;
-      }
-      std::printf(" %-12s", summary(found->first, found->second).c_str());
-    }
-    std::printf("\n");
-  }
+  print(ml::recognition_table(results));
   if (o.strips.empty()) return;
   std::set<std::string> taken;
   for (Index k = 0; k < std::min(kinds, o.count); ++k) {
@@ -113,7 +89,7 @@ void evaluate_classifier(const EvaluationOptions& o) {
                            return ml::action_batch<B>(*measured.part, measured.classes, which, clips, seed.split("gt"));
                          }).accuracy);
   }
-  std::printf("  accuracy %%  %s\n", summary("accuracy_gt", accuracies).c_str());
+  std::printf("  accuracy %%  %s\n", ml::recognition_cell("accuracy_gt", accuracies).c_str());
 }
 
 }  // namespace program

@@ -8,11 +8,11 @@
 #include <motionlang/train/teach_evaluation.hpp>
 #include <motionlang/weights/babel_config.hpp>
 
+#include "../formatted.hpp"
 #include "../progress_bar.hpp"
 #include "../usage_error.hpp"
 #include "evaluate.hpp"
 #include "film_strips.hpp"
-#include "position_errors.hpp"
 
 namespace program {
 
@@ -114,7 +114,7 @@ void evaluate_sinc(const EvaluationOptions& o) {
                                        .seed = o.seed},
                                       bar);
   bar.finish();
-  print_errors(errors);
+  print(ml::errors_table(errors));
   if (likeness)
     std::printf("\n  TEMOS score\n  %-22s   %7.3f\n  %-22s   %7.3f\n", "one sample", likeness->score(),
                 "another recorded one", likeness->score_of_others());
@@ -151,7 +151,7 @@ void evaluate_teach(const EvaluationOptions& o) {
                                           .seed = o.seed},
                                          bar);
   bar.finish();
-  print_errors(figures.errors);
+  print(ml::errors_table(figures.errors));
   std::printf("\n  transition distance (m), nothing interpolated\n");
   for (const auto& t : figures.transitions) std::printf("  %-29s   %7.3f\n", t.name.c_str(), t.metres);
 }

@@ -26,18 +26,9 @@ void evaluate_moments(const EvaluationOptions& o) {
       model, data.width, part,
       {.motions = o.moments, .joined = o.joined, .windows = o.windows, .stride = o.stride, .seed = o.seed}, bar);
   bar.finish();
-  std::printf("%s in %s of %td clips of the %s part; %% found with intersection over union from\n  %-22s",
+  std::printf("%s in %s of %td clips of the %s part; %% found with intersection over union from\n%s",
               ml::counted(figures.wanted.size(), "text").c_str(), ml::counted(o.moments, "motion").c_str(), o.joined,
-              o.part.c_str(), "windows");
-  constexpr double overlaps[] = {0.3, 0.4, 0.5, 0.6, 0.7};
-  for (const double least : overlaps) std::printf(" %7.1f", least);
-  std::printf("\n");
-  for (const ml::MomentAnswers& a : figures.answers) {
-    std::printf("  %-22s", a.windows.c_str());
-    for (const double least : overlaps)
-      std::printf(" %7.2f", 100 * ml::localisation_accuracy(a.found, figures.wanted, least));
-    std::printf("\n");
-  }
+              o.part.c_str(), ml::moments_table(figures).c_str());
 }
 
 }  // namespace program

@@ -2,7 +2,6 @@
 #include "evaluate.hpp"
 
 #include <cstdio>
-#include <map>
 
 #include <motionlang/datasets/described_motions.hpp>
 #include <motionlang/features/feature_rows.hpp>
@@ -17,9 +16,9 @@
 #include <motionlang/weights/text_states.hpp>
 #include <motionlang/weights/vae_run.hpp>
 
+#include "../formatted.hpp"
 #include "../generate/generation.hpp"
 #include "film_strips.hpp"
-#include "position_errors.hpp"
 #include "training_command.hpp"
 
 namespace program {
@@ -65,17 +64,6 @@ struct Measured {
   const ml::EmbeddingCache* token_cache() const { return states ? &*states : nullptr; }
 };
 
-void print_retrieval(const char* what, const ml::RetrievalTable& t) {
-  auto row = [](const ml::RetrievalMetrics& m) {
-    std::string out;
-    char text[32];
-    for (const double r : m.recall) std::snprintf(text, sizeof text, "%7.2f", r), out += text;
-    std::snprintf(text, sizeof text, "%8.2f", m.median_rank);
-    return out + text;
-  };
-  std::printf("  %-22s %s   %s\n", what, row(t.text_to_motion).c_str(), row(t.motion_to_text).c_str());
-}
-
 }  // namespace
 
 void evaluate_tmr(const EvaluationOptions& o, const ml::TextMotionFile& file) {
@@ -109,17 +97,8 @@ void evaluate_tmr(const EvaluationOptions& o, const ml::TextMotionFile& file) {
   }
   const auto e = m.sentences.encode<B>(table.texts).tokens.rows;
   const ml::Rows sentences(e.span(), e.size(1));
-  std::printf(
-      "%-25s %-44s %s\n%25s    R@1    R@2    R@3    R@5   R@10    MedR       R@1    R@2    R@3    R@5   R@10    MedR\n",
-      "", "text to motion", "motion to text", "");
-  using enum ml::RetrievalProtocol;
-  const std::map<ml::RetrievalProtocol, const char*> names{
-      {normal, "all"}, {threshold, "all, texts alike"}, {nsim, "dissimilar"}, {guo, "batches of 32"}};
-  for (const ml::RetrievalResult& r : ml::retrieval_results(table, made ? &*made : nullptr, sentences, options)) {
-    print_retrieval(names.at(r.protocol), r.recorded);
-    if (r.made) print_retrieval("  generated", *r.made);
-    print_retrieval("  by chance", r.chance);
-  }
+  const auto results = ml::retrieval_results(table, made ? &*made : nullptr, sentences, options);
+  print(ml::retrieval_results_table(results));
 }
 
 namespace {
@@ -143,7 +122,7 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
   bar.finish();
   if (ml::TemosJoints(features).mmm)
     std::printf("as TEMOS measures MMM's joints: 640 units per metre, which count as millimetres\n");
-  print_errors(errors);
+  print(ml::errors_table(errors));
 }
 
 }  // namespace

@@ -1,12 +1,10 @@
 // motionlang evaluate of TM2T: compares its descriptions of motions with people's descriptions, and measures its
 // motions for texts with the networks of Guo et al.
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <optional>
 
 #include <motionlang/metrics/captions.hpp>
-#include <motionlang/metrics/summary.hpp>
 #include <motionlang/train/bert_judge.hpp>
 #include <motionlang/train/guo_evaluation.hpp>
 #include <motionlang/train/text_entries.hpp>
@@ -88,27 +86,6 @@ void evaluate_descriptions(const EvaluationOptions& o, const ml::RunFolder& foun
 
 // ---- motions for texts --------------------------------------------------------------------------------------------
 
-/// A mean with its interval over the replications.
-std::string interval(const ml::GuoFigures::Row& row, const char* column) {
-  const auto found = row.find(column);
-  if (found == row.end()) return "-";
-  const auto r = ml::replication_interval(found->second);
-  char out[48];
-  std::snprintf(out, sizeof out, "%.3f +-%.3f", r.mean, r.half_width);
-  return out;
-}
-/// A row for each kind of motions.
-void print(const ml::GuoFigures& figures) {
-  constexpr std::array columns{"R@1", "R@2", "R@3", "FID", "MM-Dist", "diversity", "multimodality"};
-  std::printf("\n  %-24s", "");
-  for (const char* column : columns) std::printf(" %-17s", column);
-  for (const char* row : {"recorded", "recorded, of other texts", "generated"}) {
-    std::printf("\n  %-24s", row);
-    for (const char* column : columns) std::printf(" %-17s", interval(figures.values.at(row), column).c_str());
-  }
-  std::printf("\n");
-}
-
 void evaluate_motions(const EvaluationOptions& o, const ml::RunFolder& found) {
   const auto run = ml::load_tm2t_run<B>(
       found, {.tokenizer = o.tokenizer.string(), .words = found.packed ? std::string() : o.text_encoder.string()});
@@ -124,7 +101,7 @@ void evaluate_motions(const EvaluationOptions& o, const ml::RunFolder& found) {
   const auto figures =
       ml::guo_figures(run.model, run.words, judge, items, {.replications = o.seeds, .seed = o.seed}, bar);
   bar.finish();
-  print(figures);
+  std::printf("\n%s", ml::guo_table(figures).c_str());
   if (figures.empty > 0)
     std::printf("%s no frames and counted as four of the mean pose\n",
                 ml::counted(figures.empty, "motion had", "motions had").c_str());

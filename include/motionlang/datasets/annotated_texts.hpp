@@ -6,9 +6,10 @@
 ///     write_annotations("annotations.json", motions);
 #pragma once
 
-#include <map>     // files by name
-#include <string>  // texts
-#include <vector>  // motions
+#include <filesystem>  // folders
+#include <map>         // files by name
+#include <string>      // texts
+#include <vector>      // motions
 
 #include <motionlang/datasets/annotations.hpp>
 #include <motionlang/datasets/humanml3d_texts.hpp>
@@ -28,6 +29,12 @@ std::size_t drop_momentary_texts(AnnotatedMotion& motion);
 /// two ids have one name, and timeline_error 510 for a text that a caption file cannot hold.
 std::map<std::string, std::string> caption_files(const std::vector<AnnotatedMotion>& motions,
                                                  const std::string& folder = "texts");
+
+/// Converts BABEL's or annotation JSON to annotation JSON (.json), or to caption files in the folder texts/ of `out`, a
+/// folder without extension. Returns lines about the result. Texts of no duration do not go into caption files.
+/// Throws  config_error 103 for another extension; option_error 102 if `out` is `in`; what read_annotated_texts,
+///         caption_files and the writers throw
+std::string convert_texts(const std::filesystem::path& in, const std::filesystem::path& out);
 
 MOTIONLANG_NAMESPACE_END
 

@@ -6,6 +6,9 @@
 #include <motionlang/datasets/annotated_texts.hpp>
 #include <motionlang/datasets/babel.hpp>
 #include <motionlang/file/file.hpp>
+#include <motionlang/file/input_files.hpp>
+#include <motionlang/file/output_folder.hpp>
+#include <motionlang/formats/motion_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -47,6 +50,33 @@ MOTIONLANG_BODY std::map<std::string, std::string> caption_files(const std::vect
     files[name] = format_captions(captions_of(m), name);
   }
   return files;
+}
+
+MOTIONLANG_BODY std::string convert_texts(const std::filesystem::path& in, const std::filesystem::path& out) {
+  const bool folder = !out.has_extension();
+  if (!folder && file_kind(out) != ".json")
+    raise<config_error>(103, out.string(),
+                        ": texts of motions are written to .json, or into a folder as caption files, not '",
+                        file_kind(out), "'");
+  InputFiles{in}.refuse(out);
+  auto motions = read_annotated_texts(in);
+  std::string notes;
+  if (folder) {
+    std::size_t momentary = 0;
+    for (AnnotatedMotion& m : motions) momentary += drop_momentary_texts(m);
+    if (momentary > 0)
+      notes = concat_text(in.string(), ": ", counted(momentary, "text of no duration is", "texts of no duration are"),
+                          " left out\n");
+    const auto files = caption_files(motions, out.string());
+    make_output_folder("output", out / "texts");
+    for (const auto& [name, text] : files) write_file(out / "texts" / name, text);
+  } else {
+    write_annotations(out, motions);
+  }
+  std::size_t texts = 0;
+  for (const AnnotatedMotion& m : motions) texts += m.annotations.size();
+  return concat_text(notes, (folder ? out / "texts" : out).string(), ": ", counted(texts, "text"), " of ",
+                     counted(motions.size(), "motion"), "\n");
 }
 
 MOTIONLANG_NAMESPACE_END

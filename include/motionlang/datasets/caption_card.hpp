@@ -42,6 +42,9 @@ std::vector<std::string> caption_words(std::string_view text);
 /// Lines about whole clips count as segments of no length, since clips are not read.
 CaptionCard caption_card(const std::vector<ClipLine>& lines);
 
+/// The card as lines: each folder and all of them, then the verbs, the most frequent first.
+std::string describe_card(const CaptionCard& card);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_INSTANTIATED

@@ -6,7 +6,9 @@
 #include <cmath>      // isinf
 #include <utility>    // pair
 
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/core/text_lines.hpp>
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/datasets/caption_card.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -84,6 +86,35 @@ MOTIONLANG_BODY CaptionCard caption_card(const std::vector<ClipLine>& lines) {
     card.folders[detail::folder_of_clip(clip)].without_overlap += seconds;
   }
   return card;
+}
+
+namespace detail {
+
+inline std::string card_row(const std::string& name, const CaptionCard::Folder& f) {
+  return formatted("  %-52s %5zu clips %6zu segments %7.1f min %7.1f min without overlaps %7zu captions\n",
+                   printable(name).c_str(), f.clips.size(), f.segments, f.seconds / 60, f.without_overlap / 60,
+                   f.captions);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string describe_card(const CaptionCard& card) {
+  std::string out;
+  for (const auto& [name, folder] : card.folders) out += detail::card_row(name, folder);
+  out += detail::card_row("all", card.all);
+  out += concat_text(card.captions.size(), " different captions, ", card.words.size(), " different words, ",
+                     card.verbs.size(), " verbs with the segments that show them:\n");
+  std::vector<std::pair<std::size_t, std::string>> verbs;
+  for (const auto& [verb, segments] : card.verbs) verbs.emplace_back(segments, verb);
+  std::ranges::sort(verbs, [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::size_t column = 0;
+  for (const auto& [segments, verb] : verbs) {
+    const std::string next = concat_text(" ", printable(verb), " ", segments);
+    if (column + next.size() > 118) out += "\n", column = 0;
+    out += (column == 0 ? " " : "") + next;
+    column += next.size();
+  }
+  return out + "\n";
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -5,6 +5,7 @@
 #include <motionlang/compose/body_part_lexicon.ipp>
 #include <motionlang/compose/collage.ipp>
 #include <motionlang/compose/cut_texts.ipp>
+#include <motionlang/compose/describe_plan.ipp>
 #include <motionlang/compose/detail/seconds_text.ipp>
 #include <motionlang/compose/edits.ipp>
 #include <motionlang/compose/handovers.ipp>

@@ -4,6 +4,7 @@
 #include <motionlang/train/actor_training.ipp>
 #include <motionlang/train/classifier_training.ipp>
 #include <motionlang/train/epoch_task.ipp>
+#include <motionlang/train/guo_evaluation.ipp>
 #include <motionlang/train/measured_items.ipp>
 #include <motionlang/train/measured_similarity.ipp>
 #include <motionlang/train/moment_evaluation.ipp>

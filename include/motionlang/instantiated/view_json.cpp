@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Bodies of the headers in view/ that need nlohmann/json.hpp, compiled once for motionlang::instantiated.
 #include <motionlang/view/convert_motions.ipp>
+#include <motionlang/view/describe_motion.ipp>
 #include <motionlang/view/inspect_folder.ipp>
 #include <motionlang/view/rig_viewer.ipp>
+#include <motionlang/view/rig_writer.ipp>
 #include <motionlang/view/search_page.ipp>
 #include <motionlang/view/view_file.ipp>
 #include <motionlang/view/viewer.ipp>

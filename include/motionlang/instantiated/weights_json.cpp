@@ -2,6 +2,7 @@
 // Bodies of the headers in weights/ that need nlohmann_json, themselves or through others, compiled once.
 #include <motionlang/weights/actor_file.ipp>
 #include <motionlang/weights/actor_model.ipp>
+#include <motionlang/weights/describe_weights.ipp>
 #include <motionlang/weights/detail/run_reader.ipp>
 #include <motionlang/weights/diffusion_folder.ipp>
 #include <motionlang/weights/diffusion_run.ipp>

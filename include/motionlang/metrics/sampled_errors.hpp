@@ -9,6 +9,7 @@
 
 #include <cstdint>     // seed
 #include <functional>  // motions
+#include <span>        // rows
 #include <string>      // names of rows
 #include <vector>      // positions
 
@@ -77,6 +78,9 @@ struct NamedErrors {
 std::vector<NamedErrors> named_errors(const SampledErrors& errors);
 /// "mean pose" and "random clip".
 std::vector<NamedErrors> named_errors(const BlindErrors& errors);
+/// The rows below a header: APE in metres and AVE in square metres, of the root, its trajectory, and the joints,
+/// relative to the root and in the world.
+std::string errors_table(std::span<const NamedErrors> rows);
 
 MOTIONLANG_NAMESPACE_END
 

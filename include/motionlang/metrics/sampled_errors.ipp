@@ -4,6 +4,7 @@
 
 #include <utility>  // move
 
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/metrics/sampled_errors.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -77,6 +78,19 @@ MOTIONLANG_BODY std::vector<NamedErrors> named_errors(const SampledErrors& error
 
 MOTIONLANG_BODY std::vector<NamedErrors> named_errors(const BlindErrors& errors) {
   return {{"mean pose", errors.mean_pose()}, {"random clip", errors.random_clip()}};
+}
+
+MOTIONLANG_BODY std::string errors_table(std::span<const NamedErrors> rows) {
+  std::string out = formatted("  %-22s   %-31s   %s\n  %22s      root   traj.   local  global      root   traj.   ", "",
+                              "APE (m)", "AVE (m^2)", "");
+  out += "local  global\n";
+  for (const auto& [name, errors] : rows) {
+    out += formatted("  %-22s", name.c_str());
+    for (const PositionErrors* p : {&errors.ape, &errors.ave})
+      out += formatted("   %7.3f %7.3f %7.3f %7.3f", p->root, p->trajectory, p->mean_local(), p->mean_joints());
+    out += "\n";
+  }
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -264,4 +264,12 @@ GuoFigures guo_figures(const Tm2t<B>& model, const GloVe& words, const GuoJudge<
   return figures;
 }
 
+/// A row for each kind of motions and a column for each measure, below a header: the mean of the replications with its
+/// interval (metrics/summary.hpp). "-" stands for what is not measured.
+std::string guo_table(const GuoFigures& figures);
+
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/train/guo_evaluation.ipp>
+#endif

@@ -103,6 +103,10 @@ MomentFigures moment_figures(const TmrSearchEncoder<B>& tmr, Index width, const 
   return out;
 }
 
+/// Percent of the texts whose answer overlaps the right place by at least 0.3, 0.4, 0.5, 0.6 and 0.7 (intersection over
+/// union), for each length of windows, below a header.
+std::string moments_table(const MomentFigures& figures);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_INSTANTIATED

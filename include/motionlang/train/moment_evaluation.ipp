@@ -2,6 +2,7 @@
 // Bodies of moment_evaluation.hpp.
 #pragma once
 
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/train/moment_evaluation.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -20,6 +21,18 @@ MOTIONLANG_BODY JoinedClips join_random_clips(const std::vector<DescribedMotion>
     out.rows.insert(out.rows.end(), first, first + t.frames.length * width);
   }
   return out;
+}
+
+MOTIONLANG_BODY std::string moments_table(const MomentFigures& figures) {
+  constexpr double overlaps[] = {0.3, 0.4, 0.5, 0.6, 0.7};
+  std::string out = formatted("  %-22s", "windows");
+  for (const double least : overlaps) out += formatted(" %7.1f", least);
+  for (const MomentAnswers& a : figures.answers) {
+    out += formatted("\n  %-22s", a.windows.c_str());
+    for (const double least : overlaps)
+      out += formatted(" %7.2f", 100 * localisation_accuracy(a.found, figures.wanted, least));
+  }
+  return out + "\n";
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -10,15 +10,16 @@
 /// Source   ACTOR (Petrovich, Black, Varol, ICCV 2021), tables of its evaluation; thesis 3.3.1 and 3.3.4, table 3.8
 #pragma once
 
-#include <algorithm>   // min
-#include <cstdint>     // seeds
-#include <filesystem>  // files
-#include <map>         // results
-#include <memory>      // points of a body
-#include <span>        // classes
-#include <string>      // labels
-#include <utility>     // names
-#include <vector>      // features
+#include <algorithm>    // min
+#include <cstdint>      // seeds
+#include <filesystem>   // files
+#include <map>          // results
+#include <memory>       // points of a body
+#include <span>         // classes
+#include <string>       // labels
+#include <string_view>  // names of measures
+#include <utility>      // names
+#include <vector>       // features
 
 #include <motionlang/core/numpy_random.hpp>
 #include <motionlang/core/progress.hpp>
@@ -186,6 +187,11 @@ std::map<std::string, std::vector<double>> recognition_results(const ActorModel<
   }
   return results;
 }
+
+/// A figure of all seeds as ACTOR's tables have it: "92.30 +-0.05". The name is one of recognition_results.
+std::string recognition_cell(std::string_view name, std::span<const double> of_seeds);
+/// A row for each kind of motions and a column for each measure, below a header. "-" stands for what is not measured.
+std::string recognition_table(const std::map<std::string, std::vector<double>>& results);
 
 MOTIONLANG_NAMESPACE_END
 

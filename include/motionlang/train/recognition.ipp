@@ -2,6 +2,8 @@
 // Bodies of recognition.hpp.
 #pragma once
 
+#include <motionlang/core/formatted.hpp>
+#include <motionlang/metrics/summary.hpp>
 #include <motionlang/train/recognition.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -15,6 +17,29 @@ MOTIONLANG_BODY std::pair<std::vector<Index>, Index> present_classes(std::span<c
     numbered.push_back(n);
   }
   return {numbered, present};
+}
+
+MOTIONLANG_BODY std::string recognition_cell(std::string_view name, std::span<const double> of_seeds) {
+  const MeanInterval r = actor_summary(name, of_seeds);
+  return formatted("%.2f +-%.2f", r.mean, r.half_width);
+}
+
+MOTIONLANG_BODY std::string recognition_table(const std::map<std::string, std::vector<double>>& results) {
+  std::string out =
+      formatted("  %-25s %-12s %-12s %-12s %-12s\n", "", "accuracy %", "FID", "diversity", "multimodality");
+  for (const auto& [name, what] : {std::pair{"gt", "recorded"},
+                                   {"gt2", "recorded, other windows"},
+                                   {"gen", "generated"},
+                                   {"denoised", "denoised"},
+                                   {"between", "between two of an action"}}) {
+    out += formatted("  %-25s", what);
+    for (const char* measure : {"accuracy_", "fid_", "diversity_", "multimodality_"}) {
+      const auto found = results.find(std::string(measure) + name);
+      out += formatted(" %-12s", found == results.end() ? "-" : recognition_cell(found->first, found->second).c_str());
+    }
+    out += "\n";
+  }
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END

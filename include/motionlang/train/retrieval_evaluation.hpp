@@ -10,6 +10,8 @@
 #pragma once
 
 #include <optional>  // motions that were made
+#include <span>      // results
+#include <string>    // the table
 #include <vector>    // protocols
 
 #include <motionlang/metrics/retrieval.hpp>
@@ -30,6 +32,9 @@ struct RetrievalResult {
 /// options    with the ids of the motions. Without ids of dissimilar texts, it chooses up to a hundred.
 std::vector<RetrievalResult> retrieval_results(const LatentTable& table, const LatentTable* made,
                                                const Rows<float>& sentences, RetrievalOptions options);
+
+/// The results below a header, in both directions: recorded motions, generated ones if there are any, and chance.
+std::string retrieval_results_table(std::span<const RetrievalResult> results);
 
 MOTIONLANG_NAMESPACE_END
 

@@ -5,6 +5,7 @@
 #include <algorithm>  // min
 #include <set>        // texts
 
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/train/retrieval_evaluation.hpp>
 
@@ -26,6 +27,28 @@ inline RetrievalTable chance_table(RetrievalProtocol protocol, std::size_t texts
                               Rows(std::span<const float>(of_motions), width), sentences, options));
   }
   return mean_table(tables);
+}
+
+inline std::string retrieval_line(const char* name, const RetrievalTable& table) {
+  const auto cells = [](const RetrievalMetrics& m) {
+    std::string out;
+    for (const double share : m.recall) out += formatted("%7.2f", share);
+    return out + formatted("%8.2f", m.median_rank);
+  };
+  return formatted("  %-22s %s   %s\n", name, cells(table.text_to_motion).c_str(), cells(table.motion_to_text).c_str());
+}
+inline const char* protocol_name(RetrievalProtocol protocol) {
+  switch (protocol) {
+    case RetrievalProtocol::threshold:
+      return "all, texts alike";
+    case RetrievalProtocol::nsim:
+      return "dissimilar";
+    case RetrievalProtocol::guo:
+      return "batches of 32";
+    case RetrievalProtocol::normal:
+      break;
+  }
+  return "all";
 }
 
 }  // namespace detail
@@ -52,6 +75,18 @@ MOTIONLANG_BODY std::vector<RetrievalResult> retrieval_results(const LatentTable
     if (made != nullptr)
       r.made = retrieve(protocol, texts, Rows(std::span<const float>(made->motion), made->width), sentences, options);
     r.chance = detail::chance_table(protocol, table.texts.size(), sentences, options);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string retrieval_results_table(std::span<const RetrievalResult> results) {
+  const char* const columns = "    R@1    R@2    R@3    R@5   R@10    MedR";
+  std::string out =
+      formatted("%-25s %-44s %s\n%25s%s   %s\n", "", "text to motion", "motion to text", "", columns, columns);
+  for (const RetrievalResult& r : results) {
+    out += detail::retrieval_line(detail::protocol_name(r.protocol), r.recorded);
+    if (r.made) out += detail::retrieval_line("  generated", *r.made);
+    out += detail::retrieval_line("  by chance", r.chance);
   }
   return out;
 }

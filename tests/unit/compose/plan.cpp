@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/compose/describe_plan.hpp>
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/plan_options.hpp>
 #include <motionlang/compose/timeline_text.hpp>
@@ -200,4 +201,20 @@ TEST_CASE("a batch numbers the crops of its timelines one after the other, with 
   CHECK(batch.frames == 120);
   CHECK(batch.timelines[2].add == batch.timelines[0].add);
   CHECK(ml::plan_timelines({}).crops() == 0);
+}
+
+TEST_CASE("a plan as lines: each text with its body parts, each body part with the texts that move it") {
+  const std::string text = ml::describe_plan(ml::plan_timeline(worked_example, {.overlap = 10}), 20);
+  CHECK(text ==
+        "    0.00 -   3.00 s  A                                        legs\n"
+        "    3.00 -   5.00 s  B                                        legs, spine\n"
+        "    1.50 -   4.00 s  C                                        right arm\n"
+        "  left arm   [0.00-3.00 A] [3.00-5.00 B]\n"
+        "  right arm  [0.00-1.50 A] [1.50-4.00 C] [4.00-5.00 B]\n"
+        "  legs       [0.00-3.00 A] [3.00-5.00 B]\n"
+        "  head       [0.00-3.00 A] [3.00-5.00 B]\n"
+        "  spine      [0.00-3.00 A] [3.00-5.00 B]\n");
+  const ml::BodyPartition robot({.names = {"base", "gripper"}, .path = "base"});
+  const ml::Timeline pick{{{"pick", 0, 40, robot.all()}}, robot};
+  CHECK(ml::describe_plan(ml::plan_timeline(pick), 20).find("\n  gripper    [0.00-2.00 pick]\n") != std::string::npos);
 }

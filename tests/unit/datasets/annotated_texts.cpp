@@ -33,3 +33,18 @@ TEST_CASE("annotations become caption files") {
   ml::write_file(folder / "none.json", std::string_view("{}"));
   CHECK_ERROR(ml::read_annotated_texts(folder / "none.json"), "[motionlang.config.101]");
 }
+
+TEST_CASE("texts are converted by the name of the result, and lines report it") {
+  const TemporaryFolder folder;
+  const std::vector<ml::AnnotatedMotion> motions{
+      {"a", "p/a", 4, {{"a_0", "walks", 0, 4}, {"a_1", "waves", 1, 2}, {"a_2", "blinks", 3, 3}}}};
+  ml::write_annotations(folder / "in.json", motions);
+  const std::string in = (folder / "in.json").string(), out = (folder / "out").string();
+  CHECK(ml::convert_texts(in, out) ==
+        in + ": 1 text of no duration is left out\n" + out + "/texts: 2 texts of 1 motion\n");
+  CHECK(ml::read_file(folder / "out/texts/a.txt").find("waves") != std::string::npos);
+  CHECK(ml::convert_texts(in, out + ".json") == out + ".json: 3 texts of 1 motion\n");
+  CHECK(ml::read_annotated_texts(out + ".json") == motions);
+  CHECK_ERROR(ml::convert_texts(in, out + ".txt"), "written to .json, or into a folder as caption files, not '.txt'");
+  CHECK_ERROR(ml::convert_texts(in, in), "[motionlang.config.102]");
+}

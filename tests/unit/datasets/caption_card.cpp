@@ -40,3 +40,19 @@ TEST_CASE("segments, clips, seconds and verbs of a table, and of its folders") {
   CHECK(card.folders.at("b/x.glb").seconds == doctest::Approx(2));
   CHECK(card.folders.at(".").seconds == 0);
 }
+
+TEST_CASE("a card as lines: folders, all, the verbs in the order of their number") {
+  ml::ClipLine line;
+  line.clip = "a/one", line.start = 0, line.end = 90, line.texts = {"walk along", "sit"};
+  ml::ClipLine other = line;
+  other.clip = "b/two", other.texts = {"sit"};
+  const std::string text = ml::describe_card(ml::caption_card({line, other}));
+  const std::string a =
+      "  a                                                        1 clips      1 segments     1.5 min     1.5 min "
+      "without overlaps       2 captions\n";
+  CHECK(text.starts_with(a));
+  CHECK(text.find("\n  all                                                      2 clips      2 segments     3.0 min") !=
+        std::string::npos);
+  CHECK(text.ends_with(
+      "2 different captions, 3 different words, 2 verbs with the segments that show them:\n  sit 2 walk 1\n"));
+}

@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include <motionlang/features/describe_features.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
@@ -244,4 +245,21 @@ TEST_CASE("unknown names and other skeletons are refused") {
               "[motionlang.config.103] motion_features: 'guo' is not one of guoh3d, kit, rifke");
   ml::Motion none;
   CHECK_ERROR(ml::motion_features("guoh3d").from_motion(none), "[motionlang.config.103]");
+}
+
+TEST_CASE("features are explained: every value, each body part, the joints") {
+  const ml::MotionFeatures& f = ml::motion_features("rifke");
+  CHECK(ml::line_about_features(f) == "rifke: 67 numbers in a frame, 12.5 frames per second, skeleton of 24 joints\n");
+  const std::string text = ml::describe_features(f);
+  CHECK(text.starts_with(ml::line_about_features(f)));
+  ml::Index next = 0;  // the ranges follow each other to the last value
+  for (const ml::FeatureRange& r : f.ranges) {
+    CHECK(r.numbers.begin == next);
+    next = r.numbers.end;
+    const std::string range = r.numbers.size() == 1 ? std::to_string(r.numbers.begin)
+                                                    : std::to_string(r.numbers.begin) + "-" + std::to_string(next - 1);
+    CHECK_MESSAGE(text.find("\n  " + range + " ") != std::string::npos, range);
+  }
+  CHECK(next == 67);
+  CHECK(text.find("\n  left arm   ") < text.find("\njoints and their parents\n    0 pelvis"));
 }

@@ -6,6 +6,7 @@
 #include <motionlang/core/dual.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/describe_skeleton.hpp>
 #include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
@@ -104,4 +105,9 @@ TEST_CASE("motions are checked") {
   CHECK_THROWS_WITH_AS(m.validate(), Contains("'knee' in frame 0"), ml::numeric_error);
   m.local.pop_back();
   CHECK_THROWS_AS(m.validate(), ml::shape_error);
+}
+
+TEST_CASE("a skeleton as lines: number, name, parent") {
+  CHECK(ml::describe_skeleton(leg()) ==
+        "    0 hips                     \n    1 knee                     hips\n    2 ankle                    knee\n");
 }

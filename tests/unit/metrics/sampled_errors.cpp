@@ -58,3 +58,15 @@ TEST_CASE("another motion than its own is drawn, if there is one") {
   CHECK(rows[1].name == "random clip");
   CHECK(rows[1].errors.ape.mean_joints() == blind.random_clip().ape.mean_joints());
 }
+
+TEST_CASE("a table of errors has a line for each row, in metres") {
+  ml::ApeAve errors;
+  errors.ape.root = 0.5, errors.ape.trajectory = 0.25, errors.ape.local = {1, 2}, errors.ape.joints = {0.125, 0.375};
+  errors.ave.root = 0.0625;
+  const std::vector<ml::NamedErrors> rows{{"one sample", errors}};
+  const std::string table = ml::errors_table(rows), header = ml::errors_table({});
+  CHECK(header.find("APE (m)") < header.find("AVE (m^2)"));
+  REQUIRE(table.starts_with(header));
+  CHECK(table.substr(header.size()) ==
+        "  one sample                 0.500   0.250   1.500   0.250     0.062   0.000   0.000   0.000\n");
+}

@@ -6,6 +6,7 @@
 #include <motionlang/train/feature_statistics.hpp>
 #include <motionlang/train/motion_batch.hpp>
 #include <motionlang/train/retrieval_evaluation.hpp>
+#include <motionlang/train/text_motion_batch.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/temporary_folder.hpp"
@@ -66,6 +67,11 @@ TEST_CASE("retrieval by the protocols that the number of motions allows, beside 
     CHECK(r.chance.text_to_motion.recall[0] > 0);
     CHECK(r.chance.text_to_motion.recall[0] < 20);
   }
+  const std::string lines = ml::retrieval_results_table(results);
+  CHECK(std::ranges::count(lines, '\n') == 2 + 4 * 3);
+  CHECK(lines.find("\n  all                     100.00 100.00 100.00 100.00 100.00    1.00    100.00 ") !=
+        std::string::npos);
+  CHECK(lines.find("\n  batches of 32           100.00") < lines.rfind("\n    generated               0.00"));
   // Without a whole batch there is no protocol of batches.
   table.texts.resize(20), options.ids.resize(20);
   table.text.resize(20 * n), table.motion.resize(20 * n), sentences.resize(20 * n);

@@ -1,8 +1,13 @@
 // Data of evaluations: entries with their texts, pairs that training lacks, long motions of several clips.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
+#include <motionlang/backend/usual.hpp>
+#include <motionlang/train/guo_evaluation.hpp>
 #include <motionlang/train/measured_items.hpp>
 #include <motionlang/train/moment_evaluation.hpp>
+#include <motionlang/train/recognition.hpp>
 #include <motionlang/train/text_entries.hpp>
 
 #include "../../support/check_error.hpp"
@@ -64,4 +69,31 @@ TEST_CASE("clips of different texts are joined, with the stretch of each") {
   CHECK(std::ssize(joined.rows) == 2 * at);
   CHECK(ml::join_random_clips(motions, 2, 5, ml::Philox{.seed = 1}).texts.size() == 3);  // there are no more texts
   CHECK(ml::join_random_clips(motions, 2, 3, ml::Philox{.seed = 1}).rows == joined.rows);
+}
+
+TEST_CASE("tables have a column for each measure, and '-' for what is not measured") {
+  const ml::MomentFigures moments{{{0, 10}, {10, 10}},
+                                  {{"1 s", {{0, 10}, {14, 10}}}, {"a random window", {{5, 10}, {0, 10}}}}};
+  CHECK(ml::moments_table(moments) ==
+        "  windows                    0.3     0.4     0.5     0.6     0.7\n"
+        "  1 s                     100.00  100.00   50.00   50.00   50.00\n"
+        "  a random window          50.00    0.00    0.00    0.00    0.00\n");
+
+  const std::string recognised =
+      ml::recognition_table({{"accuracy_gt", {0.9, 0.92}}, {"fid_gen", {1.5, 1.5}}, {"diversity_gt", {7, 7}}});
+  CHECK(recognised.find("\n  recorded                  91.00 +-0.00 -            7.00 +-0.00  -           \n") !=
+        std::string::npos);
+  CHECK(recognised.find("\n  generated                 -            1.50 +-0.00  -            -           \n") !=
+        std::string::npos);
+  CHECK(std::ranges::count(recognised, '\n') == 6);
+
+  ml::GuoFigures figures;
+  for (const char* row : {"recorded", "recorded, of other texts", "generated"}) figures.values[row]["R@1"] = {0.5, 0.5};
+  figures.values["generated"]["FID"] = {2, 4};  // 3 +- 1.96 / sqrt(2)
+  const std::string judged = ml::guo_table(figures);
+  CHECK(judged.find(
+            "\n  generated                0.500 +-0.000     -                 -                 3.000 +-1.386 ") !=
+        std::string::npos);
+  CHECK(judged.find("\n  recorded                 0.500 +-0.000     -                 -                 - ") !=
+        std::string::npos);
 }

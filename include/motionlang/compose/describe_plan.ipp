@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// Bodies of describe_plan.hpp.
+#pragma once
+
+#include <motionlang/compose/describe_plan.hpp>
+#include <motionlang/core/formatted.hpp>
+#include <motionlang/core/utf8.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline std::string names_of_parts(BodyParts parts, const BodyPartition& body) {
+  std::vector<std::string> names;
+  for (int p = 0; p < body.size(); ++p) {
+    if (const auto part = static_cast<BodyPart>(p); parts.has(part)) names.push_back(body.name(part));
+  }
+  return join_text(names);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string describe_plan(const TimelinePlan& plan, double fps) {
+  const auto seconds = [fps](Index frame) { return static_cast<double>(frame) / fps; };
+  std::string out;
+  for (const Interval& i : plan.timeline.intervals)
+    out += formatted("  %6.2f - %6.2f s  %-40s %s\n", seconds(i.start), seconds(i.end),
+                     i.text.empty() ? "(no text: moves freely)" : printable(i.text).c_str(),
+                     detail::names_of_parts(i.parts, plan.timeline.body).c_str());
+  for (int p = 0; p < plan.timeline.body.size(); ++p) {
+    const auto own = static_cast<BodyPart>(p);
+    out += formatted("  %-10s", plan.timeline.body.name(own).c_str());
+    for (const PartInterval& part : plan.merged) {
+      if (part.part != own) continue;
+      const std::string& text = plan.timeline.intervals[static_cast<std::size_t>(part.owner)].text;
+      out += formatted(" [%.2f-%.2f %s]", seconds(part.range.start), seconds(part.range.end),
+                       text.empty() ? "-" : printable(text).c_str());
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END

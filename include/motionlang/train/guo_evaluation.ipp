@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Bodies of guo_evaluation.hpp.
+#pragma once
+
+#include <motionlang/core/formatted.hpp>
+#include <motionlang/metrics/summary.hpp>
+#include <motionlang/train/guo_evaluation.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline std::string guo_cell(const GuoFigures::Row& row, const char* column) {
+  const auto found = row.find(column);
+  if (found == row.end()) return "-";
+  const MeanInterval r = replication_interval(found->second);
+  return formatted("%.3f +-%.3f", r.mean, r.half_width);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string guo_table(const GuoFigures& figures) {
+  constexpr const char* columns[] = {"R@1", "R@2", "R@3", "FID", "MM-Dist", "diversity", "multimodality"};
+  std::string out = formatted("  %-24s", "");
+  for (const char* column : columns) out += formatted(" %-17s", column);
+  for (const char* row : {"recorded", "recorded, of other texts", "generated"}) {
+    out += formatted("\n  %-24s", row);
+    for (const char* column : columns)
+      out += formatted(" %-17s", detail::guo_cell(figures.values.at(row), column).c_str());
+  }
+  return out + "\n";
+}
+
+MOTIONLANG_NAMESPACE_END
