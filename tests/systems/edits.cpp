@@ -213,6 +213,28 @@ TEST_CASE("a record in a file: the same run, refused for another model") {
   CHECK_ERROR(ml::load_stmc_record<B>(ml::SafetensorsFile::open(folder / "other"), model), "[motionlang.config.103]");
 }
 
+TEST_CASE("a record of a model of two precisions is refused for a model that has only one of them") {
+  const TemporaryFolder folder;
+  const auto with = [](ml::Precision denoiser, ml::Precision text) {
+    auto model = small::model<B>();
+    ml::prepare(model.denoiser, denoiser);
+    ml::prepare(model.text_encoder, text);
+    return model;
+  };
+  using enum ml::Precision;
+  const auto model = with(bf16, fp32);
+  const std::vector timelines{chain({"sit", "walk"})};
+  ml::StmcRecord<B> record;
+  ml::generate_recorded(model, timelines, ml::Philox{.seed = 5}, {.steps = 3}, record);
+  ml::save_stmc_record(folder / "run", record, model);
+  const auto file = ml::SafetensorsFile::open(folder / "run");
+  const std::string precision = file.metadata().at("precision");
+  CHECK_MESSAGE(precision.starts_with("bf16, fp32 from text_encoder."), precision);
+  CHECK(ml::load_stmc_record<B>(file, with(bf16, fp32)).timelines == timelines);
+  CHECK_ERROR(ml::load_stmc_record<B>(file, with(bf16, bf16)), "made with products in bf16, fp32 from text_encoder.");
+  CHECK_ERROR(ml::load_stmc_record<B>(file, with(fp32, fp32)), "[motionlang.config.102]");
+}
+
 TEST_CASE("bf16x3: after an edit the bits are those of a whole run, of a model that is wide enough for tiles") {
   auto config = small::config();
   config.denoiser.latent_dim = 256, config.denoiser.ff_size = 512;

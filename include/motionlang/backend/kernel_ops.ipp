@@ -537,7 +537,7 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
     for (Index r = r0; r < r1; ++r) finish(r * n + c0, c1 - c0);
   };
   if (ready == nullptr) {
-    const Precision precision = detail::precision_of<S>();
+    const Precision precision = precision_of(weight);  // of panels that other kernels have packed, too
     if (precision != Precision::bf16 && m > 0 && m * (n + k) < n * k &&  // x and y are smaller than the weight
         detail::float_tiles(precision, detail::any_rows, n, k) == nullptr) {
       y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
@@ -574,7 +574,7 @@ Dense<S> KernelOps<S>::conv1d(const Dense<S>& x, const Offsets& before, const Of
   const auto* prepared = detail::prepared_panels(weight, n, k, taps);
   detail::Panels<S> packed;
   if (prepared == nullptr)
-    packed = detail::pack_panels(detail::window_matrix(weight).data(), k, n, Index{1}, k, detail::precision_of<S>());
+    packed = detail::pack_panels(detail::window_matrix(weight).data(), k, n, Index{1}, k, precision_of(weight));
   return detail::convolve(x, before, after, prepared == nullptr ? packed : prepared->panels,
                           bias == nullptr ? nullptr : bias->data(), stride, padding, act);
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// The record of an STMC run in one safetensors file, for edits in another process.
 ///
-/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the
-///            generator and the options of the run; for a body other than the human one body/parts, the names joined by
-///            " # ", and body/path
+/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp; if there
+///            are several: "bf16, fp32 from text_encoder.embedding.weight"), the generator and the options of the run;
+///            for a body other than the human one body/parts, the names joined by " # ", and body/path
 /// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame,
 ///            end, body parts as bits; their texts are metadata text/0/0, ...
 #pragma once
@@ -36,14 +36,34 @@ struct RecordAbout {
   Index rows = 0;
   bool exact = true;
 };
-/// The weights of a model and the precision in which they are used.
+/// The precisions of a model's products: "bf16", or "bf16, fp32 from text_encoder.embedding.weight" if they change from
+/// one weight to the next, in the order of its fields.
+template <Module M>
+std::string weights_precision(const M& model) {
+  using B = module_backend<M>;
+  Precision last = product_precision();
+  std::string out;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (!has_panels<B>(t.rank)) continue;
+      const Precision own = B::precision_of(*t.data);
+      if (out.empty())
+        out = precision_name(own);
+      else if (own != last)
+        out += concat_text(", ", precision_name(own), " from ", t.path);
+      last = own;
+    }
+  }
+  return out.empty() ? precision_name(last) : out;
+}
+
+/// The weights of a model and the precisions in which they are used.
 struct RecordModel {
-  std::string checksum;
-  Precision precision;
+  std::string checksum, precision;
 };
 template <Module M>
 RecordModel record_model(const M& model) {
-  return {weights_checksum(model), precision_of(model)};
+  return {weights_checksum(model), weights_precision(model)};
 }
 /// Guidance and sampling are set in the options. The timelines go into the store.
 Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps, TensorStore& store);

@@ -65,7 +65,7 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const RecordMod
       {"record", "stmc"},
       {"format", "1"},
       {"model", model.checksum},
-      {"precision", precision_name(model.precision)},
+      {"precision", model.precision},
       {"seed", text(run.rng.seed)},
       {"stream", text(run.rng.stream)},
       {"timelines", text(run.timelines.size())},
@@ -107,9 +107,8 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const Recor
   if (word("model") != model.checksum)
     raise<config_error>(102, name, ": made with weights of checksum ", word("model"), ", these have ", model.checksum,
                         "; the same weights have another checksum in another scalar, which other backends may use");
-  const std::string precision = precision_name(model.precision);
-  if (word("precision") != precision)
-    raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", precision);
+  if (word("precision") != model.precision)
+    raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", model.precision);
   RecordAbout out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};
   out.rows = metadata_size(m, "rows", latest_time, name);
   out.exact = word("exact") == "1";

@@ -1,10 +1,15 @@
 // The precision of products: a prepared model keeps its own, beside models of another, whatever the process says later.
 #include <doctest/doctest.h>
 
+#include <limits>
+
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/backend/kernel_ops.hpp>
 #include <motionlang/backend/precision.hpp>
 #include <motionlang/backend/reference.hpp>
+#include <motionlang/nn/conv1d.hpp>
+#include <motionlang/nn/linear.hpp>
 #include <motionlang/nn/multihead_attention.hpp>
 #include <motionlang/nn/transformer_encoder.hpp>
 
@@ -75,4 +80,41 @@ TEST_CASE("doubles, and backends without kernels, calculate as they are") {
   const auto before = plain(x);
   ml::prepare(plain, Precision::bf16);
   CHECK(tensors::same_bits(plain(x), before));
+}
+
+TEST_CASE("a weight that other kernels have packed keeps its precision") {
+  const auto layers = [] {
+    ml::Philox rng{.seed = 8};
+    return std::pair(ml::Linear<B>(64, 48, rng), ml::Conv1d<B>(64, 48, 3, {.padding = 1}, rng));
+  };
+  auto [linear, convolution] = layers();
+  ml::prepare(linear);
+  ml::prepare(convolution);
+  const auto x = input(), few = ml::Sequences<B>{tensors::normal<B, 2>({3, 64}, 9), ml::Offsets{3}};
+  kernel_sets::with_every_kernel<float>([&] {
+    if (ml::product_precision() != Precision::fp32) return;
+    auto [fresh, fresh_convolution] = layers();
+    ml::prepare(fresh);
+    ml::prepare(fresh_convolution);
+    const InPrecision process(Precision::bf16);
+    CHECK(ml::precision_of(linear) == Precision::fp32);
+    for (const auto& rows : {x, few}) {
+      CHECK(tensors::same_bits(linear(rows.rows), fresh(rows.rows)));
+      CHECK(tensors::same_bits(convolution(rows).rows, fresh_convolution(rows).rows));
+    }
+  });
+}
+
+TEST_CASE("a weight is packed with a check that its values are finite, and is still what it was") {
+  using Kernels = ml::KernelOps<float>;
+  std::vector<float> values(6 * 4, 0.5f);
+  const auto good = ml::Tensor<B, 2>::from(values, {6, 4});
+  CHECK(Kernels::precision_of(good.data()) == ml::product_precision());
+  CHECK(Kernels::prepare(good.data(), Precision::bf16));
+  CHECK(Kernels::precision_of(good.data()) == Precision::bf16);
+  CHECK(good.to_vector() == values);
+  for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    values[13] = wrong;
+    CHECK_FALSE(Kernels::prepare(ml::Tensor<B, 2>::from(values, {6, 4}).data(), Precision::fp32));
+  }
 }
