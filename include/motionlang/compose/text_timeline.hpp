@@ -27,7 +27,7 @@ struct TextTimelineOptions {
 };
 
 /// The action of a text: by its words (compose/natural_lengths.hpp), whose times were tried with a model; if they say
-/// nothing, by the captions near it.
+/// nothing, by the captions near it. Several actions in turn take the sum of their times, and end like the last one.
 std::optional<KnownAction> usual_action(const std::string& text, const KnownCaptions& captions);
 
 /// Seconds for a text: at least 1.2 for an action that ends, and 4 for one that repeats; at most longest_whole_text.
@@ -35,7 +35,8 @@ std::optional<KnownAction> usual_action(const std::string& text, const KnownCapt
 double usual_seconds(const std::string& text, const KnownCaptions& captions);
 
 /// The whole body does what the text says. If it has at least a second more than its action takes, and the action ends,
-/// the text of what follows takes the rest.
+/// the text of what follows takes the rest. Several actions are made in turn also if they last longer than
+/// longest_whole_text and actions end, because a text that is cut would start again.
 Timeline text_timeline(const std::string& text, const KnownCaptions& captions, const TextTimelineOptions& options = {});
 
 /// True if an interval lasts over twice as long as the action of its text, and two seconds more, but this ends.

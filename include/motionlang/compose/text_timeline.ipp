@@ -18,7 +18,13 @@ MOTIONLANG_BODY std::optional<KnownAction> usual_action(const std::string& text,
     return KnownAction{.seconds = natural->seconds + (natural->from_rest ? standing_lead_in : 0),
                        .repeats = false,
                        .then = natural->then};
-  return captions.action(text);
+  const auto texts = actions_in_turn(text);
+  if (texts.size() == 1) return captions.action(text);
+  auto all = usual_action(texts.back(), captions);
+  if (!all) return std::nullopt;
+  all->seconds = 0;
+  for (const std::string& t : texts) all->seconds += usual_seconds(t, captions);
+  return all;
 }
 
 MOTIONLANG_BODY double usual_seconds(const std::string& text, const KnownCaptions& captions) {
@@ -30,7 +36,8 @@ MOTIONLANG_BODY double usual_seconds(const std::string& text, const KnownCaption
 
 MOTIONLANG_BODY Timeline text_timeline(const std::string& text, const KnownCaptions& captions,
                                        const TextTimelineOptions& options) {
-  const auto texts = options.in_turn ? actions_in_turn(text) : std::vector<std::string>{text};
+  const bool too_long = options.end_actions && options.seconds.value_or(0) > longest_whole_text;
+  const auto texts = options.in_turn || too_long ? actions_in_turn(text) : std::vector<std::string>{text};
   std::vector<Interval> intervals;
   if (options.seconds) {
     const Interval whole{text, 0, frame_at(*options.seconds, options.fps), BodyParts::all()};

@@ -23,7 +23,8 @@ struct WarningNames {
 /// Warns about words of a text that the model does not know (text/known_words.hpp). Nothing if `known` is empty.
 std::vector<std::string> unknown_word_warnings(const std::string& text, const KnownWords& known);
 /// Warns about a text that is far from all captions, with the three nearest that say different words. A text that is
-/// near is not warned about, whatever its words. Unknown words of a text that is far are named. Nothing if there are no
+/// near is not warned about, whatever its words, and neither is one whose parts, joined by "and", "then" or "while",
+/// are near. Unknown words of a text that is far are named. Nothing if there are no
 /// captions.
 std::vector<std::string> far_text_warnings(const std::string& text, const KnownCaptions& captions,
                                            const KnownWords& known);

@@ -2,7 +2,7 @@
 // Bodies of text_warnings.hpp.
 #pragma once
 
-#include <algorithm>  // count, find, find_if
+#include <algorithm>  // all_of, count, find, find_if
 #include <cmath>      // round
 
 #include <motionlang/compose/body_part_lexicon.hpp>
@@ -44,6 +44,27 @@ inline std::vector<std::string> unreadable_word_warnings(const std::string& text
   if (unreadable.empty()) return {};
   return {concat_text(in_quotes(text), ": the model reads a-z and 0-9, not all of ",
                       join_text(unreadable, ", ", in_quotes))};
+}
+
+/// A text at each "and", "then", "while", comma, semicolon and full stop.
+inline std::vector<std::string> joined_texts(const std::string& text) {
+  std::vector<std::string> out(1);
+  std::string word;
+  for (const char c : text + ' ') {
+    const bool ends = c == ',' || c == ';' || c == '.';
+    if (c != ' ' && !ends) {
+      word += c;
+      continue;
+    }
+    if (word == "and" || word == "then" || word == "while")
+      out.emplace_back();
+    else if (!word.empty())
+      out.back() += (out.back().empty() ? "" : " ") + word;
+    if (ends) out.emplace_back();
+    word.clear();
+  }
+  std::erase(out, "");
+  return out;
 }
 
 /// The texts of the list that say different words, the first of each.
@@ -93,7 +114,11 @@ MOTIONLANG_BODY std::vector<std::string> far_text_warnings(const std::string& te
   if (WordPiece::words(text).empty()) return detail::unreadable_word_warnings(text);
   constexpr Index asked = 24;
   const auto near = captions.nearest(text, asked);
-  if (near.front().likeness >= captions.nearness()) return detail::unreadable_word_warnings(text);
+  const auto parts = detail::joined_texts(text);
+  const bool known_parts = parts.size() > 1 && std::all_of(parts.begin(), parts.end(), [&](const std::string& part) {
+                             return captions.knows(part);
+                           });
+  if (known_parts || near.front().likeness >= captions.nearness()) return detail::unreadable_word_warnings(text);
   auto out = unknown_word_warnings(text, known);
   out.push_back(concat_text(detail::in_quotes(text), " is far from all that the model learned; the nearest to it: ",
                             join_text(detail::of_different_words(near, 3), ", ", detail::in_quotes)));

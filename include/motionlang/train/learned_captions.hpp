@@ -21,6 +21,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Without captions it is empty. The result depends only on the arguments.
 KnownCaptions learned_captions(const TrainingSet& data, TextVectors encode, const WordVectors& words = {});
 
+/// The captions under which samples show a segment: its own, and those for walking backwards and along curves, if it
+/// is played like that. Not those with a second action or another speed.
+std::vector<std::string> sampled_captions(const CaptionedSegment& segment);
+
 /// The actions of the segments. What follows is a text, also for those that repeat.
 std::vector<KnownAction> segment_actions(const std::vector<CaptionedSegment>& segments);
 

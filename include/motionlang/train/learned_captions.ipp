@@ -6,6 +6,7 @@
 #include <limits>     // distances
 #include <map>        // captions
 #include <set>        // segments
+#include <utility>    // pair
 
 #include <motionlang/datasets/caption_card.hpp>
 #include <motionlang/datasets/segment_motion.hpp>
@@ -23,7 +24,7 @@ using SegmentsOfCaption = std::map<std::string, std::set<std::size_t>>;
 inline SegmentsOfCaption segments_of_captions(const std::vector<CaptionedSegment>& segments) {
   SegmentsOfCaption out;
   for (std::size_t i = 0; i < segments.size(); ++i) {
-    for (const std::string& caption : segments[i].captions) out[caption].insert(i);
+    for (const std::string& caption : sampled_captions(segments[i])) out[caption].insert(i);
   }
   return out;
 }
@@ -145,6 +146,19 @@ MOTIONLANG_BODY std::vector<KnownAction> segment_actions(const std::vector<Capti
     out.push_back({.seconds = s.seconds(), .repeats = !ends, .then = detail::text_of_last_pose(s.motion, still)});
   }
   return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> sampled_captions(const CaptionedSegment& segment) {
+  std::set<std::string> out(segment.captions.begin(), segment.captions.end());
+  if (!segment.loop) return {out.begin(), out.end()};
+  for (const std::string& caption : segment.captions) {
+    if (const auto back = segment.grounded ? reversed_caption(caption) : std::nullopt) out.insert(*back);
+    // A curve, to the left, a half circle, a circle. Their mirror images are known with them.
+    for (const auto& [turn, wording] : {std::pair(1.0, 0u), {1.0, 2u}, {3.0, 0u}, {5.0, 0u}}) {
+      if (const auto curved = curved_caption(caption, turn, wording)) out.insert(*curved);
+    }
+  }
+  return {out.begin(), out.end()};
 }
 
 MOTIONLANG_BODY KnownCaptions learned_captions(const TrainingSet& data, TextVectors encode, const WordVectors& words) {

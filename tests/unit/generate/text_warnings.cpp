@@ -40,6 +40,8 @@ TEST_CASE("a text far from all captions is warned about with those nearest to it
   const ml::KnownWords known({"kick", "walk"});
   CHECK(ml::far_text_warnings("kick", captions, known).empty());
   CHECK(ml::far_text_warnings("please sit", captions, known).empty());  // near, although no word of it is listed
+  CHECK(ml::far_text_warnings("walk, then kick and sit", captions, known).empty());
+  CHECK_FALSE(ml::far_text_warnings("walk, then blorp", captions, known).empty());
   const auto far = ml::far_text_warnings("kicc blorp", captions, known);
   REQUIRE(far.size() == 2);
   CHECK(far[0] == "'kicc blorp': the model never learned the words 'kicc' (did you mean 'kick'?), 'blorp'");

@@ -64,6 +64,18 @@ TEST_CASE("an action that comes to rest ends, and the still segment like its las
   CHECK(ml::segment_actions({segment(raising(40, 0, 1), {"raise the arm"})})[0].then == "stand still");
 }
 
+TEST_CASE("a walk is also known backwards and along curves") {
+  auto walk = segment(synthetic::walk({.frames = 40}), {"walk forward", "go for a walk"});
+  CHECK(ml::sampled_captions(walk) == std::vector<std::string>{"go for a walk", "walk forward"});
+  walk.loop = ml::Loop{0, 39};
+  CHECK(ml::sampled_captions(walk) == std::vector<std::string>{"go for a walk", "walk backwards", "walk forward",
+                                                               "walk in a circle", "walk in a curve to the left",
+                                                               "walk in a half circle to the left",
+                                                               "walk to the left"});
+  walk.grounded = false;
+  CHECK(ml::sampled_captions(walk).size() == 6);
+}
+
 TEST_CASE("the captions of a training set") {
   const ml::TrainingSet& data = captioned::training_set();
   const auto learned = ml::learned_captions(data, counted::vectors);
