@@ -8,6 +8,7 @@
 #include <motionlang/file/safetensors.hpp>
 #include <motionlang/generate/judged_clips.hpp>
 #include <motionlang/view/film_strip.hpp>
+#include <motionlang/weights/known_caption_file.hpp>
 #include <motionlang/weights/run_folder.hpp>
 
 #include "../commands.hpp"
@@ -32,6 +33,7 @@ struct JudgeOptions {
   std::string bench = "own";
   std::vector<double> seconds;  // of each prompt; none: its default
   std::string clips, captions, strips;
+  bool remember = false;
   std::vector<Index> compare;  // numbers of steps
   MachineOptions machine;
 };
@@ -148,16 +150,27 @@ void judge_clips(const JudgeOptions& o) {
   }
 }
 
+/// Writes into the weights which texts were tried and how many motions did what they say.
+void remember(const ml::MotionModel& generator, const JudgeOptions& o, const std::vector<ml::Judgement>& judgements) {
+  const auto captions = ml::with_judged(generator.captions(), judgements);
+  ml::replace_known_captions(ml::stmc_model_file(o.model), captions);
+  std::printf("%s know %s that were tried\n", ml::stmc_model_file(o.model).string().c_str(),
+              ml::counted(captions.done().size(), "text").c_str());
+}
+
 void run(const JudgeOptions& o) {
   o.machine.apply();
   if (!o.clips.empty()) return judge_clips(o);
   const auto generator = load_generator(o.backend, ml::stmc_model_file(o.model));
+  if (o.remember && generator->captions().empty())
+    ml::raise<usage_error>(102, o.model, ": --remember is for weights with their captions, which train writes");
   if (!o.compare.empty()) return compare(*generator, o);
   std::string summary;
+  std::vector<ml::Judgement> judgements;
   for (const ml::JudgedBench& bench : ml::judged_benches()) {
     if (o.bench != "all" && o.bench != bench.name) continue;
     for (const double seconds : seconds_of(o, bench)) {
-      const ml::Judgement j = judged(*generator, o, bench, seconds);
+      const ml::Judgement& j = judgements.emplace_back(judged(*generator, o, bench, seconds));
       if (!o.strips.empty()) write_strips(j, o.strips, bench.name + "_" + std::to_string(static_cast<int>(seconds)));
       summary += formatted("| %s | %s | %.0f %% | %.1f / %.1f / %.1f %% | %.3f | %.0f |\n", bench.about.c_str(),
                            seconds > 0 ? formatted("%d s", static_cast<int>(seconds)).c_str() : "own",
@@ -176,6 +189,7 @@ void run(const JudgeOptions& o) {
         "| prompts | length | done | hovering / sinking / statues | foot skate m/s | jitter m/s^3 "
         "|\n|---|---|---|---|---|---|\n%s",
         summary.c_str());
+  if (o.remember) remember(*generator, o, judgements);
   const auto about = ml::SafetensorsFile::open(ml::stmc_model_file(o.model)).metadata();
   if (about.contains("real.skate") && about.contains("real.jitter"))
     std::printf("recordings: foot skate %.3f m/s, jitter %.1f m/s^3\n", std::stod(about.at("real.skate")),
@@ -238,6 +252,13 @@ void add_judge(CLI::App& app) {
                             ->check(CLI::ExistingFile)
                             ->needs(clips);
   clips->needs(captions);
+  c->add_option("--first-seed", o->settings.seed, "First seed; the others follow it")
+      ->check(seed_number())
+      ->capture_default_str();
+  c->add_flag("--remember", o->remember,
+              "Write into the weights which texts were tried and how often they succeeded. generate then warns about "
+              "texts like those that mostly fail. Judge with another --first-seed afterwards")
+      ->excludes(compare);
   c->add_option("--strips", o->strips, "Folder for a film strip of every motion (PNG)")->check(not_empty());
   o->machine.add_to(*c);
   c->callback([o] { run(*o); });

@@ -84,13 +84,18 @@ struct Judgement {
   double statues() const;
 };
 
-/// Makes all prompts with the seeds 0, 1, ... and judges them. The seed and the notes of the options have no effect.
+/// Makes all prompts with several seeds, from that of the options on, and judges them. The notes of the options have no
+/// effect.
 /// Their progress counts the steps of all seeds. Throws option_error 101 unless seeds is 1 or more, and what
 /// generate_motions throws.
 Judgement judge(const MotionModel& model, std::vector<JudgedPrompt> prompts, const GenerateOptions& options, int seeds,
                 bool keep_motions = false);
 
-/// How well warnings about the meaning of texts (far_text_warnings) tell which motions fail.
+/// The captions with the texts of the judgements as tried texts, instead of those that they had. Only prompts of one
+/// text for the whole body count.
+KnownCaptions with_judged(const KnownCaptions& captions, std::span<const Judgement> judgements);
+
+/// How well warnings about the meaning of texts (meaning_warnings) tell which motions fail.
 struct WarningShares {
   std::size_t failures = 0, successes = 0;
   double silent_failures = 0;   // the share of the failures without a warning

@@ -4,6 +4,8 @@
 
 #include <algorithm>  // any_of, count_if, max
 #include <ctime>      // time of the processor
+#include <map>        // texts
+#include <utility>    // pair
 
 #include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/features/smplrifke.hpp>
@@ -298,7 +300,7 @@ MOTIONLANG_BODY Judgement judge(const MotionModel& model, std::vector<JudgedProm
   GenerateOptions how = options;
   how.notes = &notes;
   for (int seed = 0; seed < seeds; ++seed) {
-    how.seed = static_cast<std::uint64_t>(seed);
+    how.seed = options.seed + static_cast<std::uint64_t>(seed);
     auto steps = [&](Index done, Index total) { return options.progress(seed * total + done, seeds * total), true; };
     how.progress = steps;
     const std::clock_t start = std::clock();
@@ -326,7 +328,7 @@ MOTIONLANG_BODY WarningShares warning_shares(const MotionModel& model, const Jud
   for (std::size_t i = 0; i < judgement.prompts.size(); ++i) {
     const auto& texts = judgement.prompts[i].texts;
     const bool warned = std::any_of(texts.begin(), texts.end(), [&](const JudgedText& t) {
-      return !far_text_warnings(t.text, model.captions(), model.words()).empty();
+      return !meaning_warnings(t.text, model.captions(), model.words()).empty();
     });
     const std::size_t done = judgement.done(i), failed = judgement.verdicts[i].size() - done;
     out.successes += done, out.failures += failed;
@@ -335,6 +337,22 @@ MOTIONLANG_BODY WarningShares warning_shares(const MotionModel& model, const Jud
   out.silent_failures /= static_cast<double>(std::max<std::size_t>(1, out.failures));
   out.warned_successes /= static_cast<double>(std::max<std::size_t>(1, out.successes));
   return out;
+}
+
+MOTIONLANG_BODY KnownCaptions with_judged(const KnownCaptions& captions, std::span<const Judgement> judgements) {
+  std::map<std::string, std::pair<double, double>> tried;  // done, all
+  for (const Judgement& j : judgements) {
+    for (std::size_t i = 0; i < j.prompts.size(); ++i) {
+      const auto& texts = j.prompts[i].texts;
+      if (texts.size() != 1 || !(texts[0].parts == BodyParts::all())) continue;
+      auto& [done, all] = tried[texts[0].text];
+      done += static_cast<double>(j.done(i)), all += static_cast<double>(j.verdicts[i].size());
+    }
+  }
+  std::vector<std::string> texts;
+  std::vector<double> shares;
+  for (const auto& [text, counts] : tried) texts.push_back(text), shares.push_back(counts.first / counts.second);
+  return captions.with_tried(texts, std::move(shares));
 }
 
 MOTIONLANG_BODY bool says(const JudgedVerb& verb, const std::string& caption) {

@@ -28,6 +28,11 @@ std::vector<std::string> unknown_word_warnings(const std::string& text, const Kn
 /// captions.
 std::vector<std::string> far_text_warnings(const std::string& text, const KnownCaptions& captions,
                                            const KnownWords& known);
+/// Warns about a text if most motions that were tried for texts nearly like it did not do what they say.
+std::vector<std::string> failing_text_warnings(const std::string& text, const KnownCaptions& captions);
+/// Both kinds of warnings about the meaning of a text: far_text_warnings, and failing_text_warnings if it is near.
+std::vector<std::string> meaning_warnings(const std::string& text, const KnownCaptions& captions,
+                                          const KnownWords& known);
 /// Warns about the meaning of a text, or about its words if the model does not have its captions. Also warns about more
 /// word pieces than the model reads.
 std::vector<std::string> text_warnings(const MotionModel& model, const std::string& text);

@@ -125,9 +125,22 @@ MOTIONLANG_BODY std::vector<std::string> far_text_warnings(const std::string& te
   return out;
 }
 
+MOTIONLANG_BODY std::vector<std::string> failing_text_warnings(const std::string& text, const KnownCaptions& captions) {
+  const auto success = captions.success(text);
+  if (!success || *success >= 0.5) return {};
+  return {concat_text(detail::in_quotes(text), ": the model often fails at this; ", std::round(100 * *success),
+                      " % of the motions that were tried for such texts did what they say")};
+}
+
+MOTIONLANG_BODY std::vector<std::string> meaning_warnings(const std::string& text, const KnownCaptions& captions,
+                                                          const KnownWords& known) {
+  auto out = far_text_warnings(text, captions, known);
+  return out.empty() ? failing_text_warnings(text, captions) : out;
+}
+
 MOTIONLANG_BODY std::vector<std::string> text_warnings(const MotionModel& model, const std::string& text) {
   auto out = model.captions().empty() ? unknown_word_warnings(text, model.words())
-                                      : far_text_warnings(text, model.captions(), model.words());
+                                      : meaning_warnings(text, model.captions(), model.words());
   if (const auto [pieces, read] = model.length_of(text); pieces > read)
     out.push_back(
         concat_text(detail::in_quotes(text), ": the model reads the first ", read, " of its ", pieces, " word pieces"));

@@ -7,6 +7,7 @@
 ///     const auto action = captions.action("have a seat");                     // 2.4 s, then "sit quietly"
 ///
 /// The captions of mirrored motions are known as well, but not stored: a text and its mirror image are looked up.
+/// Texts that were tried with the model can be added, so that it also tells at what it often fails.
 #pragma once
 
 #include <optional>     // texts that are far from all captions
@@ -30,16 +31,23 @@ class KnownCaptions {
  public:
   /// No captions.
   KnownCaptions() = default;
-  /// actions   of the texts of the table
+  /// table     captions, and behind them texts that were tried
+  /// actions   of the captions
   /// nearness  the least likeness of a text that is known (dividing_likeness)
-  /// Throws    shape_error 205 for another number of actions; messages name `source`
-  KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness,
+  /// done      the shares of the motions that did what the tried texts say
+  /// Throws    shape_error 205 for other numbers of actions and shares; messages name `source`
+  KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness, std::vector<double> done = {},
                 std::string_view source = "KnownCaptions");
+
+  /// The same with other texts that were tried, and the shares of the motions that did what they say.
+  KnownCaptions with_tried(const std::vector<std::string>& texts, std::vector<double> done) const;
 
   bool empty() const { return table_.empty(); }
   const TextTable& table() const { return table_; }
   const std::vector<KnownAction>& actions() const { return actions_; }
   double nearness() const { return nearness_; }
+  /// The shares of the texts that were tried, which follow the captions in the table.
+  const std::vector<double>& done() const { return done_; }
 
   /// At most `count` captions or mirror images of captions, the nearest first, each once.
   std::vector<NearText> nearest(const std::string& text, Index count) const;
@@ -48,17 +56,22 @@ class KnownCaptions {
   /// The action of a text that is known, by the captions near it: most of them decide if it repeats, three quarters of
   /// these take no longer, and what follows is that of the nearest.
   std::optional<KnownAction> action(const std::string& text) const;
+  /// The share of motions that do what the text says, by the texts nearly like it that were tried. Nothing if there are
+  /// none.
+  std::optional<double> success(const std::string& text) const;
 
  private:
   struct Found {
     NearText near{};
     bool mirrored = false;
   };
-  std::vector<Found> found(const std::string& text, Index count) const;
+  /// In the rows from `first` to before `last`.
+  std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
 
   TextTable table_{};
   std::vector<KnownAction> actions_{};
   double nearness_ = 0;
+  std::vector<double> done_{};
 };
 
 /// The likeness that divides best what is related from what is not: the largest sum of the shares that are on the right

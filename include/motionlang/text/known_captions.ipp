@@ -11,17 +11,23 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY KnownCaptions::KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness,
-                                             std::string_view source)
-    : table_(std::move(table)), actions_(std::move(actions)), nearness_(nearness) {
-  if (std::ssize(actions_) != table_.size())
-    raise<shape_error>(205, source, ": ", counted(actions_.size(), "action"), " for ",
-                       counted(table_.size(), "caption"));
+                                             std::vector<double> done, std::string_view source)
+    : table_(std::move(table)), actions_(std::move(actions)), nearness_(nearness), done_(std::move(done)) {
+  if (std::ssize(actions_) + std::ssize(done_) != table_.size())
+    raise<shape_error>(205, source, ": ", counted(actions_.size(), "action"), " and ", counted(done_.size(), "share"),
+                       " for ", counted(table_.size(), "text"));
 }
 
-MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std::string& text, Index count) const {
+MOTIONLANG_BODY KnownCaptions KnownCaptions::with_tried(const std::vector<std::string>& texts,
+                                                        std::vector<double> done) const {
+  return {table_.first(std::ssize(actions_)).with(texts), actions_, nearness_, std::move(done)};
+}
+
+MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std::string& text, Index count,
+                                                                       Index first, Index last) const {
   std::vector<std::string> texts{text};
   if (std::string mirrored = mirror_caption(text); mirrored != text) texts.push_back(std::move(mirrored));
-  const auto near = table_.nearest(texts, count);
+  const auto near = table_.nearest(texts, count, [&](Index, Index row) { return row >= first && row < last; });
   std::vector<Found> all, out;
   for (std::size_t t = 0; t < near.size(); ++t) {
     for (NearText n : near[t]) {
@@ -40,7 +46,7 @@ MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std
 
 MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& text, Index count) const {
   std::vector<NearText> out;
-  for (Found& f : found(text, count)) out.push_back(std::move(f.near));
+  for (Found& f : found(text, count, 0, std::ssize(actions_))) out.push_back(std::move(f.near));
   return out;
 }
 
@@ -52,7 +58,7 @@ MOTIONLANG_BODY bool KnownCaptions::knows(const std::string& text) const {
 MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& text) const {
   constexpr Index asked = 12;
   constexpr double as_near = 0.9, exact = 3;  // a share of the best likeness; the weight of the caption itself
-  const auto found = this->found(text, asked);
+  const auto found = this->found(text, asked, 0, std::ssize(actions_));
   if (found.empty() || found.front().near.likeness < nearness_) return std::nullopt;
   double repeats = 0, all = 0;
   const auto weight = [&](const Found& f) {
@@ -80,6 +86,20 @@ MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::stri
     if (until += w; until >= three_quarters) break;
   }
   return out;
+}
+
+MOTIONLANG_BODY std::optional<double> KnownCaptions::success(const std::string& text) const {
+  constexpr Index asked = 3;
+  constexpr double nearly_same = 0.8;
+  double done = 0, weights = 0;
+  for (const Found& f : found(text, asked, std::ssize(actions_), table_.size())) {
+    if (f.near.likeness < nearly_same) continue;
+    done += f.near.likeness * done_[static_cast<std::size_t>(f.near.row) - actions_.size()];
+    weights += f.near.likeness;
+    if (f.near.text == text) break;  // the text itself, which is the nearest
+  }
+  if (weights == 0) return std::nullopt;
+  return done / weights;
 }
 
 MOTIONLANG_BODY double dividing_likeness(std::vector<double> related, std::vector<double> unrelated) {

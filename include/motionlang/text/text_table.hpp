@@ -65,6 +65,12 @@ class TextTable {
   /// Throws what `encode` throws.
   static TextTable encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words = {});
 
+  /// The table with more texts at its end, which are encoded now. The mean stays. An empty table stays empty. Throws
+  /// what `encode` throws.
+  TextTable with(const std::vector<std::string>& more) const;
+  /// The first texts alone. Throws shape_error 203 if there are fewer.
+  TextTable first(Index count) const;
+
   bool empty() const { return size() == 0; }
   Index size() const { return table_ ? static_cast<Index>(table_->texts.size()) : 0; }
   const std::vector<std::string>& texts() const { return table().texts; }

@@ -81,27 +81,61 @@ MOTIONLANG_BODY TextTable::TextTable(std::vector<std::string> texts, std::vector
       Table{std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words), std::move(said)});
 }
 
-MOTIONLANG_BODY TextTable TextTable::encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words) {
+namespace detail {
+
+/// The vectors of texts, some at a time.
+inline std::vector<float> vectors_in_parts(std::span<const std::string> texts, const TextVectors& encode) {
   constexpr std::size_t at_once = 256;
-  std::vector<float> vectors;
+  std::vector<float> out;
   for (std::size_t first = 0; first < texts.size(); first += at_once) {
-    const auto some = encode(std::span(texts).subspan(first, std::min(at_once, texts.size() - first)));
-    vectors.insert(vectors.end(), some.begin(), some.end());
+    const auto some = encode(texts.subspan(first, std::min(at_once, texts.size() - first)));
+    out.insert(out.end(), some.begin(), some.end());
   }
-  const std::size_t width = texts.empty() ? 0 : vectors.size() / texts.size();
-  std::vector<double> sum(width);
-  for (std::size_t i = 0; i < vectors.size(); ++i) sum[i % width] += static_cast<double>(vectors[i]);
+  return out;
+}
+
+/// The directions of vectors from a mean, in 8 bits a number.
+inline std::vector<std::int8_t> direction_codes(std::span<const float> vectors, std::span<const float> mean) {
+  std::vector<std::int8_t> codes;
+  for (std::size_t first = 0; first < vectors.size(); first += mean.size()) {
+    float largest = 0;
+    for (std::size_t k = 0; k < mean.size(); ++k) largest = std::max(largest, std::abs(vectors[first + k] - mean[k]));
+    for (std::size_t k = 0; k < mean.size(); ++k)
+      codes.push_back(
+          static_cast<std::int8_t>(largest > 0 ? std::round((vectors[first + k] - mean[k]) / largest * 127) : 0));
+  }
+  return codes;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY TextTable TextTable::encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words) {
+  const auto vectors = detail::vectors_in_parts(texts, encode);
+  std::vector<double> sum(texts.empty() ? 0 : vectors.size() / texts.size());
+  for (std::size_t i = 0; i < vectors.size(); ++i) sum[i % sum.size()] += static_cast<double>(vectors[i]);
   std::vector<float> mean;
   for (const double s : sum) mean.push_back(static_cast<float>(s / static_cast<double>(texts.size())));
-  std::vector<std::int8_t> codes;
-  for (std::size_t t = 0; t < texts.size(); ++t) {
-    float largest = 0;
-    for (std::size_t k = 0; k < width; ++k) largest = std::max(largest, std::abs(vectors[t * width + k] - mean[k]));
-    for (std::size_t k = 0; k < width; ++k)
-      codes.push_back(
-          static_cast<std::int8_t>(largest > 0 ? std::round((vectors[t * width + k] - mean[k]) / largest * 127) : 0));
-  }
+  auto codes = detail::direction_codes(vectors, mean);
   return {std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words)};
+}
+
+MOTIONLANG_BODY TextTable TextTable::with(const std::vector<std::string>& more) const {
+  if (empty()) return {};
+  Table all = table();
+  all.texts.insert(all.texts.end(), more.begin(), more.end());
+  const auto codes = detail::direction_codes(detail::vectors_in_parts(more, all.encode), all.mean);
+  all.codes.insert(all.codes.end(), codes.begin(), codes.end());
+  return {std::move(all.texts), std::move(all.codes), std::move(all.mean), std::move(all.encode), std::move(all.words)};
+}
+
+MOTIONLANG_BODY TextTable TextTable::first(Index count) const {
+  if (count < 0 || count > size()) raise<shape_error>(203, "TextTable: the first ", count, " of ", size());
+  if (empty()) return {};
+  Table some = table();
+  some.texts.resize(static_cast<std::size_t>(count));
+  some.codes.resize(static_cast<std::size_t>(count) * some.mean.size());
+  return {std::move(some.texts), std::move(some.codes), std::move(some.mean), std::move(some.encode),
+          std::move(some.words)};
 }
 
 MOTIONLANG_BODY const TextTable::Table& TextTable::table() const {

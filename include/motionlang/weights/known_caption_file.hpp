@@ -5,8 +5,10 @@
 ///     const KnownCaptions captions = load_known_captions(path, stmc.text_encoder);
 ///
 /// Tensors    captions.codes (captions, width) I8, captions.mean (width) F32, captions.seconds (captions) F32,
-///            captions.then (captions) I16: -1 for an action that repeats, else a line of captions.then
-/// Metadata   captions: one on each line; captions.then: texts for what follows, one on each line; captions.nearness
+///            captions.then (captions) I16: -1 for an action that repeats, else a line of captions.then; if texts were
+///            tried, captions.done (texts) F32, and codes has their rows behind those of the captions
+/// Metadata   captions: one on each line, and texts that were tried; captions.then: texts for what follows, one on each
+///            line; captions.nearness
 #pragma once
 
 #include <motionlang/file/safetensors.hpp>
@@ -32,8 +34,12 @@ class StoredCaptions {
   KnownCaptions captions_;
   std::vector<float> seconds_{};
   std::vector<std::int16_t> then_{};
+  std::vector<float> done_{};
   std::vector<std::string> following_{};
 };
+
+/// Writes the file again with these captions instead of its own. Throws io_error 401.
+void replace_known_captions(const FilePath& path, const KnownCaptions& captions);
 
 /// The captions of a file of ours. encoder: of the same file, with its vectors of words.
 template <class Encoder>

@@ -48,10 +48,15 @@ MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file,
       raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.dtype, " ", view.shape, ", not ", dtype,
                       " ", shape);
   };
-  const Index count = std::ssize(texts);
+  const auto* tried = file.find(prefix + "done");
+  const Index all = std::ssize(texts), last = tried == nullptr ? 0 : tried->shape.count();
+  const Index count = all - last;
+  if (count < 0)
+    raise<io_error>(407, file.name(), ": tensor '", tried->name, "' is ", tried->shape, " for ", counted(all, "text"));
+  if (tried != nullptr) require(*tried, DType::F32, {last});
   if (mean.shape.rank() != 1) raise<io_error>(407, file.name(), ": tensor '", mean.name, "' is ", mean.shape);
   require(mean, DType::F32, {mean.shape[0]});
-  require(codes, DType::I8, {count, mean.shape[0]});
+  require(codes, DType::I8, {all, mean.shape[0]});
   require(seconds, DType::F32, {count});
   require(then, DType::I16, {count});
   const auto lengths = values_of<float>(seconds);
@@ -64,9 +69,11 @@ MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file,
     actions.push_back({.seconds = static_cast<double>(lengths[i]), .repeats = numbers[i] < 0});
     if (numbers[i] >= 0) actions.back().then = following[static_cast<std::size_t>(numbers[i])];
   }
+  std::vector<double> done;
+  if (tried != nullptr) done = values_of<double>(*tried);
   return {TextTable(std::move(texts), values_of<std::int8_t>(codes), values_of<float>(mean), std::move(encode), words,
                     file.name()),
-          std::move(actions), detail::nearness_of(file), file.name()};
+          std::move(actions), detail::nearness_of(file), std::move(done), file.name()};
 }
 
 MOTIONLANG_BODY StoredCaptions::StoredCaptions(const KnownCaptions& captions) : captions_(captions) {
@@ -82,21 +89,38 @@ MOTIONLANG_BODY StoredCaptions::StoredCaptions(const KnownCaptions& captions) : 
       raise<config_error>(101, "known captions: ", following_.size(), " different texts follow actions");
     then_.push_back(static_cast<std::int16_t>(found - following_.begin()));
   }
+  for (const double share : captions_.done()) done_.push_back(static_cast<float>(share));
 }
 
 MOTIONLANG_BODY void StoredCaptions::add_to(std::vector<TensorView>& tensors,
                                             std::map<std::string, std::string>& metadata) const {
   if (captions_.empty()) return;
   const TextTable& table = captions_.table();
-  const Index count = table.size(), width = std::ssize(table.mean());
+  const Index all = table.size(), count = std::ssize(seconds_), width = std::ssize(table.mean());
   const std::string prefix = caption_tensors;
   metadata[detail::captions_entry] = join_text(table.texts(), "\n");
   metadata[detail::following_entry] = join_text(following_, "\n");
   metadata[detail::nearness_entry] = concat_text(captions_.nearness());
-  tensors.push_back(tensor_view(prefix + "codes", {count, width}, table.codes()));
+  tensors.push_back(tensor_view(prefix + "codes", {all, width}, table.codes()));
   tensors.push_back(tensor_view(prefix + "mean", {width}, table.mean()));
   tensors.push_back(tensor_view(prefix + "seconds", {count}, std::span<const float>(seconds_)));
   tensors.push_back(tensor_view(prefix + "then", {count}, std::span<const std::int16_t>(then_)));
+  if (!done_.empty())
+    tensors.push_back(tensor_view(prefix + "done", {std::ssize(done_)}, std::span<const float>(done_)));
+}
+
+MOTIONLANG_BODY void replace_known_captions(const FilePath& path, const KnownCaptions& captions) {
+  const auto file = SafetensorsFile::open(path);
+  std::vector<TensorView> tensors;
+  for (const TensorView& t : file.tensors()) {
+    if (!t.name.starts_with(caption_tensors)) tensors.push_back(t);
+  }
+  auto metadata = file.metadata();
+  for (const char* entry : {detail::captions_entry, detail::following_entry, detail::nearness_entry})
+    metadata.erase(entry);
+  const StoredCaptions stored(captions);
+  stored.add_to(tensors, metadata);
+  write_safetensors(path, tensors, metadata);
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -181,6 +181,15 @@ TEST_CASE("warnings are compared with what failed, and a text is judged with wha
   CHECK(shares.silent_failures == doctest::Approx(1.0 / 3));
   CHECK(shares.warned_successes == doctest::Approx(2.0 / 5));
 
+  const ml::Judgement both[] = {j, j};
+  const auto tried = ml::with_judged(model.learned, both);
+  CHECK(*tried.success("sit") == 0.75);
+  REQUIRE(tried.done().size() == 2);
+  CHECK(tried.done()[0] == 0.5);  // of "blorp"
+  ml::Judgement of_arm = j;
+  of_arm.prompts[0].texts[0].parts = ml::BodyParts{}.with(ml::BodyPart::legs);
+  CHECK(ml::with_judged(model.learned, std::span(&of_arm, 1)).done().size() == 1);
+
   const auto sit = j.prompts[0].timeline(model, {});
   REQUIRE(sit.intervals.size() == 2);
   CHECK(sit.intervals[1].text == "sit quietly");

@@ -58,6 +58,17 @@ TEST_CASE("a text far from all captions is warned about with those nearest to it
   CHECK(ml::text_warnings(model, "blorp").size() == 2);
 }
 
+TEST_CASE("a text that is near is warned about if motions for texts like it mostly failed") {
+  const auto captions = counted::captions().with_tried({"kick", "sit"}, {0.2, 0.8});
+  CHECK(ml::failing_text_warnings("kick", captions) ==
+        Lines{"'kick': the model often fails at this; 20 % of the motions that were tried for such texts did what "
+              "they say"});
+  CHECK(ml::meaning_warnings("kick", captions, {}).size() == 1);
+  CHECK(ml::meaning_warnings("sit", captions, {}).empty());
+  CHECK(ml::meaning_warnings("walk", captions, {}).empty());
+  CHECK(ml::meaning_warnings("blorp", captions, {}).size() == 1);
+}
+
 TEST_CASE("of captions with the same words the first is shown") {
   const std::vector<std::string> texts{"walk", "a person can walk", "the walk", "kick", "kick again"};
   const std::vector<ml::KnownAction> actions(texts.size());

@@ -58,7 +58,22 @@ TEST_CASE("how long an action takes, and what follows") {
   CHECK(captions.action("raise the left arm")->then == "hold the left arm up");
   CHECK(captions.action("raise the right arm")->then == "hold the right arm up");
   CHECK_FALSE(captions.action("moonwalk"));
-  CHECK_ERROR(ml::KnownCaptions(captions.table(), {{}}, 0), "1 action for 6 captions");
+  CHECK_ERROR(ml::KnownCaptions(captions.table(), {{}}, 0), "1 action and 0 shares for 6 texts");
+}
+
+TEST_CASE("texts that were tried tell at what the model often fails, but it does not know them") {
+  const auto captions = known().with_tried({"kick hard", "raise the left arm", "sit"}, {0.25, 0.75, 0});
+  CHECK(captions.done() == std::vector<double>{0.25, 0.75, 0});
+  CHECK(*captions.success("kick hard") == 0.25);
+  CHECK(*captions.success("a person please kick hard") == doctest::Approx(0.25));
+  CHECK(*captions.success("raise the right arm") == doctest::Approx(0.75));  // mirrored
+  CHECK_FALSE(captions.success("walk"));
+  CHECK_FALSE(known().success("kick"));
+  CHECK_FALSE(captions.knows("sit"));
+  for (const auto& near : captions.nearest("sit", 9)) CHECK(near.text != "sit");
+  const auto other = captions.with_tried({"walk"}, {1});
+  CHECK(*other.success("walk") == 1);
+  CHECK_FALSE(other.success("kick hard"));
 }
 
 TEST_CASE("the likeness that divides two lists") {

@@ -104,6 +104,22 @@ TEST_CASE("what was stored gives the same table") {
   CHECK(ml::TextTable().nearest("walk", 3).empty());
 }
 
+TEST_CASE("texts are added at the end, and left out there") {
+  const auto table = ml::TextTable::encoded(captions, vectors, words());
+  const auto more = table.with({"raise the arm", "stroll"});
+  REQUIRE(more.size() == 7);
+  CHECK(more.nearest("raise", 1)[0].text == "raise the arm");
+  CHECK(more.nearest("stroll", 1)[0].row == 6);
+  CHECK(std::equal(more.mean().begin(), more.mean().end(), table.mean().begin()));
+  const auto first = more.first(5);
+  CHECK(first.texts() == captions);
+  CHECK(std::equal(first.codes().begin(), first.codes().end(), table.codes().begin(), table.codes().end()));
+  CHECK(first.nearest("stroll", 1)[0].likeness == table.nearest("stroll", 1)[0].likeness);
+  CHECK_ERROR(table.first(6), "the first 6 of 5");
+  CHECK(ml::TextTable().with({"walk"}).empty());
+  CHECK(ml::TextTable().first(0).empty());
+}
+
 TEST_CASE("an encoder of captions gives the vectors") {
   using B = ml::EigenBackend<float>;
   ml::Philox rng{.seed = 3};

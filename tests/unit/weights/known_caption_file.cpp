@@ -48,6 +48,28 @@ TEST_CASE("what is written is read") {
   CHECK(contents(ml::StoredCaptions(ml::KnownCaptions())).tensors.empty());
 }
 
+TEST_CASE("captions of a file are replaced, with texts that were tried") {
+  const TemporaryFolder folder;
+  const ml::StoredCaptions stored(counted::captions());
+  Contents c = contents(stored);
+  const std::vector<float> weight{1, 2};
+  c.tensors.push_back(ml::tensor_view("weight", {2}, std::span(weight)));
+  c.metadata["license"] = "MIT";
+  const auto path = folder / "weights";
+  ml::write_safetensors(path, c.tensors, c.metadata);
+  ml::replace_known_captions(path, counted::captions().with_tried({"walk again", "kick hard"}, {0.5, 0.25}));
+  const auto file = ml::SafetensorsFile::open(path);
+  CHECK(file.metadata().at("license") == "MIT");
+  CHECK(ml::values_of<float>(file.tensor("weight")) == weight);
+  const auto read = ml::stored_known_captions(file, counted::vectors);
+  CHECK(read.done() == std::vector<double>{0.5, 0.25});
+  CHECK(*read.success("kick hard") == 0.25);
+  CHECK(read.actions().size() == 3);
+  ml::replace_known_captions(path, {});
+  CHECK(ml::stored_known_captions(ml::SafetensorsFile::open(path), counted::vectors).empty());
+  CHECK(ml::SafetensorsFile::open(path).tensors().size() == 1);
+}
+
 TEST_CASE("files whose parts do not fit are refused") {
   const TemporaryFolder folder;
   const ml::StoredCaptions stored(counted::captions());
