@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include <motionlang/core/quantile.hpp>
+#include <motionlang/file/file.hpp>
 #include <motionlang/file/safetensors.hpp>
 #include <motionlang/generate/judged_clips.hpp>
 #include <motionlang/view/film_strip.hpp>
@@ -32,7 +33,7 @@ struct JudgeOptions {
   bool details = false;
   std::string bench = "own";
   std::vector<double> seconds;  // of each prompt; none: its default
-  std::string clips, captions, strips;
+  std::string clips, captions, strips, prompts;
   bool remember = false;
   std::vector<Index> compare;  // numbers of steps
   MachineOptions machine;
@@ -68,6 +69,19 @@ void compare(const ml::MotionModel& generator, const JudgeOptions& o) {
 
 double percent(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+std::vector<ml::JudgedBench> benches_of(const JudgeOptions& o) {
+  if (!o.prompts.empty()) {
+    const std::string text = ml::read_file(o.prompts);
+    const auto prompts = [=](double seconds) { return ml::parse_judged_prompts(text, seconds, o.prompts); };
+    return {{"prompts", "prompts of " + o.prompts, prompts}};
+  }
+  std::vector<ml::JudgedBench> out;
+  for (const ml::JudgedBench& bench : ml::judged_benches()) {
+    if (o.bench == "all" || o.bench == bench.name) out.push_back(bench);
+  }
+  return out;
 }
 
 std::vector<double> seconds_of(const JudgeOptions& o, const ml::JudgedBench& bench) {
@@ -167,8 +181,7 @@ void run(const JudgeOptions& o) {
   if (!o.compare.empty()) return compare(*generator, o);
   std::string summary;
   std::vector<ml::Judgement> judgements;
-  for (const ml::JudgedBench& bench : ml::judged_benches()) {
-    if (o.bench != "all" && o.bench != bench.name) continue;
+  for (const ml::JudgedBench& bench : benches_of(o)) {
     for (const double seconds : seconds_of(o, bench)) {
       const ml::Judgement& j = judgements.emplace_back(judged(*generator, o, bench, seconds));
       if (!o.strips.empty()) write_strips(j, o.strips, bench.name + "_" + std::to_string(static_cast<int>(seconds)));
@@ -240,6 +253,13 @@ void add_judge(CLI::App& app) {
       ->check(CLI::IsMember({"own", "newcomers", "arms", "trunk", "paraphrases", "all"}))
       ->excludes(compare)
       ->capture_default_str();
+  c->add_option(
+       "--prompts", o->prompts,
+       "Prompts of your own instead: a file with lines 'text # verb # seconds'. The verb has the rule. An unknown "
+       "verb is an error that lists all of them")
+      ->check(CLI::ExistingFile)
+      ->excludes(compare)
+      ->excludes("--bench");
   c->add_option("--seconds", o->seconds,
                 "Lengths of the motions, as in 2,4,8. The default is 4; own prompts have lengths of their own")
       ->delimiter(',')

@@ -6,10 +6,11 @@
 ///     std::printf("%zu of %zu motions\n", j.done(), j.motions());
 #pragma once
 
-#include <functional>  // rows of tables
-#include <span>        // numbers of steps
-#include <string>      // prompts
-#include <vector>      // motions
+#include <functional>   // benches, rows of tables
+#include <span>         // numbers of steps
+#include <string>       // prompts
+#include <string_view>  // files
+#include <vector>       // motions
 
 #include <motionlang/generate/judged_verbs.hpp>
 #include <motionlang/generate/motion_model.hpp>
@@ -47,10 +48,18 @@ std::vector<JudgedPrompt> trunk_prompts(double seconds);
 /// Paraphrases of the prompts that the bundled model was trained for.
 std::vector<JudgedPrompt> paraphrase_prompts(double seconds);
 
+/// Prompts of a file with lines "text # verb" or "text # verb # seconds", such as "a person takes a seat # sit down # 4".
+/// The verbs are those of judged_verbs.hpp.
+/// seconds  of the lines that name none
+/// name     of the file, for messages
+/// Throws   timeline_error 501, 502, 507 with the line, also for an unknown verb
+std::vector<JudgedPrompt> parse_judged_prompts(std::string_view file, double seconds,
+                                               std::string_view name = "prompts");
+
 /// Prompts with a name and what they are about.
 struct JudgedBench {
   std::string name{}, about{};
-  std::vector<JudgedPrompt> (*prompts)(double seconds) = nullptr;  // of each prompt; 0: its own, which `own` has
+  std::function<std::vector<JudgedPrompt>(double seconds)> prompts{};  // of each prompt; 0: its own, which `own` has
 };
 /// All of them: own, newcomers, arms, trunk, paraphrases.
 const std::vector<JudgedBench>& judged_benches();

@@ -2,12 +2,14 @@
 // Bodies of judged_prompts.hpp.
 #pragma once
 
-#include <algorithm>  // any_of, count_if, max
+#include <algorithm>  // any_of, count_if, find_if, max
 #include <ctime>      // time of the processor
 #include <map>        // texts
 #include <utility>    // pair
 
+#include <motionlang/compose/detail/timeline_line.hpp>
 #include <motionlang/compose/text_timeline.hpp>
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/generate/judged_prompts.hpp>
 #include <motionlang/generate/text_warnings.hpp>
@@ -225,6 +227,25 @@ MOTIONLANG_BODY std::vector<JudgedPrompt> paraphrase_prompts(double seconds) {
                                  {"bend down", "bend forward"},
                                  {"bend at the waist", "bend forward"}},
                                 seconds);
+}
+
+MOTIONLANG_BODY std::vector<JudgedPrompt> parse_judged_prompts(std::string_view file, double seconds,
+                                                               std::string_view name) {
+  std::vector<JudgedPrompt> out;
+  detail::for_each_line(file, [&](std::string_view content, Index number) {
+    if (detail::trim(content).empty()) return;
+    const detail::TimelineLine line(content, number, name);
+    if (line.fields() < 2 || line.fields() > 3) line.fail(501, line.fields(), "expected 'text # verb # seconds'");
+    const auto& verbs = judged_verbs();
+    const auto is_it = [&](const JudgedVerb& v) { return v.name == line.field(1); };
+    const auto verb = std::find_if(verbs.begin(), verbs.end(), is_it);
+    if (verb == verbs.end())
+      line.fail(501, 1, "'", line.field(1),
+                "' is not one of the verbs: ", join_text(verbs, ", ", [](const JudgedVerb& v) { return v.name; }));
+    out.push_back({{{line.text(), verb->name}}, line.fields() == 3 ? line.seconds(2) : seconds});
+  });
+  if (out.empty()) raise<timeline_error>(507, name, ": no line");
+  return out;
 }
 
 MOTIONLANG_BODY Verdict verdict(const JudgedPrompt& prompt, const Motion& motion) {

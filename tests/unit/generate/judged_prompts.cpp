@@ -198,3 +198,18 @@ TEST_CASE("warnings are compared with what failed, and a text is judged with wha
   const ml::JudgedPrompt arms{.texts = {{"sit", "sit", ml::BodyParts{}.with(ml::BodyPart::legs)}}, .seconds = 8};
   CHECK(arms.timeline(model, {}) == arms.timeline(model.fps()));
 }
+
+TEST_CASE("prompts of a file: text, verb and seconds, and errors with the line") {
+  const auto prompts = ml::parse_judged_prompts("take a seat # sit down # 5\n\na man jogs # jog\n", 4, "mine.txt");
+  REQUIRE(prompts.size() == 2);
+  CHECK(prompts[0].name() == "take a seat");
+  CHECK(prompts[0].rule() == ml::find_verb("sit down").rule);
+  CHECK(prompts[0].seconds == 5);
+  CHECK(prompts[1].texts[0].verb == "jog");
+  CHECK(prompts[1].seconds == 4);
+  CHECK_ERROR(ml::parse_judged_prompts("walk # walk\nfly # fly", 4, "mine.txt"),
+              "[motionlang.timeline.501] mine.txt:2:7: 'fly' is not one of the verbs: walk, ");
+  CHECK_ERROR(ml::parse_judged_prompts("walk", 4, "mine.txt"), "mine.txt:1:5: expected 'text # verb # seconds'");
+  CHECK_ERROR(ml::parse_judged_prompts("walk # walk # soon", 4, "mine.txt"), "'soon' is not a time in seconds");
+  CHECK_ERROR(ml::parse_judged_prompts("\n", 4, "mine.txt"), "[motionlang.timeline.507] mine.txt: no line");
+}
