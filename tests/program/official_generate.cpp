@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <motionlang/c/motionlang_c.h>
 #include <motionlang/core/numpy_random.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/features/statistics.hpp>
@@ -25,6 +26,36 @@
 #include "official_workplace.hpp"
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// A model that the C functions have loaded.
+class LoadedByC {
+ public:
+  LoadedByC(const fs::path& folder, const char* text_encoder = nullptr, const char* statistics = nullptr) {
+    const int status = motionlang_load_model_with(folder.string().c_str(), text_encoder, statistics, &model_);
+    REQUIRE_MESSAGE(status == 0, motionlang_message());
+  }
+  LoadedByC(const LoadedByC&) = delete;
+  LoadedByC& operator=(const LoadedByC&) = delete;
+  ~LoadedByC() { motionlang_free_model(model_); }
+
+  bool takes_actions() const { return motionlang_model_takes_actions(model_) == 1; }
+  double fps() const { return motionlang_model_fps(model_); }
+  /// The BVH file of its motion; the message of an error.
+  std::string bvh(const char* timeline, const fs::path& file) const {
+    motionlang_motion* motion = nullptr;
+    if (motionlang_generate(model_, timeline, nullptr, &motion) != 0) return motionlang_message();
+    CHECK(motionlang_write_motion(motion, file.string().c_str()) == 0);
+    motionlang_free_motion(motion);
+    return ml::read_file(file);
+  }
+
+ private:
+  motionlang_model* model_ = nullptr;
+};
+
+}  // namespace
 
 TEST_CASE("generate: folders of STMC, MDM and MotionDiffuse, from a text and from a timeline") {
   const OfficialWorkplace w;
@@ -66,6 +97,10 @@ TEST_CASE("generate: ACTOR takes actions, TEMOS a text") {
   CHECK(contains(dance.text, "action 'dance' is not one of 0 ... 11; they are called warm_up, walk"));
   ml::write_file(w / "two.txt", std::string_view("walk # 0 # 1 # legs\nrun # 0.2 # 0.8 # right arm\n"));
   CHECK(w.run({"generate", "--model", "actor", "--timeline", "two.txt"}).code == 3);
+  const LoadedByC actor(w / "actor");
+  CHECK(actor.takes_actions());
+  CHECK(actor.bvh("walk # 0 # 1\n", w / "c.bvh") == ml::read_file(w / "out/walk.bvh"));
+  CHECK(actor.bvh("dance # 0 # 1\n", w / "c.bvh").starts_with("[motionlang.config.103] "));
 
   official::write_temos_run(w / "temos", official::small_temos());
   official::write_temos_statistics(w / "statistics", 64);
@@ -73,6 +108,10 @@ TEST_CASE("generate: ACTOR takes actions, TEMOS a text") {
   w.did({"generate", "--model", "temos", "--text", "a walk", "--seconds", "2", "--statistics", "statistics",
          "--text-encoder", "words"});
   CHECK(w.joints("out/a_walk.npy") == std::vector<ml::Index>{25, 21, 3});
+  const LoadedByC temos(w / "temos", (w / "words").string().c_str(), (w / "statistics").string().c_str());
+  CHECK(!temos.takes_actions());
+  CHECK(temos.fps() == 12.5);
+  CHECK(temos.bvh("a walk # 0 # 2\n", w / "c.bvh") == ml::read_file(w / "out/a_walk.bvh"));
 }
 
 TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from text to text, others not") {

@@ -6,21 +6,21 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/core/text_lines.hpp>
-#include <motionlang/generate/generate_motion.ipp>
 #include <motionlang/generate/kept_clip_text.hpp>
+#include <motionlang/generate/load_trained_motion_model.hpp>
 #include <motionlang/generate/timelines_of_text.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/search/kept_index.hpp>
 #include <motionlang/search/text_answer.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/view/view_file.hpp>
-#include <motionlang/weights/stmc_checkpoint.hpp>
 
 namespace ml = motionlang;
 
+using B = ml::EigenBackend<float>;
+
 struct motionlang_model {
-  ml::StmcCheckpoint<ml::EigenBackend<float>> stmc;
-  ml::KnownCaptions captions;
+  std::unique_ptr<const ml::MotionModel> model;
 };
 struct motionlang_motion {
   ml::Motion motion;
@@ -34,7 +34,7 @@ struct motionlang_bytes {
 };
 struct motionlang_index {
   std::unique_ptr<const ml::MotionIndexFile> file;
-  ml::TmrSearchEncoder<ml::EigenBackend<float>> tmr;
+  ml::TmrSearchEncoder<B> tmr;
   ml::MotionSearch search;
 };
 struct motionlang_hits {
@@ -113,9 +113,8 @@ motionlang_motions with_handles(std::vector<ml::Motion> motions, std::string not
   return out;
 }
 std::string or_empty(const char* text) { return text == nullptr ? "" : text; }
-ml::TmrSearchEncoder<ml::EigenBackend<float>> tmr_of(const std::string& folder, const std::string& text_encoder) {
-  return ml::TmrSearchEncoder<ml::EigenBackend<float>>(
-      ml::load_tmr<ml::EigenBackend<float>>(folder, {.text_encoder = text_encoder}));
+ml::TmrSearchEncoder<B> tmr_of(const std::string& folder, const std::string& text_encoder) {
+  return ml::TmrSearchEncoder<B>(ml::load_tmr<B>(folder, {.text_encoder = text_encoder}));
 }
 ml::SearchOptions search_options(const motionlang_search_options* given_options) {
   const motionlang_search_options o = given_options == nullptr ? motionlang_default_search_options() : *given_options;
@@ -214,15 +213,16 @@ int motionlang_load_model(const char* file, motionlang_model** model) {
 int motionlang_load_model_with(const char* path, const char* text_encoder, const char* statistics,
                                motionlang_model** model) {
   return made(model, "model", [&] {
-    const ml::FilePath file(&given(path, "file"));
-    auto stmc = ml::load_stmc<ml::EigenBackend<float>>(
-        file, {.text_encoder = or_empty(text_encoder), .statistics = or_empty(statistics)});
-    auto captions = ml::load_known_captions(file, stmc);
-    return motionlang_model{std::move(stmc), std::move(captions)};
+    return ml::load_motion_model<B>(
+        &given(path, "file"), {.sources = {.text_encoder = or_empty(text_encoder), .statistics = or_empty(statistics)},
+                               .trained = ml::load_trained_motion_model<B>});
   });
 }
 void motionlang_free_model(motionlang_model* model) { delete model; }
-double motionlang_model_fps(const motionlang_model* model) { return model == nullptr ? 0 : model->stmc.fps; }
+double motionlang_model_fps(const motionlang_model* model) { return model == nullptr ? 0 : model->model->fps(); }
+int32_t motionlang_model_takes_actions(const motionlang_model* model) {
+  return model != nullptr && model->model->takes_actions() ? 1 : 0;
+}
 
 motionlang_options motionlang_default_options(void) {
   const ml::GenerateOptions usual;
@@ -236,35 +236,38 @@ motionlang_options motionlang_default_options(void) {
 int motionlang_generate(const motionlang_model* model, const char* timeline, const motionlang_options* options,
                         motionlang_motion** motion) {
   return made(motion, "motion", [&] {
-    const auto& stmc = given(model, "model").stmc;
-    const auto text = ml::parse_timeline(&given(timeline, "timeline"), {.fps = stmc.fps});
-    return with_options(options, [&](const ml::GenerateOptions& how) { return ml::generate_motion(stmc, text, how); });
+    const ml::MotionModel& loaded = *given(model, "model").model;
+    const auto text = ml::parse_timeline(&given(timeline, "timeline"), {.fps = loaded.fps()});
+    return with_options(options,
+                        [&](const ml::GenerateOptions& how) { return ml::generate_motion(loaded, text, how); });
   });
 }
 int motionlang_generate_text(const motionlang_model* model, const char* text, double seconds,
                              const motionlang_options* options, motionlang_motion** motion) {
   return made(motion, "motion", [&] {
-    const motionlang_model& all = given(model, "model");
+    const ml::MotionModel& loaded = *given(model, "model").model;
     const std::string of = &given(text, "text");
     if (of.empty() || !(seconds == 0 || seconds >= 0.05))
       ml::raise<ml::config_error>(101, "motionlang_generate_text: '", of, "' for ", seconds, " s");
     return with_options(options, [&](const ml::GenerateOptions& how) {
-      ml::TextTimelineOptions times{.fps = all.stmc.fps, .end_actions = ml::ends_actions(how)};
+      ml::TextTimelineOptions times{.fps = loaded.fps(), .end_actions = ml::ends_actions(how)};
       if (seconds > 0) times.seconds = seconds;
-      return ml::generate_motion(all.stmc, ml::text_timeline(of, all.captions, times), how);
+      const ml::Index frames = ml::frame_at(times.seconds.value_or(ml::text_seconds), times.fps);
+      return ml::generate_motion(loaded,
+                                 loaded.takes_timelines() ? ml::text_timeline(of, loaded.captions(), times)
+                                                          : ml::whole_body_timeline(of, frames),
+                                 how);
     });
   });
 }
 int motionlang_generate_motions(const motionlang_model* model, const char* timelines, const motionlang_options* options,
                                 motionlang_motions** motions) {
   return made(motions, "motions", [&] {
-    const auto& stmc = given(model, "model").stmc;
-    const auto texts = ml::timelines_of_text(&given(timelines, "timelines"), {.fps = stmc.fps});
-    return with_handles(with_options(options,
-                                     [&](const ml::GenerateOptions& how) {
-                                       return ml::generate_motions(stmc, std::span<const ml::Timeline>(texts), how);
-                                     }),
-                        "");
+    const ml::MotionModel& loaded = *given(model, "model").model;
+    const auto texts = ml::timelines_of_text(&given(timelines, "timelines"), {.fps = loaded.fps()});
+    return with_handles(
+        with_options(options, [&](const ml::GenerateOptions& how) { return ml::generate_motions(loaded, texts, how); }),
+        "");
   });
 }
 

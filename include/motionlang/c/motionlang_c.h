@@ -43,17 +43,19 @@ MOTIONLANG_C_API const char* motionlang_message(void);
 /* Sets the number of threads; the default is that of the machine. Error 101 below 1 or above 1024. */
 MOTIONLANG_C_API int motionlang_set_threads(int32_t threads);
 
-/* Reads a model: the weights that come with motionlang (examples/models/stmc_free.safetensors), those that
- * `motionlang train` writes, or the folder of a published STMC, MDM or MotionDiffuse. */
+/* Reads a model: the weights that come with motionlang (examples/models/stmc_free.safetensors), what a train command of
+ * the program writes, or the folder of a published STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR, TEACH, SINC or TM2T. */
 MOTIONLANG_C_API int motionlang_load_model(const char* file, motionlang_model** model);
 /* The same of a published model that needs what is not beside it. text_encoder: a folder or a file of CLIP or
- * DistilBERT; statistics: a folder with mean and std of the features. NULL: beside the model. Error 102 if a model of
- * ours is given one. */
+ * DistilBERT, for TM2T the folder of its word vectors; statistics: a folder with mean and std of the features. NULL:
+ * beside the model. Error 102 if a model of ours is given one. */
 MOTIONLANG_C_API int motionlang_load_model_with(const char* path, const char* text_encoder, const char* statistics,
                                                 motionlang_model** model);
 MOTIONLANG_C_API void motionlang_free_model(motionlang_model* model); /* NULL is allowed */
 /* Frames per second of its motions. */
 MOTIONLANG_C_API double motionlang_model_fps(const motionlang_model* model);
+/* 1 if its texts are names or numbers of actions, as those of ACTOR: "walk # 0 # 3". Otherwise 0. */
+MOTIONLANG_C_API int32_t motionlang_model_takes_actions(const motionlang_model* model);
 
 /* Called after every step of denoising, by the thread that called motionlang_generate; 0 stops the work. */
 typedef int32_t (*motionlang_progress)(void* user, int64_t done, int64_t total);
@@ -87,14 +89,15 @@ typedef struct motionlang_options {
 MOTIONLANG_C_API motionlang_options motionlang_default_options(void);
 
 /* The motion of a timeline, one text on a line: "walk forward # 0.0 # 6.0 # legs" (text # start # end in seconds # body
- * parts: left arm, right arm, legs, spine, head; none: the whole body). Errors 501 ... 510 have line and column. If
- * options is NULL, the defaults apply. */
+ * parts: left arm, right arm, legs, spine, head; none: the whole body). Models other than STMC, MDM, MotionDiffuse,
+ * TEACH and SINC take one text alone. Errors 501 ... 510 have line and column. If options is NULL, the defaults
+ * apply. */
 MOTIONLANG_C_API int motionlang_generate(const motionlang_model* model, const char* timeline,
                                          const motionlang_options* options, motionlang_motion** motion);
 
-/* The motion of one text for the whole body. seconds: 0 for the time that its action usually takes. In a longer time an
- * action that ends is made once, and what follows it is added, unless cut_texts is 0 or `mode` is a baseline. The
- * program's `generate --text` makes the same. */
+/* The motion of one text or action for the whole body. seconds: 0 for the time that its action usually takes, or 5 if
+ * the model does not know it. In a longer time an action that ends is made once, and what follows it is added, unless
+ * cut_texts is 0 or `mode` is a baseline. The program's `generate --text` makes the same. */
 MOTIONLANG_C_API int motionlang_generate_text(const motionlang_model* model, const char* text, double seconds,
                                               const motionlang_options* options, motionlang_motion** motion);
 
