@@ -8,6 +8,7 @@
 #include <motionlang/generate/stmc_motion_model.hpp>
 #include <motionlang/kinematics/floor_fix.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
+#include <motionlang/systems/stmc.hpp>
 
 #include "../support/check_error.hpp"
 #include "../support/compositions.hpp"

@@ -2,6 +2,7 @@
 // give what the readers of these folders give, and load_stmc reads files of ours as well.
 #include <motionlang/generate/generate_motion.ipp>
 #include <motionlang/weights/actor_checkpoint.hpp>
+#include <motionlang/weights/checkpoint_options.hpp>
 #include <motionlang/weights/sinc_checkpoint.hpp>
 #include <motionlang/weights/stmc_checkpoint.hpp>
 #include <motionlang/weights/teach_checkpoint.hpp>

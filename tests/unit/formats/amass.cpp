@@ -9,6 +9,7 @@
 #include <motionlang/features/amass_sequence.hpp>
 #include <motionlang/file/npz.hpp>
 #include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/amass_sequence.hpp>
 #include <motionlang/geometry/so3.hpp>
 
 #include "../../support/synthetic_motion.hpp"

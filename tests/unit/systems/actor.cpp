@@ -6,6 +6,9 @@
 #include <motionlang/nn/feed_forward.hpp>
 #include <motionlang/optim/adamw.hpp>
 #include <motionlang/vae/actor_decoder.hpp>
+#include <motionlang/vae/actor_encoder.hpp>
+#include <motionlang/vae/actor_fully_connected.hpp>
+#include <motionlang/vae/actor_gru.hpp>
 #include <motionlang/vae/actor_latents.hpp>
 #include <motionlang/vae/actor_losses.hpp>
 
@@ -270,4 +273,28 @@ TEST_CASE("ACTOR: what a network cannot take is refused") {
   CHECK_ERROR(fixed.decode(Matrix::zeros({2, 16}), two, x.offsets), "[motionlang.shape.207]");
   config.encoder = ActorEncoderKind::gru;
   CHECK_ERROR(model_of(config).encode(x, unknown), "[motionlang.shape.203]");
+}
+
+TEST_CASE("encoders without tokens: one length, padding that counts, and actions") {
+  ml::Philox rng{.seed = 3};
+  const std::vector<Index> labels{0, 1}, exchanged{1, 0}, unknown{0, 2};
+  const ml::Sequences<B> x{normal<B, 2>({8, 5}, 1), Offsets{4, 4}}, other_lengths{x.rows, Offsets{3, 5}};
+
+  const ml::ActorFullyConnectedEncoder<B> connected(5, 4, 2, 3, rng);
+  CHECK(connected(x, labels, 2).mu.shape() == ml::Shape{2, 3});
+  CHECK_ERROR(connected(other_lengths, labels, 2), "[motionlang.shape.207]");
+  const ml::ActorFullyConnectedDecoder<B> decoder(5, 4, 2, 3, rng);
+  const auto z = normal<B, 2>({2, 3}, 2);
+  CHECK(decoder(z, labels, x.offsets, 5).rows.shape() == x.rows.shape());
+  CHECK_ERROR(decoder(z, labels, Offsets{3, 5}, 5), "[motionlang.shape.207]");
+
+  const ml::ActorAverageEncoder<B> average(5, {.d_model = 8, .heads = 2, .d_ff = 16, .layers = 1}, 10, rng);
+  CHECK(same_bits(average(x).mu, average(x, {}, 4).mu));
+  CHECK_FALSE(same_bits(average(x).mu, average(x, {}, 7).mu));
+  CHECK_ERROR(average(x, {}, 11), "[motionlang.shape.203]");
+
+  const ml::ActorGruEncoder<B> gru(5, 2, 6, 1, true, rng);
+  CHECK(gru(other_lengths, labels).mu.shape() == ml::Shape{2, 6});
+  CHECK_FALSE(same_bits(gru(x, labels).mu, gru(x, exchanged).mu));
+  CHECK_ERROR(gru(x, unknown), "[motionlang.shape.203]");
 }

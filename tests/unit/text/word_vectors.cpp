@@ -4,7 +4,9 @@
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/text/caption_encoder.hpp>
+#include <motionlang/text/heard_words.hpp>
 #include <motionlang/text/word_forms.hpp>
+#include <motionlang/text/word_vectors.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/tensors.hpp"

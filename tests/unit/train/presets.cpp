@@ -7,6 +7,9 @@
 #include <motionlang/train/epoch_batches.hpp>
 #include <motionlang/train/presets.hpp>
 #include <motionlang/train/tm2t_config.hpp>
+#include <motionlang/weights/actor_training_config.hpp>
+#include <motionlang/weights/babel_config.hpp>
+#include <motionlang/weights/text_motion_config.hpp>
 
 #include "../../support/check_error.hpp"
 
@@ -59,4 +62,17 @@ TEST_CASE("an epoch has every item once, in an order of its own") {
   CHECK(batches(2, 7).size() == 2);
   CHECK(batches(1, 7) == std::vector<ml::Index>(first.begin() + 4, first.begin() + 8));
   CHECK_ERROR(ml::EpochBatches(0, 4), "[motionlang.config.101] batches of 4 out of 0 items");
+}
+
+TEST_CASE("values that cannot work are refused by name") {
+  ml::ActorLossConfig losses{.rc = 0, .rcxyz = 0, .kl = 0};
+  CHECK_ERROR(losses.require_any(), "[motionlang.config.101] losses.rc, rcxyz, kl, vel and velxyz are 0");
+  losses.velxyz = -1;
+  CHECK_ERROR(losses.require_sound(), "velxyz");
+  ml::TeachTrainingConfig teach = ml::teach_preset("small");
+  teach.network.hist_frames = teach.data.shortest + 1;
+  CHECK_ERROR(teach.require_sound(), "[motionlang.config.102] data.shortest is ");
+  CHECK_ERROR(ml::TeachLossesConfig{.velocity = -0.5}.require_sound(), "velocity");
+  CHECK_ERROR(ml::TextTokensConfig{.width = 0}.require_sound(), "width");
+  CHECK_ERROR(ml::TextMotionLossConfig{.margin = -1}.require_sound(), "margin");
 }
