@@ -4,11 +4,9 @@
 // be compared, and with --compare those of numbers of steps. --clips measures recorded motions in the same way.
 #include <cstdio>
 
-#include <motionlang/core/quantile.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/file/safetensors.hpp>
-#include <motionlang/generate/judged_clips.hpp>
-#include <motionlang/view/film_strip.hpp>
+#include <motionlang/generate/judgement_report.hpp>
 #include <motionlang/weights/known_caption_file.hpp>
 #include <motionlang/weights/run_folder.hpp>
 
@@ -42,33 +40,25 @@ struct JudgeOptions {
 /// A table in Markdown: the loss with fewer steps. The first number of steps is the reference.
 void compare(const ml::MotionModel& generator, const JudgeOptions& o) {
   ml::check_options(generator, {.steps = std::ranges::max(o.compare)});
-  std::printf(
-      "| sampler | steps | prompts done | foot skate m/s | jitter m/s^3 | bone lengths +- %% | joints, mm away | "
-      "processor s per s of motion |\n");
-  std::printf("|---|---|---|---|---|---|---|---|\n");
+  print(ml::steps_cost_header());
   std::string scale;
   for (const std::string sampler : {"ddpm", "ddim"}) {
     ml::GenerateOptions settings = o.settings;
     settings.sampler = ml::parse_sampler(sampler);
     ProgressBar bar(sampler);
     settings.progress = bar;
-    const auto print = [&](const ml::StepsCost& row) {
+    const auto on_row = [&](const ml::StepsCost& row) {
       bar.finish();
-      std::printf("| %s | %td | %.0f %% | %.3f | %.1f | %.1f | %.0f | %.2f |\n", sampler.c_str(), row.steps,
-                  100 * row.done, row.skate, row.jitter, 100 * row.bones, 1000 * row.away, row.seconds);
+      print(ml::steps_cost_row(sampler, row));
       std::fflush(stdout);
     };
-    const auto rows = ml::steps_costs(generator, ml::own_prompts(), settings, o.compare, o.seeds, print);
+    const auto rows = ml::steps_costs(generator, ml::own_prompts(), settings, o.compare, o.seeds, on_row);
     if (o.seeds > 1) scale += formatted(" %s %.0f", sampler.c_str(), 1000 * rows.front().seeds_apart);
   }
   std::printf("%s of %zu prompts. Joints: mean distance to the result of the same seed with %s",
               ml::counted(o.seeds, "seed").c_str(), ml::own_prompts().size(),
               ml::counted(o.compare.front(), "step").c_str());
   std::printf(scale.empty() ? "\n" : "; between two seeds:%s mm\n", scale.c_str());
-}
-
-double percent(std::size_t part, std::size_t whole) {
-  return whole == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
 std::vector<ml::JudgedBench> benches_of(const JudgeOptions& o) {
@@ -98,36 +88,6 @@ ml::Judgement judged(const ml::MotionModel& generator, const JudgeOptions& o, co
   return ml::judge(generator, bench.prompts(seconds), settings, o.seeds, !o.strips.empty());
 }
 
-/// Writes a picture of every motion. Its title is the verdict.
-void write_strips(const ml::Judgement& j, const std::string& folder, const std::string& name) {
-  std::filesystem::create_directories(folder);
-  for (std::size_t i = 0; i < j.made.size(); ++i) {
-    const std::size_t prompt = i % j.prompts.size(), seed = i / j.prompts.size();
-    const auto& why = j.verdicts[prompt][seed].why_not;
-    const std::string title = j.prompts[prompt].name() + ": " + (why.empty() ? "done" : why);
-    const auto file = name + "_" + std::to_string(prompt) + "_" + std::to_string(seed) + ".png";
-    ml::write_png(std::filesystem::path(folder) / file,
-                  ml::film_strip_picture(j.made[i], {}, {.width = 1000, .title = title, .resolution = 1}));
-  }
-}
-
-void print_prompts(const ml::Judgement& j, bool details) {
-  std::printf("%-44s %-8s %s\n", "prompt", "done", "what counts");
-  for (std::size_t i = 0; i < j.prompts.size(); ++i) {
-    std::printf("%-44s %zu/%-6zu %s\n", j.prompts[i].name().c_str(), j.done(i), j.verdicts[i].size(),
-                j.prompts[i].rule().c_str());
-    for (std::size_t seed = 0; details && seed < j.verdicts[i].size(); ++seed) {
-      const ml::Verdict& v = j.verdicts[i][seed];
-      std::printf("    seed %zu: %s (ahead %.2f m/s, air %.2f s, turned %.0f)\n", seed,
-                  v.why_not.empty() ? "done" : v.why_not.c_str(), v.speed, v.air, v.turned);
-    }
-  }
-  std::printf("%-44s %zu/%zu = %.0f %%\n", "all", j.done(), j.motions(), percent(j.done(), j.motions()));
-}
-void print_shares(double hovering, double sinking, double statues) {
-  std::printf("hovering %.1f %%, sinking %.1f %%, statues %.1f %%\n", 100 * hovering, 100 * sinking, 100 * statues);
-}
-
 void print_warnings(const ml::MotionModel& model, const ml::Judgement& j) {
   if (model.captions().empty()) return;
   const ml::WarningShares w = ml::warning_shares(model, j);
@@ -143,25 +103,7 @@ void judge_clips(const JudgeOptions& o) {
     bar.finish();
     return ml::judge_recordings(set.segments());
   }();
-  std::printf("recordings: %zu segments on the floor, %zu elsewhere left out\n", figures.segments, figures.elsewhere);
-  print_shares(figures.hovering, figures.sinking, figures.statues);
-  std::printf("%-36s %8s %8s %8s %8s %8s\n", "", "median", "90 %", "95 %", "99 %", "largest");
-  for (const ml::RecordedMeasure& m : figures.measures) {
-    std::printf("%-36s", m.name.c_str());
-    for (const double share : {0.5, 0.9, 0.95, 0.99, 1.0}) std::printf(" %8.3f", ml::quantile(m.values, share));
-    std::printf("\n");
-  }
-  std::printf("%-24s %-10s %-24s %-24s %s\n", "caption says", "done", "ahead m/s, 5 50 95 %", "air s",
-              "turned, degrees");
-  for (const ml::RecordedVerb& v : figures.verbs) {
-    if (v.segments == 0) continue;
-    std::printf("%-24s %3zu/%-6zu", v.name.c_str(), v.done, v.segments);
-    for (const auto* values : {&v.speed, &v.air, &v.turned})
-      std::printf("  %6.2f %6.2f %6.2f  ", ml::quantile(*values, 0.05), ml::quantile(*values, 0.5),
-                  ml::quantile(*values, 0.95));
-    std::printf("\n");
-    for (std::size_t i = 0; o.details && i < v.why_not.size(); ++i) std::printf("    %s\n", v.why_not[i].c_str());
-  }
+  print(ml::describe_recordings(figures, o.details));
 }
 
 /// Writes into the weights which texts were tried and how many motions did what they say.
@@ -184,24 +126,16 @@ void run(const JudgeOptions& o) {
   for (const ml::JudgedBench& bench : benches_of(o)) {
     for (const double seconds : seconds_of(o, bench)) {
       const ml::Judgement& j = judgements.emplace_back(judged(*generator, o, bench, seconds));
-      if (!o.strips.empty()) write_strips(j, o.strips, bench.name + "_" + std::to_string(static_cast<int>(seconds)));
-      summary += formatted("| %s | %s | %.0f %% | %.1f / %.1f / %.1f %% | %.3f | %.0f |\n", bench.about.c_str(),
-                           seconds > 0 ? formatted("%d s", static_cast<int>(seconds)).c_str() : "own",
-                           percent(j.done(), j.motions()), 100 * j.hovering(), 100 * j.sinking(), 100 * j.statues(),
-                           j.skate, j.jitter);
+      if (!o.strips.empty())
+        ml::write_judged_strips(o.strips, bench.name + "_" + std::to_string(static_cast<int>(seconds)), j);
+      summary += ml::judgement_row(j, bench.about, seconds);
       if (seconds > 0) std::printf("%s, %g s each\n", bench.about.c_str(), seconds);
-      print_prompts(j, o.details);
-      std::printf("foot skate %.3f m/s, jitter %.1f m/s^3 (means over all motions)\n", j.skate, j.jitter);
-      print_shares(j.hovering(), j.sinking(), j.statues());
+      print(ml::describe_judgement(j, o.details));
       print_warnings(*generator, j);
       std::fflush(stdout);
     }
   }
-  if (o.bench == "all" || o.seconds.size() > 1)
-    std::printf(
-        "| prompts | length | done | hovering / sinking / statues | foot skate m/s | jitter m/s^3 "
-        "|\n|---|---|---|---|---|---|\n%s",
-        summary.c_str());
+  if (o.bench == "all" || o.seconds.size() > 1) print(ml::judgement_header() + summary);
   if (o.remember) remember(*generator, o, judgements);
   const auto about = ml::SafetensorsFile::open(ml::stmc_model_file(o.model)).metadata();
   if (about.contains("real.skate") && about.contains("real.jitter"))

@@ -8,6 +8,7 @@
 #include <motionlang/generate/judged_clips.ipp>
 #include <motionlang/generate/judged_prompts.ipp>
 #include <motionlang/generate/judged_verbs.ipp>
+#include <motionlang/generate/judgement_report.ipp>
 #include <motionlang/generate/kept_clip_text.ipp>
 #include <motionlang/generate/latent_motion_model.ipp>
 #include <motionlang/generate/motion_model.ipp>

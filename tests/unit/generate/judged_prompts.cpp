@@ -1,5 +1,7 @@
+#include <motionlang/file/file.hpp>
 #include <motionlang/generate/judged_prompts.hpp>
 #include <motionlang/generate/judged_verbs.hpp>
+#include <motionlang/generate/judgement_report.hpp>
 
 #include <doctest/doctest.h>
 #include <set>
@@ -7,6 +9,8 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/synthetic_motion.hpp"
+#include "../../support/temporary_folder.hpp"
 #include "../../support/word_count_encoder.hpp"
 #include "fake_models.hpp"
 
@@ -212,4 +216,66 @@ TEST_CASE("prompts of a file: text, verb and seconds, and errors with the line")
   CHECK_ERROR(ml::parse_judged_prompts("walk", 4, "mine.txt"), "mine.txt:1:5: expected 'text # verb # seconds'");
   CHECK_ERROR(ml::parse_judged_prompts("walk # walk # soon", 4, "mine.txt"), "'soon' is not a time in seconds");
   CHECK_ERROR(ml::parse_judged_prompts("\n", 4, "mine.txt"), "[motionlang.timeline.507] mine.txt: no line");
+}
+
+TEST_CASE("a judgement is a line for each prompt, the sum, and a row of a table") {
+  ml::Judgement j;
+  j.prompts = {ml::own_prompts().front()};
+  j.verdicts = {{{}, {.why_not = "it turned", .hovers = true, .speed = 1.25}}};
+  j.positions.resize(2);
+  j.skate = 0.125, j.jitter = 3;
+  const std::string text = ml::describe_judgement(j), details = ml::describe_judgement(j, true);
+  CHECK(text.find("1/2      " + j.prompts[0].rule() + "\nall ") != std::string::npos);
+  CHECK(
+      text.ends_with(" 1/2 = 50 %\nfoot skate 0.125 m/s, jitter 3.0 m/s^3 (means over all motions)\n"
+                     "hovering 50.0 %, sinking 0.0 %, statues 0.0 %\n"));
+  CHECK(details.find("\n    seed 0: done (ahead 0.00 m/s, air 0.00 s, turned 0)\n"
+                     "    seed 1: it turned (ahead 1.25 m/s, air 0.00 s, turned 0)\nall ") != std::string::npos);
+  CHECK(ml::judgement_row(j, "own", 0) == "| own | own | 50 % | 50.0 / 0.0 / 0.0 % | 0.125 | 3 |\n");
+  CHECK(ml::judgement_row(j, "arms", 4).starts_with("| arms | 4 s | 50 % |"));
+
+  const ml::StepsCost cost{
+      .steps = 20, .done = 0.75, .skate = 0.5, .jitter = 2, .bones = 0.01, .away = 0.02, .seconds = 3};
+  const std::string row = ml::steps_cost_row("ddim", cost);
+  CHECK(row == "| ddim | 20 | 75 % | 0.500 | 2.0 | 1.0 | 20 | 3.00 |\n");
+  const auto columns = [](const std::string& lines) {
+    return std::ranges::count(lines.substr(0, lines.find('\n')), '|');
+  };
+  CHECK(columns(ml::steps_cost_header()) == columns(row));
+  CHECK(columns(ml::judgement_header()) == columns(ml::judgement_row(j, "own", 0)));
+}
+
+TEST_CASE("recordings are their measures, and the verbs that any of them says") {
+  const ml::RecordedFigures figures{.segments = 3,
+                                    .elsewhere = 1,
+                                    .hovering = 0.25,
+                                    .measures = {{"height", {1, 2, 3}}},
+                                    .verbs = {{.name = "walk",
+                                               .segments = 2,
+                                               .done = 1,
+                                               .why_not = {"clip: too slow"},
+                                               .speed = {1, 1},
+                                               .air = {0, 0},
+                                               .turned = {5, 5}},
+                                              {.name = "jump"}}};
+  const std::string text = ml::describe_recordings(figures), details = ml::describe_recordings(figures, true);
+  CHECK(text.starts_with("recordings: 3 segments on the floor, 1 elsewhere left out\nhovering 25.0 %, "));
+  CHECK(text.find("\nheight                                  2.000") != std::string::npos);
+  CHECK(text.find("\nwalk                       1/2     ") != std::string::npos);
+  CHECK(text.find("jump") == std::string::npos);
+  CHECK(text.find("too slow") == std::string::npos);
+  CHECK(details.ends_with("\n    clip: too slow\n"));
+}
+
+TEST_CASE("a film strip of each motion is named by prompt and seed") {
+  const TemporaryFolder folder;
+  ml::Judgement j;
+  j.prompts = {ml::own_prompts().front()};
+  j.verdicts = {{{}, {.why_not = "it turned"}}};
+  j.made = {synthetic::walk({.frames = 5}), synthetic::walk({.frames = 5, .turn = 1})};
+  ml::write_judged_strips(folder / "strips", "own_0", j);
+  const std::string first = ml::read_file(folder / "strips/own_0_0_0.png"),
+                    second = ml::read_file(folder / "strips/own_0_0_1.png");
+  CHECK(first.starts_with("\x89PNG"));
+  CHECK(first != second);
 }
