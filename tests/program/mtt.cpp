@@ -166,7 +166,7 @@ TEST_CASE("evaluate: what STMC cannot be measured with is refused") {
   refused({}, 2, "--texts is needed to measure STMC");
   refused({"--texts", "texts.txt", "--data", "."}, 2, "--recorded and --data belong together");
   ml::write_file(w / "motions.txt", std::string_view("clip # 0 # 2.5\n"));
-  refused({"--texts", "texts.txt", "--data", ".", "--recorded", "motions.txt"}, 1, "1 clip for 4 texts of texts.txt");
+  refused({"--texts", "texts.txt", "--data", ".", "--recorded", "motions.txt"}, 1, "motions.txt: 1 clip for 4 texts");
   ml::write_file(w / "other.txt", std::string_view("fly # 0 # 2 # legs\nwalk forward # 2 # 4 # legs\n"));
   refused({"--texts", "texts.txt", "--timelines", "other.txt"}, 1, "'fly' is not among the 4 texts");
 }

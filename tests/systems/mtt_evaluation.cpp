@@ -5,6 +5,9 @@
 #include <limits>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/datasets/mtt_motions.hpp>
+#include <motionlang/file/file.hpp>
+#include <motionlang/formats/bvh.hpp>
 #include <motionlang/generate/mtt_runs.hpp>
 #include <motionlang/generate/stmc_motion_model.hpp>
 #include <motionlang/train/mtt_evaluation.hpp>
@@ -13,6 +16,7 @@
 #include "../support/small_denoisers.hpp"
 #include "../support/small_model.hpp"
 #include "../support/synthetic_motion.hpp"
+#include "../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
 using B = ml::EigenBackend<float>;
@@ -182,4 +186,15 @@ TEST_CASE("mtt_features_of_rows: of HumanML3D's numbers and of STMC's the same f
   }
   CHECK(of_smpl < 1e-2);
   CHECK(of_guo < 1e-2);
+}
+
+TEST_CASE("the recorded motion of each text is read from a list") {
+  const TemporaryFolder folder;
+  ml::write_bvh(folder / "a.bvh", synthetic::walk({.frames = 80}));
+  ml::write_file(folder / "list.txt", std::string_view("a # 0 # 2\na # 1 # 3\n"));
+  const auto features = ml::mtt_features_of_recordings(folder / "list.txt", folder.path, 2);
+  REQUIRE(features.size() == 2);
+  CHECK(features[1] == ml::mtt_features_of_recorded(ml::read_mtt_motion(folder.path, {"a", 1, 3})));
+  CHECK(features[0] != features[1]);
+  CHECK_ERROR(ml::mtt_features_of_recordings(folder / "list.txt", folder.path, 3), "list.txt: 2 clips for 3 texts");
 }

@@ -22,27 +22,6 @@ struct DoctorOptions {
   bool all = false;
 };
 
-void say(const std::vector<ml::InspectedMotion>& found, bool all) {
-  for (const ml::InspectedMotion& m : found) {
-    if (m.good() && !all) continue;
-    const std::string text =
-        !m.unreadable.empty() ? "unreadable: " + m.unreadable : ml::join_text(m.findings, "; ", [](const auto& f) {
-          return ml::concat_text(ml::info(f.fault).name, ": ", f.text);
-        });
-    std::printf("%s: %s\n", m.name.c_str(), text.empty() ? "good" : text.c_str());
-  }
-  const auto good = std::ranges::count_if(found, [](const auto& m) { return m.good(); });
-  std::printf("\n%s, %td without a finding\n", ml::counted(found.size(), "motion").c_str(), good);
-  const auto unreadable = std::ranges::count_if(found, [](const auto& m) { return !m.unreadable.empty(); });
-  if (unreadable > 0) std::printf("%6td  %-14s the line of the file says why\n", unreadable, "unreadable");
-  const auto count = ml::count_faults(found);
-  for (std::size_t i = 0; i < count.size(); ++i) {
-    if (count[i] == 0) continue;
-    std::printf("%6td  %-14s %s%s\n", count[i], std::string(ml::fault_info[i].name).c_str(),
-                std::string(ml::fault_info[i].meaning).c_str(), ml::fault_info[i].mendable ? " (--clean mends)" : "");
-  }
-}
-
 void run(const DoctorOptions& o) {
   if (!o.clean.empty() && is_same_place(o.clean, o.folder))
     ml::raise<usage_error>(102, "doctor: --clean '", o.clean, "' is the folder of the originals");
@@ -64,7 +43,7 @@ void run(const DoctorOptions& o) {
   }();
   print(ml::printable(with_options(notes), "\n"));
   for (ml::InspectedMotion& m : found) m.unreadable = with_options(m.unreadable);
-  say(found, o.all);
+  print(with_options(ml::describe_inspection(found, o.all)));
   if (o.report.empty()) return;
   ml::write_file(o.report, ml::inspection_html(found, "motionlang doctor: " + o.folder));
   std::printf("Open %s in a browser to see them.\n", std::filesystem::absolute(o.report).string().c_str());

@@ -3,11 +3,11 @@
 #include <cstdio>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/file/json.hpp>
 #include <motionlang/generate/describe_files.hpp>
 
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"
+#include "../formatted.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
@@ -72,35 +72,12 @@ class Describer {
     if (described_.empty() && !stopped)
       ml::raise<ml::config_error>(101, "describe: none of the ", ml::counted(files_.size(), "file"),
                                   " could be described");
-    o_.json ? say_json() : say();
+    print(o_.json ? ml::described_json(described_) : ml::described_text(described_));
+    if (!o_.json && !o_.out.empty()) std::printf("table    %s\n", o_.out.c_str());
     if (stopped) throw ml::cancelled();  // the descriptions so far are kept
   }
 
  private:
-  void say() const {
-    for (const ml::DescribedMotionPart& d : described_) {
-      std::printf("%7.2f %7.2f s  %s%s\n", d.start, d.end, ml::printable(d.file.path.string()).c_str(),
-                  d.name.empty() ? "" : (" (" + ml::printable(d.name) + ")").c_str());
-      for (const ml::Description& text : d.texts)
-        std::printf("%9.2f  \"%s\"\n", text.log_probability, ml::printable(text.text).c_str());
-    }
-    if (!o_.out.empty()) std::printf("table    %s\n", o_.out.c_str());
-  }
-  void say_json() const {
-    auto out = nlohmann::ordered_json::array();
-    for (const ml::DescribedMotionPart& d : described_) {
-      auto texts = nlohmann::ordered_json::array();
-      for (const ml::Description& text : d.texts)
-        texts.push_back({{"text", text.text}, {"log_probability", text.log_probability}});
-      out.push_back({{"path", d.file.path.string()},
-                     {"name", d.name},
-                     {"start", d.start},
-                     {"end", d.end},
-                     {"descriptions", std::move(texts)}});
-    }
-    std::printf("%s\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-  }
-
   const DescribeOptions& o_;
   const std::vector<ml::FileToDescribe> files_;
   ml::MotionDescriber<B> describer_;

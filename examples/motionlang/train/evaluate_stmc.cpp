@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include <motionlang/compose/timeline_text.hpp>
-#include <motionlang/datasets/mtt_motions.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/generate/mtt_runs.hpp>
 
@@ -29,21 +28,6 @@ std::vector<ml::TimelineInSeconds> timelines_of(const EvaluationOptions& o, std:
   return out;
 }
 
-/// Features of the recorded motion of each text; none without --recorded.
-std::vector<std::vector<double>> recorded_features(const EvaluationOptions& o, std::size_t texts) {
-  std::vector<std::vector<double>> out;
-  if (o.recorded.empty()) return out;
-  const auto clips = ml::parse_mtt_motions(ml::read_file(o.recorded), o.recorded.string());
-  if (clips.size() != texts)
-    ml::raise<ml::config_error>(102, o.recorded.string(), ": ", counted(clips.size(), "clip"), " for ",
-                                counted(texts, "text"), " of ", o.texts.string());
-  for (const ml::MttClip& clip : clips) {
-    const auto joints = ml::read_mtt_motion(ml::FilePath(o.data), clip);
-    out.push_back(ml::mtt_features_of_recorded(joints));
-  }
-  return out;
-}
-
 /// The rows of both tables that are wanted.
 std::vector<ml::MttRun> wanted_runs(const EvaluationOptions& o) {
   std::vector<ml::MttRun> out;
@@ -63,7 +47,10 @@ void evaluate_stmc(const EvaluationOptions& o) {
   const auto texts = ml::parse_mtt_texts(ml::read_file(o.texts), o.texts.string());
   const auto timelines = timelines_of(o, texts);
   const SearchModel tmr = search_model(o.tmr.empty() ? default_search_model() : o.tmr, o.tmr_text_encoder);
-  const auto reference = ml::mtt_reference(tmr, texts, recorded_features(o, texts.size()));
+  std::vector<std::vector<double>> recorded;
+  if (!o.recorded.empty())
+    recorded = ml::mtt_features_of_recordings(ml::FilePath(o.recorded), ml::FilePath(o.data), texts.size());
+  const auto reference = ml::mtt_reference(tmr, texts, std::move(recorded));
   const auto model =
       load_generator("eigen", o.model, {.text_encoder = o.text_encoder.string(), .statistics = o.statistics.string()});
   ml::MttRunOptions how{.seed = o.seed, .batch = o.batch, .steps = o.steps, .guidance = o.guidance};

@@ -70,6 +70,10 @@ void describe_file(const MotionDescriber<B>& describer, const FileToDescribe& fi
 std::string caption_table(std::span<const DescribedMotionPart> described, const std::string& by,
                           std::vector<std::string>& problems);
 
+/// Each part with its time, its file and its descriptions, as lines, or as a list in JSON.
+std::string described_text(std::span<const DescribedMotionPart> described);
+std::string described_json(std::span<const DescribedMotionPart> described);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_INSTANTIATED

@@ -4,7 +4,10 @@
 
 #include <map>  // clips
 
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/core/option_error.hpp>
+#include <motionlang/core/utf8.hpp>
+#include <motionlang/file/json.hpp>
 #include <motionlang/generate/describe_files.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 
@@ -59,6 +62,32 @@ MOTIONLANG_BODY std::string caption_table(std::span<const DescribedMotionPart> d
       table += concat_text(d.file.clip, "\t", d.start, "\t", d.end, "\t", parts, "\t", captions, "\n");
   }
   return table;
+}
+
+MOTIONLANG_BODY std::string described_text(std::span<const DescribedMotionPart> described) {
+  std::string out;
+  for (const DescribedMotionPart& d : described) {
+    out += formatted("%7.2f %7.2f s  ", d.start, d.end) + printable(d.file.path.string());
+    out += (d.name.empty() ? "" : " (" + printable(d.name) + ")") + "\n";
+    for (const Description& text : d.texts)
+      out += formatted("%9.2f  ", text.log_probability) + "\"" + printable(text.text) + "\"\n";
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string described_json(std::span<const DescribedMotionPart> described) {
+  auto out = nlohmann::ordered_json::array();
+  for (const DescribedMotionPart& d : described) {
+    auto texts = nlohmann::ordered_json::array();
+    for (const Description& text : d.texts)
+      texts.push_back({{"text", text.text}, {"log_probability", text.log_probability}});
+    out.push_back({{"path", d.file.path.string()},
+                   {"name", d.name},
+                   {"start", d.start},
+                   {"end", d.end},
+                   {"descriptions", std::move(texts)}});
+  }
+  return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -19,6 +19,7 @@
 
 #include <motionlang/compose/baselines.hpp>
 #include <motionlang/compose/mtt_timelines.hpp>
+#include <motionlang/file/file_path.hpp>
 #include <motionlang/kinematics/guo_chains.hpp>
 #include <motionlang/metrics/mtt.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
@@ -69,6 +70,12 @@ std::vector<double> mtt_features_of_rows(std::string_view layout, std::span<cons
 
 /// The same of joints as read_mtt_motion gives them: (frames, 22), Y up.
 std::vector<double> mtt_features_of_recorded(std::span<const Vec3<double>> joints);
+
+/// The same of the recorded motion of each text.
+/// list    a file as datasets/mtt_motions.hpp describes; its paths lead into `folder`
+/// texts   their number. Throws config_error 102 for another number of motions, and what the readers throw
+std::vector<std::vector<double>> mtt_features_of_recordings(const FilePath& list, const FilePath& folder,
+                                                            std::size_t texts);
 
 /// Throws config_error 102 unless a retrieving model reads HumanML3D's features at 20 frames per second.
 void require_mtt_judge(std::string_view features, double fps, std::string_view folder);

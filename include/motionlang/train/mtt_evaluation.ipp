@@ -5,7 +5,9 @@
 #include <cstdio>   // numbers
 #include <numbers>  // pi
 
+#include <motionlang/datasets/mtt_motions.hpp>
 #include <motionlang/features/smplrifke.hpp>
+#include <motionlang/file/file.hpp>
 #include <motionlang/train/mtt_evaluation.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -41,6 +43,16 @@ MOTIONLANG_BODY std::vector<double> mtt_features_of_rows(std::string_view layout
 
 MOTIONLANG_BODY std::vector<double> mtt_features_of_recorded(std::span<const Vec3<double>> joints) {
   return mtt_features(humanml3d_chains(), joints, Guoh3dSlots{}.joints, false);
+}
+
+MOTIONLANG_BODY std::vector<std::vector<double>> mtt_features_of_recordings(const FilePath& list,
+                                                                            const FilePath& folder, std::size_t texts) {
+  const auto clips = parse_mtt_motions(read_file(list), list.string());
+  if (clips.size() != texts)
+    raise<config_error>(102, list.string(), ": ", counted(clips.size(), "clip"), " for ", counted(texts, "text"));
+  std::vector<std::vector<double>> out;
+  for (const MttClip& clip : clips) out.push_back(mtt_features_of_recorded(read_mtt_motion(folder, clip)));
+  return out;
 }
 
 MOTIONLANG_BODY void require_mtt_judge(std::string_view features, double fps, std::string_view folder) {

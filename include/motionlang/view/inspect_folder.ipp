@@ -2,11 +2,13 @@
 // Bodies of inspect_folder.hpp.
 #pragma once
 
-#include <array>    // strips of each fault
-#include <cstdio>   // about a motion
-#include <set>      // names of copies
-#include <utility>  // move
+#include <algorithm>  // count_if
+#include <array>      // strips of each fault
+#include <cstdio>     // about a motion
+#include <set>        // names of copies
+#include <utility>    // move
 
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/file/input_files.hpp>
 #include <motionlang/view/film_strip.hpp>
@@ -103,6 +105,29 @@ MOTIONLANG_BODY std::vector<InspectedMotion> inspect_folder(const std::filesyste
   if (files.empty())
     raise<config_error>(101, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", folder.string(), "'");
   return inspect_files(files, folder, options, progress, notes);
+}
+
+MOTIONLANG_BODY std::string describe_inspection(const std::vector<InspectedMotion>& found, bool all) {
+  std::string out;
+  for (const InspectedMotion& m : found) {
+    if (m.good() && !all) continue;
+    const auto finding = [](const Finding& f) { return concat_text(info(f.fault).name, ": ", f.text); };
+    const std::string text =
+        m.unreadable.empty() ? join_text(m.findings, "; ", finding) : "unreadable: " + m.unreadable;
+    out += m.name + ": " + (text.empty() ? "good" : text) + "\n";
+  }
+  const auto good = std::ranges::count_if(found, [](const InspectedMotion& m) { return m.good(); });
+  const auto unreadable = std::ranges::count_if(found, [](const InspectedMotion& m) { return !m.unreadable.empty(); });
+  out += concat_text("\n", counted(found.size(), "motion"), ", ", good, " without a finding\n");
+  const auto line = [&](Index count, std::string_view name, std::string_view meaning) {
+    if (count > 0) out += formatted("%6td  %-14s ", count, std::string(name).c_str()) + std::string(meaning) + "\n";
+  };
+  line(unreadable, "unreadable", "the line of the file says why");
+  const auto count = count_faults(found);
+  for (std::size_t i = 0; i < count.size(); ++i)
+    line(count[i], fault_info[i].name,
+         std::string(fault_info[i].meaning) + (fault_info[i].mendable ? " (`clean` mends)" : ""));
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END

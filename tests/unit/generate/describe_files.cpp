@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <motionlang/file/json.hpp>
+
 #include "../../support/check_error.hpp"
 #include "../../support/temporary_folder.hpp"
 
@@ -24,12 +26,17 @@ TEST_CASE("files to describe are named as a table of captions does") {
   CHECK_ERROR(ml::require_different_clips(twice), "[motionlang.config.102] `out`: ");
 }
 
+namespace {
+
+ml::DescribedMotionPart part(const char* path, const char* clip, const char* name, std::vector<std::string> texts) {
+  ml::DescribedMotionPart p{{0.5, 2}, {path, clip}, name};
+  for (std::string& text : texts) p.texts.push_back({.text = std::move(text), .log_probability = -1.5});
+  return p;
+}
+
+}  // namespace
+
 TEST_CASE("the table has a line for each part with words, of files with one motion") {
-  const auto part = [](const char* path, const char* clip, const char* name, std::vector<std::string> texts) {
-    ml::DescribedMotionPart p{{0.5, 2}, {path, clip}, name};
-    for (std::string& text : texts) p.texts.push_back({.text = std::move(text)});
-    return p;
-  };
   const std::vector described{part("a.bvh", "a", "", {"a person walks", "", "someone walks"}),
                               part("b.bvh", "b", "", {""}), part("c.glb", "c", "first", {"a jump"})};
   std::vector<std::string> problems{"earlier"};
@@ -39,4 +46,20 @@ TEST_CASE("the table has a line for each part with words, of files with one moti
             ml::join_text(ml::body_part_names) + "\ta person walks | someone walks\n");
   CHECK(problems == std::vector<std::string>{"earlier", "b.bvh: no words, not in the table",
                                              "c.glb (first): one of several motions, not in the table"});
+}
+
+TEST_CASE("descriptions are lines, or a list in JSON") {
+  const std::vector described{part("a.bvh", "a", "", {"a person walks", "someone \"walks\""}),
+                              part("c.glb", "c", "fir\nst", {})};
+  CHECK(ml::described_text(described) ==
+        "   0.50    2.00 s  a.bvh\n    -1.50  \"a person walks\"\n    -1.50  \"someone \"walks\"\"\n"
+        "   0.50    2.00 s  c.glb (fir?st)\n");
+  const auto read = nlohmann::json::parse(ml::described_json(described));
+  REQUIRE(read.size() == 2);
+  CHECK(read[0]["path"] == "a.bvh");
+  CHECK(read[0]["descriptions"][1]["text"] == "someone \"walks\"");
+  CHECK(read[0]["descriptions"][0]["log_probability"] == -1.5);
+  CHECK(read[1]["name"] == "fir\nst");
+  CHECK(read[1]["descriptions"].empty());
+  CHECK(nlohmann::json::parse(ml::described_json({})).empty());
 }

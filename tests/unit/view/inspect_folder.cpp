@@ -45,6 +45,14 @@ TEST_CASE("every motion of a folder is inspected; copies are mended, originals s
   CHECK(found[2].strip.empty());
   CHECK(found[2].about == "2.00 s, 30 frames per second, 24 joints");
   CHECK(found[3].name != found[4].name);  // animations of one name
+  const std::string lines = ml::describe_inspection(found), all = ml::describe_inspection(found, true);
+  CHECK(lines.find("broken.bvh: unreadable: [motionlang.io.40") != std::string::npos);
+  CHECK(lines.find("\ndeep/large.bvh: scale: ") != std::string::npos);
+  CHECK(lines.find("sound.bvh") == std::string::npos);
+  CHECK(all.find("\nsound.bvh: good\n") != std::string::npos);
+  CHECK(lines.find("\n\n5 motions, 3 without a finding\n     1  unreadable     the line of the file says why\n") !=
+        std::string::npos);
+  CHECK(lines.ends_with("     1  scale          the figure is not as tall as a person (`clean` mends)\n"));
   for (const char* copy : {"clean/sound.bvh", "clean/deep/large.bvh"}) CHECK_MESSAGE(fs::exists(folder / copy), copy);
   CHECK(synthetic::largest_distance(ml::read_bvh_motion(folder / "clean/deep/large.bvh"),
                                     ml::read_bvh_motion(folder / "data/sound.bvh")) < 1e-3);
