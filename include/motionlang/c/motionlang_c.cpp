@@ -6,6 +6,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/core/text_lines.hpp>
+#include <motionlang/formats/features_npy.hpp>
 #include <motionlang/generate/kept_clip_text.hpp>
 #include <motionlang/generate/load_trained_motion_model.hpp>
 #include <motionlang/generate/timelines_of_text.hpp>
@@ -13,6 +14,7 @@
 #include <motionlang/search/kept_index.hpp>
 #include <motionlang/search/text_answer.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
+#include <motionlang/view/rig_writer.hpp>
 #include <motionlang/view/view_file.hpp>
 
 namespace ml = motionlang;
@@ -110,6 +112,13 @@ ml::MotionReadOptions read_options(const motionlang_read_options* given_options)
 motionlang_motions with_handles(std::vector<ml::Motion> motions, std::string notes) {
   motionlang_motions out{{}, std::move(notes)};
   for (ml::Motion& m : motions) out.motions.push_back({std::move(m)});
+  return out;
+}
+std::vector<ml::Motion> copies_of(const motionlang_motion* const* motions, int64_t count) {
+  if (count < 0) ml::raise<ml::config_error>(101, ml::counted(count, "motion"));
+  if (count > 0) given(motions, "motions");
+  std::vector<ml::Motion> out;
+  for (int64_t i = 0; i < count; ++i) out.push_back(given(motions[i], "a motion").motion);
   return out;
 }
 std::string or_empty(const char* text) { return text == nullptr ? "" : text; }
@@ -310,12 +319,20 @@ int motionlang_write_motion(const motionlang_motion* motion, const char* file) {
   return done([&] { ml::write_motion_or_view(&given(file, "file"), given(motion, "motion").motion); });
 }
 int motionlang_write_motions(const motionlang_motion* const* motions, int64_t count, const char* file) {
+  return done([&] { ml::write_motions(&given(file, "file"), copies_of(motions, count)); });
+}
+int motionlang_write_on_character(const motionlang_motion* const* motions, int64_t count, const char* character,
+                                  const char* joints, const char* file) {
   return done([&] {
-    if (count < 0) ml::raise<ml::config_error>(101, ml::counted(count, "motion"));
-    std::vector<ml::Motion> all;
-    if (count > 0) given(motions, "motions");
-    for (int64_t i = 0; i < count; ++i) all.push_back(given(motions[i], "a motion").motion);
-    ml::write_motions(&given(file, "file"), all);
+    const std::string rig = &given(character, "character"), result = &given(file, "file");
+    if (rig.empty()) ml::raise<ml::config_error>(101, "character is empty");
+    ml::rig_writer({.file = rig, .joints = or_empty(joints)})(result, copies_of(motions, count));
+  });
+}
+int motionlang_write_features(const motionlang_motion* motion, const char* features, const char* file) {
+  return done([&] {
+    const ml::MotionFeatures& wanted = ml::motion_features(&given(features, "features"));
+    ml::write_features_npy(&given(file, "file"), given(motion, "motion").motion, wanted);
   });
 }
 int motionlang_motion_bytes(const motionlang_motion* motion, const char* kind, motionlang_bytes** bytes) {

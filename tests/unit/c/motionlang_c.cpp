@@ -4,6 +4,7 @@
 #include <motionlang/c/motionlang_c.h>
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/features_npy.hpp>
 #include <motionlang/formats/motion_file.hpp>
 #include <motionlang/generate/finish_motion.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
@@ -155,6 +156,37 @@ TEST_CASE("files and characters") {
   REQUIRE(motionlang_read_motion(out.c_str(), &again.motion) == 0);
   CHECK(motionlang_frames(again.motion) == motionlang_frames(made.motion));
   CHECK(motionlang_joints(again.motion) == motionlang_joints(on_character.motion));
+
+  const motionlang_motion* const both[] = {made.motion, made.motion};
+  const auto added = (folder / "added.glb").string(), page = (folder / "page.html").string();
+  REQUIRE(motionlang_write_on_character(both, 2, rig.c_str(), nullptr, added.c_str()) == 0);
+  motionlang_motions* animations = nullptr;
+  REQUIRE(motionlang_read_motions(added.c_str(), nullptr, &animations) == 0);
+  REQUIRE(motionlang_motions_count(animations) == 3);  // and that of the character
+  CHECK(motionlang_joints(motionlang_motions_at(animations, 2)) == motionlang_joints(character.motion));
+  motionlang_free_motions(animations);
+  CHECK(motionlang_write_on_character(both, 1, rig.c_str(), nullptr, page.c_str()) == 0);
+  CHECK(std::filesystem::file_size(page) > 1000);
+  CHECK(motionlang_write_on_character(both, 1, rig.c_str(), nullptr, out.c_str()) == 103);
+  CHECK(motionlang_write_on_character(both, 0, rig.c_str(), nullptr, added.c_str()) == 103);
+  CHECK(motionlang_write_on_character(both, 1, "", nullptr, added.c_str()) == 101);
+  CHECK(motionlang_write_on_character(both, 1, nullptr, nullptr, added.c_str()) == 101);
+}
+
+TEST_CASE("features are those of the templates") {
+  const TemporaryFolder folder;
+  const auto bvh = (folder / "walk.bvh").string(), npy = (folder / "walk.npy").string();
+  const ml::Motion walk = synthetic::walk({.frames = 40});
+  ml::write_bvh(bvh, walk);
+  Made read;
+  REQUIRE(motionlang_read_motion(bvh.c_str(), &read.motion) == 0);
+  REQUIRE(motionlang_write_features(read.motion, "guoh3d", npy.c_str()) == 0);
+  const std::string by_c = ml::read_file(npy);
+  ml::write_features_npy(npy, ml::read_motion(bvh), ml::motion_features("guoh3d"));
+  CHECK(by_c == ml::read_file(npy));
+  CHECK(motionlang_write_features(read.motion, "dance", npy.c_str()) == 103);
+  CHECK(motionlang_write_features(nullptr, "guoh3d", npy.c_str()) == 101);
+  CHECK(motionlang_write_features(read.motion, "guoh3d", "/nowhere/walk.npy") == 401);
 }
 
 TEST_CASE("what is wrong has an id and a message") {
