@@ -26,6 +26,7 @@
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/view/body_view.hpp>
 #include <motionlang/view/rig_viewer.hpp>
+#include <motionlang/view/rig_writer.hpp>
 #include <motionlang/view/view_file.hpp>
 #include <motionlang/weights/actor_checkpoint.hpp>
 #include <motionlang/weights/actor_model.hpp>
@@ -143,4 +144,7 @@ void treadmill() {
 }
 void rig_page(const Motion& motion) {
 #include "view/rig_viewer.1.inc"
+}
+void character(const Motion& motion) {
+#include "view/rig_writer.1.inc"
 }
