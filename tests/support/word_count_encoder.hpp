@@ -2,6 +2,8 @@
 /// An encoder of texts for tests: how often a text says each of a few words.
 #pragma once
 
+#include <algorithm>  // count
+
 #include <motionlang/text/known_captions.hpp>
 #include <motionlang/text/word_piece.hpp>
 

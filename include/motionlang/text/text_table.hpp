@@ -12,7 +12,7 @@
 ///     likeness = max(0, cos(vector - mean, vector' - mean)) (0.01 + 0.99 words)
 ///     words    = sum_w rarity_w max_v alike(w, v) / sum_w rarity_w
 ///     rarity_w = log((1 + texts) / (1 + texts with w))
-///     alike    = 1 for the same word in any form, else the cosine between the words' vectors, and 0 without these
+///     alike    = 1 for the same word, else the cosine between the words' vectors, and 0 without these
 #pragma once
 
 #include <cstdint>      // codes

@@ -32,7 +32,7 @@ MOTIONLANG_BODY bool is_function_word(const std::string& word) {
 
 /// The words of the texts by number.
 struct TextTable::Words {
-  std::vector<std::string> words{};            // in alphabetical order, in the form that known_form finds
+  std::vector<std::string> words{};            // in alphabetical order
   std::vector<double> rarity{};                // of each
   std::vector<std::vector<float>> vectors{};   // of each; empty: it has none
   std::vector<std::uint32_t> said{}, first{};  // word numbers of all texts; where each text begins

@@ -19,6 +19,8 @@
 #include <motionlang/weights/weight_file.hpp>
 #include <motionlang/weights/word_vector_file.hpp>
 
+#include <iostream>
+
 void bert_(const JsonView& config, const WeightFile& weights, const BertTokenizer& tokenizer,
            const std::vector<std::string>& texts) {
 #include "text/bert.1.inc"
