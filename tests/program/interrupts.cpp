@@ -59,8 +59,8 @@ TEST_CASE("Ctrl-C while training: 130 and a checkpoint, from which the same comm
   CHECK(contains(whole.text, "continuing at step"));
   CHECK(names() == std::vector<std::string>{"checkpoint.safetensors", "loss.svg", "stmc.safetensors"});
   CHECK(run({"info", "run/stmc.safetensors"}, clips.folder.path).code == 0);
-  const auto made = run({"generate", "--model", "run/stmc.safetensors", "--text", "Someone blorps a floop",
-                         "--seconds", "1", "--preset", "fast", "--out", "made"},
+  const auto made = run({"generate", "--model", "run/stmc.safetensors", "--text", "Someone blorps a floop", "--seconds",
+                         "1", "--preset", "fast", "--out", "made"},
                         clips.folder.path);
   CHECK_MESSAGE(made.code == 0, made.text);
   CHECK_MESSAGE(contains(made.text, "the model never learned the words 'blorps', 'floop'\n"), made.text);
