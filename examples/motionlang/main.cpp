@@ -11,6 +11,13 @@
 #include "help_formatter.hpp"
 #include "training_commands.hpp"
 
+namespace program {
+void add_train_mdm_smpl(CLI::App& app);
+void add_train_mdm(CLI::App& app);
+void add_train_motiondiffuse(CLI::App& app);
+void add_train_mdm_actions(CLI::App& app);
+}  // namespace program
+
 namespace {
 
 void on_interrupt(int) {
@@ -58,6 +65,10 @@ int main(int argc, char** argv) {
   program::add_train_actor(app);
   program::add_train_classifier(app);
   program::add_train_tm2t(app);
+  program::add_train_mdm_smpl(app);
+  program::add_train_mdm(app);
+  program::add_train_motiondiffuse(app);
+  program::add_train_mdm_actions(app);
   program::add_evaluate(app);
 #endif
   program::add_judge(app);

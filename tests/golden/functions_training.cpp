@@ -3,8 +3,8 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
-#include <motionlang/loss/reconstruction.hpp>
 #include <motionlang/optim/adamw.hpp>
+#include <motionlang/train/diffusion_losses.hpp>
 
 #include "models.hpp"
 
@@ -68,16 +68,9 @@ void mdm_smpl_training(Case& c) {
   auto text = golden::text_features<A>(c);
   text.tokens.rows = model.text_normalizer.normalize(text.tokens.rows);
   train<A>(c, model, "", [&](const auto& m, Index k) {
-    const auto t = c.values<Index>("in/t_" + std::to_string(k));
     const auto eps = ml::from_padded(tensor<A, 3>(c, golden::noise_name(k)), valid);
-    std::vector<Index> t_of_row;
-    for (Index s : ml::sequence_of_row(x0.offsets)) t_of_row.push_back(t[static_cast<std::size_t>(s)]);
-    const auto x_t = x0.with(ml::q_sample(d, x0.rows, t_of_row, eps.rows));
-    // always between clean motions, whatever the network predicts
-    const auto clean = ml::to_x0(d, golden::prediction_of(c.config()), m.denoiser(x_t, t, text).rows, x_t.rows,
-                                 std::span<const Index>(t_of_row));
-    return ml::sum(ml::square(x0.rows - clean)) *
-           (1.0 / static_cast<double>(c.shape("in/x").count()));  // the mean counts padding
+    return ml::mdm_smpl_loss<A>(d, m.denoiser, {x0, eps.rows, c.values<Index>("in/t_" + std::to_string(k))}, text, {},
+                                golden::prediction_of(c.config()), c.shape("in/x")[1]);
   });
 }
 
@@ -90,22 +83,18 @@ void mdm_training(Case& c) {
   const Index frames = shape[3], width = shape[1] * shape[2];
   const auto mask = c.values<unsigned char>("in/mask");
   auto padded = [&](const ml::Tensor<A, 2>& rows) { return ml::reshape<3>(rows, {shape[0], frames, width}); };
-  const auto x0 = golden::mdm_rows(tensor<A, 4>(c, "in/x"));
-  const auto target = ml::from_padded(padded(x0), std::span<const unsigned char>(mask));
+  const auto x0 = ml::from_equal(padded(golden::mdm_rows(tensor<A, 4>(c, "in/x"))));
+  std::vector<Index> lengths(static_cast<std::size_t>(shape[0]));
+  for (std::size_t i = 0; i < mask.size(); ++i) lengths[i / static_cast<std::size_t>(frames)] += mask[i];
   train<A>(c, model, "", [&](const auto& m, Index k) {
-    const auto t = c.values<Index>("in/t_" + std::to_string(k));
-    std::vector<Index> t_of_row;
-    for (Index s = 0; s < shape[0]; ++s)
-      t_of_row.insert(t_of_row.end(), static_cast<std::size_t>(frames), t[static_cast<std::size_t>(s)]);
-    const auto x_t = ml::q_sample(d, x0, t_of_row, golden::mdm_rows(tensor<A, 4>(c, golden::noise_name(k))));
+    const auto eps = golden::mdm_rows(tensor<A, 4>(c, golden::noise_name(k)));
     auto text = golden::mdm_condition<A>(c, m.config, shape[0]);
     if (const auto drop = "noise/drop_" + std::to_string(k); c.has(drop)) {
       const auto kept = 1.0 - ml::reshape<2>(tensor<A, 1>(c, drop), {shape[0], 1});
       text.tokens.rows = text.tokens.rows * ml::repeat_for_rows(kept, text.tokens.offsets);
     }
-    const auto out = m(ml::from_equal(padded(x_t)), t, text);  // no key padding mask in training
-    const auto predicted = ml::from_padded(padded(out.rows), std::span<const unsigned char>(mask));
-    const auto per_sample = ml::mse_per_sequence(target, predicted.rows);
+    const auto per_sample =  // no key padding mask in training
+        ml::mdm_losses<A>(d, m, {x0, eps, c.values<Index>("in/t_" + std::to_string(k))}, lengths, text);
     if (k == 0) golden::out_if_wanted(c, "loss_per_sample", per_sample);
     return ml::mean(per_sample);
   });
@@ -125,16 +114,8 @@ void motiondiffuse_training(Case& c) {
   const auto x0 = pack(full);
   const auto text = golden::clip_features<A>(c);
   train<A>(c, model, "", [&](const auto& m, Index k) {
-    const auto t = c.values<Index>("in/t_" + std::to_string(k));
     const auto eps = pack(tensor<A, 3>(c, golden::noise_name(k)));
-    std::vector<Index> t_of_row;
-    for (Index s : ml::sequence_of_row(x0.offsets)) t_of_row.push_back(t[static_cast<std::size_t>(s)]);
-    const auto out = m(x0.with(ml::q_sample(d, x0.rows, t_of_row, eps.rows)), t, text);
-    // per frame the mean over features, then the mean over all valid frames of the batch
-    auto valid = [&](const ml::Sequences<A>& s) {
-      return ml::from_padded(ml::to_padded(s, 0, full.size(1)), std::span<const Index>(lengths)).rows;
-    };
-    return ml::mse(valid(eps), valid(out));
+    return ml::motiondiffuse_loss<A>(d, m, {x0, eps.rows, c.values<Index>("in/t_" + std::to_string(k))}, lengths, text);
   });
 }
 

@@ -218,12 +218,15 @@ inline std::filesystem::path features_file(const DataSources& sources, const Ann
                     "' is not a path of a clip");
   return sources.data / (motion.path + ".npy");
 }
+/// True for the features of STMC, whose data are of AMASS alone, with ready-made rows of its own program.
+inline bool is_stmc(const RowMaker& maker) { return maker.name == "smplrifke"; }
 /// The rows of a motion of the annotation file: features as they are, or a clip.
 inline std::vector<float> annotated_rows(const DataSources& sources, ClipFolder& clips, const RowMaker& maker,
                                          const AnnotatedMotion& motion) {
   const auto npy = features_file(sources, motion);
   if (std::filesystem::exists(npy))
-    return detail::read_rows(npy, {ready_made_form(maker, npy).width()}, /*any_number=*/true);
+    return detail::read_rows(npy, {is_stmc(maker) ? maker.width : ready_made_form(maker, npy).width()},
+                             /*any_number=*/true);
   ClipLine line{sources.annotations.string() + ": " + motion.id, motion.id, motion.path, 0, 0, {}, {}};
   clips.find(line);
   return made_rows(maker, resample(read_clip(sources.data, line), maker.fps));
@@ -248,6 +251,10 @@ inline void add_annotations(DescribedMotions& out, const DataSources& sources, c
         training_annotations(motion, part == 2 ? "test" : "train", config.min_seconds, config.max_seconds);
     out.left_out.add(why_other_length(config), id, std::ssize(motion.annotations) - std::ssize(texts));
     if (texts.empty()) continue;
+    if (is_stmc(maker) && motion.path.find("humanact12") != std::string::npos) {
+      out.left_out.add("of HumanAct12, which has no poses of SMPL", id, std::ssize(texts));
+      continue;
+    }
     DescribedMotion d{id, motion.path, annotated_rows(sources, clips, maker, motion), {}};
     if (!all_finite(d.rows)) {
       out.left_out.add(why_not_finite, id, std::ssize(texts));

@@ -30,10 +30,14 @@ struct AnyDenoiser {
     std::optional<typename MdmSmplDenoiser<B>::EncodedText> mdm_smpl{};
     std::optional<typename MotionDiffuseDenoiser<B>::EncodedText> motiondiffuse{};
   };
+  /// Of a text whose encoder marks no end, the last token is the end token of MotionDiffuse.
   EncodedText encode(const TextFeatures<B>& text) const {
     EncodedText out{text};
+    if (motiondiffuse && text.end_position.empty()) {
+      for (Index i = 0; i < text.count(); ++i) out.text.end_position.push_back(text.tokens.offsets.length(i) - 1);
+    }
     if (mdm_smpl) out.mdm_smpl = mdm_smpl->encode(text);
-    if (motiondiffuse) out.motiondiffuse = motiondiffuse->encode(text);
+    if (motiondiffuse) out.motiondiffuse = motiondiffuse->encode(out.text);
     return out;
   }
 

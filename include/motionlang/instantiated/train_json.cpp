@@ -3,8 +3,14 @@
 #include <motionlang/train/action_batch.ipp>
 #include <motionlang/train/actor_training.ipp>
 #include <motionlang/train/classifier_training.ipp>
+#include <motionlang/train/diffusion_items.ipp>
+#include <motionlang/train/diffusion_presets.ipp>
+#include <motionlang/train/diffusion_systems.ipp>
+#include <motionlang/train/diffusion_texts.ipp>
+#include <motionlang/train/diffusion_training.ipp>
 #include <motionlang/train/epoch_task.ipp>
 #include <motionlang/train/guo_evaluation.ipp>
+#include <motionlang/train/mdm_action_training.ipp>
 #include <motionlang/train/measured_items.ipp>
 #include <motionlang/train/measured_similarity.ipp>
 #include <motionlang/train/moment_evaluation.ipp>

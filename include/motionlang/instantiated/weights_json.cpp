@@ -6,12 +6,14 @@
 #include <motionlang/weights/detail/run_reader.ipp>
 #include <motionlang/weights/diffusion_folder.ipp>
 #include <motionlang/weights/diffusion_run.ipp>
+#include <motionlang/weights/diffusion_training_config.ipp>
 #include <motionlang/weights/embed_texts.ipp>
 #include <motionlang/weights/embedding_cache.ipp>
 #include <motionlang/weights/guo_evaluator_file.ipp>
 #include <motionlang/weights/mdm_action_run.ipp>
 #include <motionlang/weights/model_folder.ipp>
 #include <motionlang/weights/model_summary.ipp>
+#include <motionlang/weights/own_text_encoder.ipp>
 #include <motionlang/weights/pack_run.ipp>
 #include <motionlang/weights/run_folder.ipp>
 #include <motionlang/weights/text_encoder_folder.ipp>

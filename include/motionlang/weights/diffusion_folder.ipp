@@ -21,6 +21,7 @@ MOTIONLANG_BODY nlohmann::ordered_json diffusion_options(const DiffusionRun& run
                                     {"nb_registers", c.nb_registers},
                                     {"tx_dim", c.tx_dim},
                                     {"activation", std::string(to_string(c.activation))}};
+    if (run.schedule != "cosine") out["diffusion"]["noise_schedule"] = run.schedule;
   } else if (run.system == "mdm") {
     const MdmConfig& c = run.mdm;
     out = {{"arch", c.arch == MdmArch::gru         ? "gru"
@@ -33,6 +34,7 @@ MOTIONLANG_BODY nlohmann::ordered_json diffusion_options(const DiffusionRun& run
            {"text_encoder_type", run.text_encoder},
            {"diffusion_steps", run.steps},
            {"noise_schedule", run.schedule}};
+    if (c.num_heads != MdmConfig{}.num_heads) out["num_heads"] = c.num_heads;
   } else {
     const MotionDiffuseConfig& c = run.motiondiffuse;
     out = {{"latent_dim", c.latent_dim},
@@ -46,6 +48,7 @@ MOTIONLANG_BODY nlohmann::ordered_json diffusion_options(const DiffusionRun& run
            {"no_eff", c.no_eff},
            {"diffusion_steps", run.steps}};
   }
+  if (run.text_encoder == "word_pieces") out["text_encoder_type"] = run.text_encoder;
   return out;
 }
 

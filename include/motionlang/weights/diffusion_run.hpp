@@ -31,10 +31,10 @@ struct DiffusionRun {
   MdmConfig mdm{};
   MotionDiffuseConfig motiondiffuse{};
   Index steps = 1000;
-  std::string schedule = "cosine";  // or linear
+  std::string schedule = "cosine";  // or linear, chen (Chen 2023)
   double fps = 20;
   std::string features;               // smplrifke, guoh3dfeats
-  std::string text_encoder = "clip";  // or bert, none
+  std::string text_encoder = "clip";  // or bert, none; word_pieces: a small DistilBERT that was trained with the model
 
   Index width() const {
     return system == "stmc" ? mdm_smpl.nfeats : system == "mdm" ? mdm.nfeats : motiondiffuse.input_feats;

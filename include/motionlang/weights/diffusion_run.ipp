@@ -3,12 +3,14 @@
 #pragma once
 
 #include <motionlang/weights/diffusion_run.hpp>
+#include <motionlang/weights/own_text_encoder.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY GaussianDiffusion DiffusionRun::diffusion() const {
-  return schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = steps})
-                              : GaussianDiffusion(CosineSchedule{.steps = steps});
+  if (schedule == "linear") return GaussianDiffusion(LinearSchedule{.steps = steps});
+  if (schedule == "chen") return GaussianDiffusion(ChenCosineSchedule{.steps = steps});
+  return GaussianDiffusion(CosineSchedule{.steps = steps});
 }
 
 MOTIONLANG_BODY FeatureLayout DiffusionRun::layout() const {
@@ -32,6 +34,8 @@ inline void read_stmc(DiffusionRun& out, const RunReader& r) {
   out.steps =
       r.number({"diffusion/timesteps", "diffusion/schedule/timesteps", "diffusion/schedule/steps"}, 100, 10'000);
   r.one_of("diffusion/prediction", "x", {"x"});
+  out.schedule = r.one_of("diffusion/noise_schedule", "cosine", {"cosine", "chen"});
+  out.text_encoder = r.one_of("text_encoder_type", "clip", {"clip", "word_pieces"});
   out.mdm_smpl.max_len = std::max(out.mdm_smpl.max_len, out.steps);
   out.fps = r.real("data/motion_loader/fps", 20);
   out.features = "smplrifke";
@@ -54,14 +58,15 @@ MOTIONLANG_BODY void read_mdm(DiffusionRun& out, const RunReader& r) {
   c.latent_dim = r.size("input_process.poseEmbedding.weight", 0, {"latent_dim"});
   c.num_layers = r.count(layers, recurrent ? "" : ".linear1.weight", {"layers"});
   if (!recurrent) c.ff_size = r.size(layers + "0.linear1.weight", 0);
+  c.num_heads = r.number({"num_heads"}, c.num_heads, 1024);  // as published 4, which the options do not say
   const bool text = r.has("embed_text.weight"), action = r.has("embed_action.action_embedding");
   c.condition = text ? MdmCondition::text : action ? MdmCondition::action : MdmCondition::none;
   if (action) c.num_actions = r.size("embed_action.action_embedding", 0);
   if (text) c.text_dim = r.size("embed_text.weight", 1);
-  out.text_encoder = !text ? "none" : r.one_of("text_encoder_type", "clip", {"clip", "bert"});
-  c.text_sequence = decoder && out.text_encoder == "bert";
+  out.text_encoder = !text ? "none" : r.one_of("text_encoder_type", "clip", {"clip", "bert", "word_pieces"});
+  c.text_sequence = decoder && out.text_encoder != "clip";
   if (decoder && r.flag("emb_trans_dec", false))
-    c.class_token = out.text_encoder == "bert" ? MdmClassToken::time_only : MdmClassToken::time_plus_text;
+    c.class_token = c.text_sequence ? MdmClassToken::time_only : MdmClassToken::time_plus_text;
   c.mask_frames = r.flag("mask_frames", false);
   out.steps = r.number({"diffusion_steps"}, 1000, 10'000);
   out.schedule = r.one_of("noise_schedule", "cosine", {"cosine", "linear"});
@@ -85,6 +90,7 @@ inline void read_motiondiffuse(DiffusionRun& out, const RunReader& r) {
   c.no_eff = r.flag("no_eff", false);
   out.steps = r.number({"diffusion_steps"}, 1000, 10'000);
   out.schedule = "linear";
+  out.text_encoder = r.one_of("text_encoder_type", "clip", {"clip", "word_pieces"});
 }
 
 /// HumanML3D's vector of 22 joints, or KIT's of 21.
@@ -109,9 +115,13 @@ inline constexpr const char* clip_places[] = {"text_encoder", "clip", "ViT-B-32.
 
 inline constexpr const char* bert_places[] = {"text_encoder", "distilbert-base-uncased"};
 
+inline constexpr const char* own_places[] = {"text_encoder"};
+
 MOTIONLANG_BODY std::filesystem::path find_text_encoder(const std::filesystem::path& model, const std::string& kind) {
   std::vector<std::string> tried;
-  const auto places = kind == "clip" ? std::span<const char* const>(clip_places) : bert_places;
+  const auto places = kind == "clip"          ? std::span<const char* const>(clip_places)
+                      : kind == "word_pieces" ? std::span<const char* const>(own_places)
+                                              : bert_places;
   for (const auto& folder : {model, folder_around(model)}) {
     for (const char* name : places) {
       std::error_code ignored;
@@ -122,7 +132,8 @@ MOTIONLANG_BODY std::filesystem::path find_text_encoder(const std::filesystem::p
   raise<io_error>(401, model.string(), ": its text encoder is not in the folder: give ",
                   kind == "clip" ? "CLIP ViT-B/32 (ViT-B-32.pt with bpe_simple_vocab_16e6.txt.gz, or the folder "
                                    "clip-vit-base-patch32)"
-                                 : "the folder distilbert-base-uncased",
+                  : kind == "word_pieces" ? "the folder text_encoder that its training wrote"
+                                          : "the folder distilbert-base-uncased",
                   "; looked for ", join_text(tried));
 }
 
@@ -174,6 +185,11 @@ MOTIONLANG_BODY TextEncoderOptions wanted_text_encoder(const RunFolder& run, con
   if (about.text_encoder == "bert" && !about.mdm.text_sequence)
     raise<io_error>(404, run.folder.string(), ": texts of DistilBERT without a decoder (trans_dec)");
   const bool motiondiffuse = about.system == "motiondiffuse";
+  if (about.text_encoder == "word_pieces") {
+    const bool states = motiondiffuse || about.mdm.text_sequence;
+    return {.text = {.pooling = states ? Pooling::none : Pooling::mean},
+            .limits = {.longest = own_text_longest, .truncate = true}};
+  }
   return about.text_encoder == "bert" ? TextEncoderOptions{}
          : motiondiffuse              ? clip_states()
          : about.system == "mdm"      ? clip_sentences(22)

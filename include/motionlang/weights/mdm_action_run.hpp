@@ -33,6 +33,8 @@ inline constexpr ActorFeatureOptions mdm_action_features{
     .rotations = PoseRepresentation::rot6d, .translation = true, .global = true};
 /// Throws io_error 404 if it is not a model of actions.
 DiffusionRun mdm_action_sizes(const RunFolder& run, const TensorSet& weights, const RunReader& r);
+/// Those of the options, which a training here writes, or those of the published data set; none if they are numbers.
+std::vector<std::string> mdm_action_labels(const RunFolder& run, const RunReader& r, Index actions);
 }  // namespace detail
 
 /// True if a run folder is MDM's, and either of actions or unconstrained.
@@ -52,7 +54,8 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
                 .diffusion = about.diffusion(),
                 .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
       .features = detail::mdm_action_features,
-      .labels = unconstrained ? std::vector<std::string>{"any"} : action_labels(r.text("dataset", ""), c.num_actions)};
+      .labels = unconstrained ? std::vector<std::string>{"any"} : detail::mdm_action_labels(run, r, c.num_actions),
+      .fps = r.real("fps", 20)};
   detail::load_denoiser(out.model.denoiser, weights, r.prefix());
   return out;
 }

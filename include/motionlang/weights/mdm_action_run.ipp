@@ -29,6 +29,16 @@ MOTIONLANG_BODY DiffusionRun mdm_action_sizes(const RunFolder& run, const Tensor
   return about;
 }
 
+MOTIONLANG_BODY std::vector<std::string> mdm_action_labels(const RunFolder& run, const RunReader& r, Index actions) {
+  std::vector<std::string> out;
+  for (Index i = 0; i < actions; ++i) {
+    const FileValue* label = run.option("labels/" + std::to_string(i));
+    if (label == nullptr) return action_labels(r.text("dataset", ""), actions);
+    out.push_back(to_string(*label));
+  }
+  return out;
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY bool is_mdm_action_run(const RunFolder& run) {

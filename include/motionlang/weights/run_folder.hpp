@@ -17,8 +17,8 @@
 /// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
 ///
 /// Packed         a config.json of "format": "motionlang" that says "published": weights/pack_run.hpp made it from the
-///                folder of a system. It counts as that system, with its options and weights.safetensors. A folder of
-///                tm2t is always packed, even if trained here
+///                folder of a system. It counts as that system, with its options and weights.safetensors. Folders of
+///                tm2t and of MDM of actions are always packed, even if trained here
 /// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats,
 ///                *_stats or meta
 /// Source         what the training programs of these repositories write (EQUATIONS.md lists the repositories)

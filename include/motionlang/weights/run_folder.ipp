@@ -92,11 +92,13 @@ MOTIONLANG_BODY std::vector<FileValue> options_of_config(const RunFolder& run) {
   return out;
 }
 
-/// Replaces a packed folder's description by that of the run from which it was made.
+/// Replaces a packed folder's description by that of the run from which it was made. TM2T and MDM of actions have no
+/// other form, even if trained here.
 inline void unpack(RunFolder& run) {
   const FileValue *published = run.option("published"), *system = run.option("system");
   if (run.system != "motionlang" || system == nullptr) return;
-  if ((published == nullptr || to_string(*published) != "true") && to_string(*system) != "tm2t") return;
+  const bool same_form = to_string(*system) == "tm2t" || run.option("config/num_actions") != nullptr;
+  if ((published == nullptr || to_string(*published) != "true") && !same_form) return;
   run.system = to_string(*system);
   if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // their folders look alike
   run.options = options_of_config(run);

@@ -1,0 +1,60 @@
+// The commands train-mdm-smpl, train-mdm and train-motiondiffuse: options, data, the run, the folder of the model.
+#pragma once
+
+#include <cstdio>
+
+#include <motionlang/train/diffusion_training.hpp>
+
+#include "training_command.hpp"
+
+namespace program {
+
+struct DiffusionOptions {
+  TrainingOptions common;
+  CaptionOptions texts;
+  std::filesystem::path text_encoder, statistics;
+};
+
+template <class System>
+void run_diffusion(const DiffusionOptions& o, const typename System::Config& preset) {
+  using B = TrainingBackend;
+  constexpr bool of_data_set = !std::is_same_v<System, ml::MdmSmplSystem>;  // HumanML3D or KIT-ML
+  ml::DataSources sources = o.texts.sources(o.common);
+  auto config = preset;
+  if (of_data_set) config.features.clear();
+  read_settings(config, o.common);
+  if (of_data_set && config.features.empty()) config.features = ml::ready_made_features(sources);
+  if (config.features.empty()) config.features = preset.features;
+  if (!begin_training(o.common, ml::config_json(config))) return;
+  const bool states = System::states(config);
+  as_usage([&] {
+    config.require_consistent();
+    ml::require_text_source(config.text, o.text_encoder, states);
+  });
+  std::filesystem::path statistics = o.statistics;
+  if (of_data_set && statistics.empty() && std::filesystem::exists(o.common.data / "Mean.npy")) {
+    statistics = o.common.data;
+    std::printf("mean and deviation of %s\n", (statistics / "Mean.npy").string().c_str());
+  }
+  const auto data = read_data(sources, config.data, ml::row_maker(config.features));
+  std::printf("%zu different texts\n", ml::all_texts(data).size());
+  auto texts = ml::diffusion_texts<B>(System::name, config.text, states, o.text_encoder, data);
+  train(ml::DiffusionTraining<TrainingTape, System>(config, data, std::move(texts), statistics), o.common, data);
+}
+
+template <class System>
+void add_diffusion(CLI::App& app, const char* name, const char* what, const std::vector<std::string>& presets,
+                   typename System::Config (*preset)(const std::string&), const char* about_text_encoder) {
+  const auto o = std::make_shared<DiffusionOptions>();
+  CLI::App* c = app.add_subcommand(name, what);
+  add_training_options(*c, o->common, presets);
+  o->texts.add_to(*c);
+  c->add_option("--text-encoder", o->text_encoder, about_text_encoder)->check(CLI::ExistingPath);
+  c->add_option("--statistics", o->statistics,
+                "Folder with mean and std of the features. The default is Mean.npy and Std.npy in --data, if the "
+                "system reads data sets that have them, otherwise the statistics of the training motions")
+      ->check(CLI::ExistingDirectory);
+  c->callback([o, preset] { run_diffusion<System>(*o, named_preset([&] { return preset(o->common.preset); })); });
+}
+
+}  // namespace program
