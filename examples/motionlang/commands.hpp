@@ -32,6 +32,7 @@ void add_train_classifier(CLI::App& app);
 void add_train_tm2t(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_judge(CLI::App& app);
+void add_gallery(CLI::App& app);
 void add_convert(CLI::App& app);  // and strip, view
 void add_compose(CLI::App& app);
 void add_join(CLI::App& app);
@@ -51,6 +52,11 @@ inline std::filesystem::path default_model() {
 /// The search model that comes with the repository.
 inline std::filesystem::path default_search_model() {
   return std::filesystem::path(MOTIONLANG_DEFAULT_MODEL).parent_path() / "tmr_free";
+}
+
+/// The prompts of the gallery, which come with the weights.
+inline std::filesystem::path default_gallery_prompts() {
+  return std::filesystem::path(MOTIONLANG_DEFAULT_MODEL).parent_path() / "gallery.txt";
 }
 
 }  // namespace program

@@ -72,6 +72,7 @@ int main(int argc, char** argv) {
   program::add_evaluate(app);
 #endif
   program::add_judge(app);
+  program::add_gallery(app);
   program::add_convert(app);
   program::add_compose(app);
   program::add_join(app);

@@ -12,7 +12,7 @@ MOTIONLANG_BODY std::vector<Track> timeline_tracks(const Timeline& timeline, dou
   for (const Interval& i : timeline.intervals) {
     Track track{i.text, static_cast<double>(i.start) / fps, static_cast<double>(i.end) / fps, {}};
     if (i.parts == timeline.body.all())
-      track.parts = {"whole body"};
+      track.parts = {whole_body};
     else
       for (const BodyPart p : listed_parts(i.parts)) track.parts.push_back(to_string(p));
     tracks.push_back(std::move(track));

@@ -2,6 +2,7 @@
 // Bodies of the headers in view/ that need nlohmann/json.hpp, compiled once for motionlang::instantiated.
 #include <motionlang/view/convert_motions.ipp>
 #include <motionlang/view/describe_motion.ipp>
+#include <motionlang/view/gallery_page.ipp>
 #include <motionlang/view/inspect_folder.ipp>
 #include <motionlang/view/rig_viewer.ipp>
 #include <motionlang/view/rig_writer.ipp>

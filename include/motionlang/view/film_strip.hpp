@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// A motion as one picture: poses from left to right in time, their shadows along the path of the root, and the texts
-/// of a timeline below. It is a self-contained SVG file, or pixels.
+/// of a timeline below. Long motions take several rows. It is a self-contained SVG file, or pixels.
 #pragma once
 
 #include <span>    // tracks
@@ -13,15 +13,19 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// The colours of the figures: left and right; of the text that started last; or, for each body part, of its own text.
+enum class StripColours { sides, newest_text, text_of_part };
+
 struct FilmStripOptions {
-  int poses = 0;          // 0: 5 to 12, one for each quarter of a metre that the joints move
-  double width = 1280;    // pixels; the height follows
-  std::string title{};    // "": the name of the motion
-  double resolution = 2;  // of PNG: pixels for each unit of the width
+  int poses = 0;        // 0: as many as the motion needs, one for each quarter of a metre that the joints move
+  double width = 1280;  // pixels; the height follows
+  StripColours colours = StripColours::sides;  // without tracks, texts have none
+  std::string title{};                         // "": the name of the motion
+  double resolution = 2;                       // of PNG: pixels for each unit of the width
 };
 
 /// The picture as SVG text.
-/// tracks   shown below the poses, one row each; times in seconds from the start of the motion
+/// tracks   shown below the poses of their time, one line each; times in seconds from the start of the motion
 /// Throws   shape_error 205, numeric_error 301 if the motion is not valid or too far away for single precision;
 ///          config_error 101 without any frame, for a width below 100 or above a million, or times that are not finite
 std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks = {},

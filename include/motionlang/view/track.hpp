@@ -10,10 +10,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// The name of all parts together.
+inline constexpr const char* whole_body = "whole body";
+
 struct Track {
   std::string text;
   double start = 0, end = 0;         // seconds
-  std::vector<std::string> parts{};  // names of body parts; empty: the whole body
+  std::vector<std::string> parts{};  // names of body parts; empty, or only whole_body: all of them
 };
 
 namespace detail {

@@ -9,6 +9,7 @@
 #include <motionlang/generate/arm_overlay.hpp>
 #include <motionlang/generate/describe_files.hpp>
 #include <motionlang/generate/finish_motion.hpp>
+#include <motionlang/generate/gallery_prompts.hpp>
 #include <motionlang/generate/judged_clips.hpp>
 #include <motionlang/generate/judged_prompts.hpp>
 #include <motionlang/generate/kept_clip_text.hpp>
@@ -21,6 +22,7 @@
 #include <motionlang/generate/timelines_of_text.hpp>
 #include <motionlang/stmc.hpp>
 #include <motionlang/systems/sinc_baseline.hpp>
+#include <motionlang/view/gallery_page.hpp>
 #include <motionlang/view/viewer.hpp>
 
 void precision_(Stmc<B> stmc) {
@@ -53,6 +55,12 @@ void clips() {
 }
 void verbs(const Motion& motion) {
 #include "generate/judged_verbs.1.inc"
+}
+void gallery_(const std::unique_ptr<MotionModel>& model) {
+#include "generate/gallery_prompts.1.inc"
+}
+void gallery_page_(std::span<const GalleryCard> cards) {
+#include "view/gallery_page.1.inc"
 }
 void judge_(const std::unique_ptr<MotionModel>& model) {
 #include "generate/judged_prompts.1.inc"

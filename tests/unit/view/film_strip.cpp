@@ -154,6 +154,33 @@ TEST_CASE("a film strip of a walk with texts") {
   CHECK(svg == ml::film_strip_svg(motion, tracks, {.poses = 7, .title = "a & b"}));
 }
 
+TEST_CASE("as many poses as the motion needs, in rows of twelve") {
+  const auto poses = [](const ml::Motion& m) { return occurrences(ml::film_strip_svg(m), "class=\"pose\""); };
+  CHECK(poses(standing(ml::smpl24_skeleton(), 100)) == 3);  // nothing moves
+  const int second = poses(synthetic::walk({.frames = 20})), four = poses(synthetic::walk({.frames = 80}));
+  CHECK((second >= 3 && second < 8));
+  CHECK((four > second && four <= 12));
+  CHECK(poses(synthetic::walk({.frames = 4000})) == 48);  // at most four rows
+  // Two rows: each has its floor, its own times and the texts of its time.
+  const ml::Motion walk = synthetic::walk({.frames = 201});
+  const std::vector<ml::Track> tracks{{"first", 0, 2}, {"all along", 0, 10}, {"second", 8, 10}};
+  const std::string svg = ml::film_strip_svg(walk, tracks, {.poses = 20, .title = "long"});
+  check_sound(svg);
+  CHECK(occurrences(svg, "class=\"pose\"") == 20);
+  CHECK(occurrences(svg, "url(#floor)") == 2);
+  CHECK(occurrences(svg, ">first</text>") == 1);
+  CHECK(occurrences(svg, ">second</text>") == 1);
+  CHECK(occurrences(svg, ">all along</text>") == 2);
+  CHECK(occurrences(svg, ">long</text>") == 1);
+  CHECK(svg.find(">first</text>") < svg.find(">5.25 s</text>"));  // the second row begins at frame 105
+  CHECK(svg.find(">5.25 s</text>") < svg.find(">second</text>"));
+  const auto height = [](const std::string& s) { return std::stod(s.substr(s.find(" height=\"") + 9)); };
+  CHECK(height(svg) > 1.4 * height(ml::film_strip_svg(walk, tracks, {.poses = 10})));
+  // A narrow picture has fewer poses in a row.
+  CHECK(occurrences(ml::film_strip_svg(walk, {}, {.width = 400}), "url(#floor)") >
+        occurrences(ml::film_strip_svg(walk), "url(#floor)"));
+}
+
 TEST_CASE("one frame, one joint, many joints, all skeletons") {
   check_sound(ml::film_strip_svg(synthetic::walk({.frames = 1})));
   CHECK(occurrences(ml::film_strip_svg(synthetic::walk({.frames = 3}), {}, {.poses = 12}), "class=\"pose\"") == 3);

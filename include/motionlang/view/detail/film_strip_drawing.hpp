@@ -100,9 +100,11 @@ class SvgSurface {
   }
   std::string finish() { return out_ + "</svg>\n"; }
 
-  void floor(double top, double height) {
-    out_ += concat_text("<rect x=\"0\" y=\"", fixed(top), "\" width=\"100%\" height=\"", fixed(height),
-                        "\" fill=\"url(#floor)\"/>\n");
+  /// width   0: all of the picture
+  void floor(double top, double height, double left = 0, double width = 0) {
+    out_ +=
+        concat_text("<rect x=\"", fixed(left), "\" y=\"", fixed(top), "\" width=\"", width > 0 ? fixed(width) : "100%",
+                    "\" height=\"", fixed(height), "\" fill=\"url(#floor)\"/>\n");
   }
   void disc(Point2 c, double r, const Rgb& colour) {
     out_ += concat_text("<circle cx=\"", fixed(c.x), "\" cy=\"", fixed(c.y), "\" r=\"", fixed(r), "\" fill=\"",
@@ -208,10 +210,13 @@ class PixelSurface {
   }
   Picture finish() { return std::move(picture_); }
 
-  void floor(double top, double height) {
-    const Box all{{0, top}, {1e9, top + height}};
+  void floor(double top, double height, double left = 0, double width = 0) {
+    const double right = width > 0 ? left + width : 1e9;
     fill(
-        all, [&](Point2 p) { return std::max(top - p.y, p.y - top - height); },
+        {{left, top}, {right, top + height}},
+        [&](Point2 p) {
+          return std::max({top - p.y, p.y - top - height, left - p.x, p.x - right});
+        },
         [&](Point2 p) {
           const double t = std::clamp((p.y - top) / height, 0.0, 1.0);
           return Ink{mix({0xee, 0xf1, 0xf5}, {0xe9, 0xed, 0xf2}, t), t};

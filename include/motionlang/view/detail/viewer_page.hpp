@@ -11,7 +11,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-inline constexpr std::string_view viewer_style = R"page(
+/// Colours of a page, for light and dark screens.
+inline constexpr std::string_view page_colours = R"page(
 :root {
   color-scheme: light dark;
   --back: #f3f5f8; --panel: #ffffff; --text: #1d222b; --faint: #667081; --line: #d9dee6; --accent: #2676ba;
@@ -21,6 +22,9 @@ inline constexpr std::string_view viewer_style = R"page(
     --back: #14171c; --panel: #1d2128; --text: #e6e9ef; --faint: #98a2b3; --line: #323945; --accent: #62aef0;
   }
 }
+)page";
+
+inline constexpr std::string_view viewer_style = R"page(
 * { box-sizing: border-box; }
 html, body { height: 100%; margin: 0; }
 body {
@@ -574,6 +578,54 @@ class FlatRenderer {
     }
   }
 }
+)page";
+
+/// One renderer for many canvases, for pages with several figures: it draws on a canvas of its own and copies.
+inline constexpr std::string_view viewer_script_shared = R"page(
+const dark = matchMedia("(prefers-color-scheme: dark)");
+
+class SharedRenderer {
+  constructor() {
+    this.canvas = document.createElement("canvas");
+    try {
+      this.renderer = new GlRenderer(this.canvas);
+    } catch (reason) {
+      console.info("drawing without WebGL:", reason.message);
+      this.canvas = document.createElement("canvas");  // a canvas that was asked for WebGL has no 2D context
+      this.renderer = new FlatRenderer(this.canvas);
+    }
+  }
+  get kind() { return this.renderer.kind; }
+  /** Draws a moment of a clip on a canvas. The camera follows the figure. */
+  draw(target, clip, camera, time) {
+    const ratio = Math.min(devicePixelRatio || 1, 2), width = Math.round(target.clientWidth * ratio);
+    const height = Math.round(target.clientHeight * ratio), pose = clip.pose(time), root = pose.positions[0];
+    if (!width || !height) return;
+    for (const canvas of [target, this.canvas]) {
+      if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    }
+    camera.goal = [root[0], clip.floor + 0.52 * clip.size, root[2]];
+    const palette = palettes[dark.matches ? "dark" : "light"];
+    this.renderer.draw({ shapes: clip.shapes(pose), pose, camera, palette, clip, root, width, height });
+    target.getContext("2d").drawImage(this.canvas, 0, 0);
+  }
+}
+/** Dragging on a canvas turns its camera, and calls `moved`. */
+function turnByDragging(canvas, camera, moved) {
+  let from = null;
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    from = event;
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!from) return;
+    camera.orbit(event.clientX - from.clientX, event.clientY - from.clientY);
+    from = event;
+    moved();
+  });
+  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { from = null; });
+}
+const sharedClips = () => page.motions.map((m) => new Clip({ ...page.figures[m.figure], ...m }));
 )page";
 
 /// State, controls, timeline.

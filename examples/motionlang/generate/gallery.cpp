@@ -1,0 +1,122 @@
+// motionlang gallery: a page and a picture of all verbs that a model knows.
+#include <cstdio>
+
+#include <motionlang/file/input_files.hpp>
+#include <motionlang/file/output_folder.hpp>
+#include <motionlang/generate/gallery_prompts.hpp>
+#include <motionlang/view/contact_sheet.hpp>
+#include <motionlang/view/gallery_page.hpp>
+
+#include "../commands.hpp"
+#include "../formatted.hpp"
+#include "../machine_options.hpp"
+#include "../option_checks.hpp"
+#include "../progress_bar.hpp"
+#include "generation.hpp"
+#include "timelines.hpp"
+
+namespace program {
+
+namespace {
+
+struct GalleryCommand {
+  std::string prompts, captions, model = default_model().string(), out = "gallery", backend = "eigen";
+  std::size_t least = 1;
+  bool list = false, all = false;
+  int columns = 8, poses = 2;
+  std::size_t pictured = 64;
+  ml::ModelSources sources;
+  ml::GenerateOptions settings;
+  MachineOptions machine;
+};
+
+std::vector<ml::GalleryPrompt> prompts_of(const GalleryCommand& o) {
+  if (!o.captions.empty()) {
+    const auto captions = ml::read_captions(o.captions, std::filesystem::path(o.captions).parent_path());
+    return ml::gallery_prompts(captions, o.least);
+  }
+  const std::string file = o.prompts.empty() ? default_gallery_prompts().string() : o.prompts;
+  return ml::parse_gallery_prompts(read_timeline_text(file), timeline_source(file));
+}
+
+void run(const GalleryCommand& o) {
+  auto prompts = prompts_of(o);
+  if (o.list) {
+    std::printf("%s", ml::write_gallery_prompts(prompts).c_str());
+    return;
+  }
+  o.machine.apply();
+  const ml::OutputFolder out("--out", o.out);
+  const auto page = std::filesystem::path(o.out) / "gallery.html", sheet = std::filesystem::path(o.out) / "gallery.svg";
+  for (const auto& file : {page, sheet}) ml::InputFiles{o.prompts, o.captions}.refuse(file);
+  const auto generator = load_generator(o.backend, o.model, o.sources);
+  ml::check_options(*generator, o.settings);
+  const auto unknown = o.all ? std::vector<ml::GalleryPrompt>() : ml::take_unknown_prompts(prompts, *generator);
+  if (prompts.empty()) ml::raise<ml::config_error>(101, "gallery: the model knows the words of no prompt");
+
+  ProgressBar bar("generating");
+  ml::GenerateOptions settings = o.settings;
+  settings.progress = bar;
+  const auto motions = ml::gallery_motions(*generator, prompts, settings);
+  bar.finish();
+  std::vector<ml::GalleryCard> cards;
+  std::vector<ml::SheetEntry> entries;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    cards.push_back({motions[i], prompts[i].verb, prompts[i].text});
+    if (i < o.pictured) entries.push_back({motions[i], prompts[i].text});
+  }
+  const std::string info = formatted("model %s, seed %llu", std::filesystem::path(o.model).filename().c_str(),
+                                     static_cast<unsigned long long>(settings.seed));
+  ml::write_file(page, ml::gallery_html(cards, {.title = "Every verb that the model knows", .info = info}));
+  ml::write_file(sheet, ml::contact_sheet_svg(entries, {.columns = o.columns, .poses = o.poses}));
+  std::printf("%s, %s left out because of unknown words\n  page     %s\n  picture  %s\n",
+              counted(motions.size(), "motion").c_str(), counted(unknown.size(), "prompt").c_str(),
+              page.string().c_str(), sheet.string().c_str());
+}
+
+}  // namespace
+
+void add_gallery(CLI::App& app) {
+  const auto o = std::make_shared<GalleryCommand>();
+  CLI::App* c = app.add_subcommand("gallery",
+                                   "Makes a motion for each verb that a model knows. Writes gallery.html, a page of "
+                                   "small moving figures, and gallery.svg, a picture of them");
+  const auto prompts =
+      c->add_option("--prompts", o->prompts,
+                    "File with a line for each prompt: 'text # seconds'. For models of actions, the text names one. "
+                    "The default is a list for the bundled model, a prompt for each verb of its captions")
+          ->check(CLI::ExistingFile);
+  c->add_option("--captions", o->captions,
+                "File of captions, as `train` reads it: a prompt for each verb with which its captions begin")
+      ->check(CLI::ExistingFile)
+      ->excludes(prompts);
+  c->add_option("--least", o->least, "With --captions: leave out verbs that fewer segments show")
+      ->check(in_range(1, 1000000))
+      ->capture_default_str();
+  c->add_flag("--list", o->list, "Print the prompts, as --prompts reads them, and stop");
+  c->add_flag("--all", o->all, "Keep prompts with words that the model never learned");
+  c->add_option("--model", o->model,
+                "Weights, as `generate` takes them. The default is the bundled model, or what MOTIONLANG_MODEL names");
+  c->add_option("--text-encoder", o->sources.text_encoder,
+                "Text encoder of a published model that contains none, as `generate` takes it")
+      ->check(CLI::ExistingPath);
+  c->add_option("--out", o->out, "Folder for the page and the picture")->check(not_empty())->capture_default_str();
+  c->add_option("--pictured", o->pictured, "The picture shows at most this many motions, the first ones")
+      ->check(in_range(1, 1000000))
+      ->capture_default_str();
+  c->add_option("--columns", o->columns, "Columns of the picture")->check(in_range(1, 20))->capture_default_str();
+  c->add_option("--poses", o->poses, "Poses of each motion in the picture")
+      ->check(in_range(1, 6))
+      ->capture_default_str();
+  c->add_option("--seed", o->settings.seed,
+                "Seed of the noise. `generate --text` makes the same motions with the same seed")
+      ->check(seed_number())
+      ->capture_default_str();
+  c->add_option("--backend", o->backend, "Backend for the computation")
+      ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
+      ->capture_default_str();
+  o->machine.add_to(*c);
+  c->callback([o] { run(*o); });
+}
+
+}  // namespace program

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+/// Prompts that show what a model can do: one for each verb of its captions. And their motions.
+///
+///     const auto prompts = gallery_prompts(read_captions("captions.tsv", "clips"));   // raise both arms, stand still
+///     const auto motions = gallery_motions(*model, prompts, {});
+#pragma once
+
+#include <cstddef>      // counts
+#include <span>         // prompts
+#include <string>       // texts
+#include <string_view>  // files
+#include <vector>       // prompts
+
+#include <motionlang/datasets/clip_lines.hpp>
+#include <motionlang/generate/motion_model.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct GalleryPrompt {
+  std::string verb, text;
+  double seconds = 4;
+  bool operator==(const GalleryPrompt&) const = default;
+};
+
+/// A prompt for each verb with which captions command (datasets/caption_card.hpp), verbs with many segments first. Its
+/// text is the caption that most segments with this verb have, of these the one with the fewest words. It lasts as long
+/// as half of the segments with that verb, rounded to half seconds, between 2 and 5 s; whole clips count as 4 s.
+/// Adverbs, "be", "do" and "have" are left out.
+/// least   segments that show a verb
+std::vector<GalleryPrompt> gallery_prompts(std::span<const ClipLine> captions, std::size_t least = 1);
+
+/// Lines "text # seconds" (compose/timeline_text.hpp). The verb is the first word. Throws timeline_error 501 ... 504,
+/// 507, and config_error 101 without any line.
+std::vector<GalleryPrompt> parse_gallery_prompts(std::string_view text, std::string_view name = "prompts");
+/// The lines that parse_gallery_prompts reads.
+std::string write_gallery_prompts(std::span<const GalleryPrompt> prompts);
+
+/// Takes out the prompts with words that the model never learned, and returns them. None if the model lists no words.
+std::vector<GalleryPrompt> take_unknown_prompts(std::vector<GalleryPrompt>& prompts, const MotionModel& model);
+
+/// One motion for each prompt, with the text as its name. Each is the motion that generate_motion makes of the text
+/// alone, with the same seed. The notes of the options have no effect. Progress counts prompts. Throws what
+/// generate_motion throws.
+std::vector<Motion> gallery_motions(const MotionModel& model, std::span<const GalleryPrompt> prompts,
+                                    const GenerateOptions& options);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/generate/gallery_prompts.ipp>
+#endif

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// Bodies of gallery_prompts.hpp.
+#pragma once
+
+#include <algorithm>  // clamp, sort
+#include <cmath>      // isinf, round
+#include <map>        // verbs
+#include <set>        // words
+#include <tuple>      // order
+
+#include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/core/quantile.hpp>
+#include <motionlang/datasets/caption_card.hpp>
+#include <motionlang/generate/gallery_prompts.hpp>
+#include <motionlang/text/known_words.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// True for a first word that says nothing about the movement.
+inline bool is_empty_verb(std::string_view word) {
+  return word.empty() || word.ends_with("ly") || word == "be" || word == "do" || word == "have";
+}
+
+/// The segments that show a verb.
+struct ShownVerb {
+  std::map<std::string, std::size_t> captions{};  // and how many segments have each
+  std::vector<double> seconds{};                  // of each segment
+
+  const std::string& caption() const {
+    const auto rank = [](const auto& c) {
+      return std::tuple(-static_cast<std::ptrdiff_t>(c.second), caption_words(c.first).size());
+    };
+    return std::min_element(captions.begin(), captions.end(),
+                            [&](const auto& a, const auto& b) { return rank(a) < rank(b); })
+        ->first;
+  }
+  double length() const { return std::clamp(std::round(2 * quantile(seconds, 0.5)) / 2, 2.0, 5.0); }
+};
+
+/// The first word, in lower case.
+inline std::string first_word(std::string_view text) {
+  const auto words = caption_words(text);
+  return words.empty() ? std::string(text) : words.front();
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<GalleryPrompt> gallery_prompts(std::span<const ClipLine> captions, std::size_t least) {
+  std::map<std::string, detail::ShownVerb> verbs;
+  for (const ClipLine& line : captions) {
+    std::set<std::string> shown;
+    for (const std::string& text : line.texts) {
+      const std::string verb = commanded_verb(text);
+      if (detail::is_empty_verb(verb)) continue;
+      ++verbs[verb].captions[text];
+      if (shown.insert(verb).second) verbs[verb].seconds.push_back(std::isinf(line.end) ? 4 : line.end - line.start);
+    }
+  }
+  std::vector<std::pair<std::string, const detail::ShownVerb*>> order;
+  for (const auto& [verb, shown] : verbs) {
+    if (shown.seconds.size() >= least) order.emplace_back(verb, &shown);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.second->seconds.size() > b.second->seconds.size(); });
+  std::vector<GalleryPrompt> out;
+  for (const auto& [verb, shown] : order) out.push_back({verb, shown->caption(), shown->length()});
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<GalleryPrompt> parse_gallery_prompts(std::string_view text, std::string_view name) {
+  constexpr double milliseconds = 1000;
+  std::vector<GalleryPrompt> out;
+  for (const TimedText& t : parse_text_list(text, {.fps = milliseconds, .name = name}))
+    out.push_back({detail::first_word(t.text), t.text, static_cast<double>(t.frames) / milliseconds});
+  if (out.empty()) raise<config_error>(101, name, ": no prompts");
+  return out;
+}
+
+MOTIONLANG_BODY std::string write_gallery_prompts(std::span<const GalleryPrompt> prompts) {
+  std::string out;
+  for (const GalleryPrompt& p : prompts) out += concat_text(p.text, " # ", p.seconds, "\n");
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<GalleryPrompt> take_unknown_prompts(std::vector<GalleryPrompt>& prompts,
+                                                                const MotionModel& model) {
+  const std::vector<std::string> known = model.words();
+  std::vector<GalleryPrompt> out;
+  if (known.empty()) return out;
+  std::erase_if(prompts, [&](const GalleryPrompt& p) {
+    const bool unknown = !unknown_words(p.text, known).empty();
+    if (unknown) out.push_back(p);
+    return unknown;
+  });
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<Motion> gallery_motions(const MotionModel& model, std::span<const GalleryPrompt> prompts,
+                                                    const GenerateOptions& options) {
+  std::vector<Motion> out;
+  GenerateOptions how = options;
+  how.notes = nullptr;
+  for (const GalleryPrompt& p : prompts) {
+    auto last = [&](Index, Index) { return options.progress(std::ssize(out), std::ssize(prompts)), true; };
+    how.progress = last;  // so that a long motion can be stopped
+    out.push_back(generate_motion(model, whole_body_timeline(p.text, frame_at(p.seconds, model.fps())), how));
+    out.back().name = p.text;
+    options.progress(std::ssize(out), std::ssize(prompts));
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
