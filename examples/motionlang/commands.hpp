@@ -43,6 +43,8 @@ void add_embed(CLI::App& app);
 void add_describe(CLI::App& app);
 void add_pack(CLI::App& app);
 void add_word_vectors(CLI::App& app);
+void add_study(CLI::App& app);
+void add_study_count(CLI::App& app);
 
 /// The weights that come with the repository, unless MOTIONLANG_MODEL names others.
 inline std::filesystem::path default_model() {

@@ -83,6 +83,8 @@ int main(int argc, char** argv) {
   program::add_describe(app);
   program::add_pack(app);
   program::add_word_vectors(app);
+  program::add_study(app);
+  program::add_study_count(app);
   try {
     require_known_subcommand(app, argc, argv);
     app.parse(argc, argv);

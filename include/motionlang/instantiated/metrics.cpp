@@ -12,4 +12,6 @@
 #include <motionlang/metrics/sampled_errors.ipp>
 #include <motionlang/metrics/similarity_scale.ipp>
 #include <motionlang/metrics/stgcn.ipp>
+#include <motionlang/metrics/study.ipp>
+#include <motionlang/metrics/study_counts.ipp>
 #include <motionlang/metrics/summary.ipp>

@@ -23,6 +23,7 @@
 #include <motionlang/stmc.hpp>
 #include <motionlang/systems/sinc_baseline.hpp>
 #include <motionlang/view/gallery_page.hpp>
+#include <motionlang/view/study_page.hpp>
 #include <motionlang/view/viewer.hpp>
 
 void precision_(Stmc<B> stmc) {
@@ -61,6 +62,9 @@ void gallery_(const std::unique_ptr<MotionModel>& model) {
 }
 void gallery_page_(std::span<const GalleryCard> cards) {
 #include "view/gallery_page.1.inc"
+}
+void study_page_(const std::string& table) {
+#include "view/study_page.1.inc"
 }
 void judge_(const std::unique_ptr<MotionModel>& model) {
 #include "generate/judged_prompts.1.inc"

@@ -12,6 +12,7 @@
 #include <motionlang/metrics/mtt.hpp>
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/metrics/rows.hpp>
+#include <motionlang/metrics/study_counts.hpp>
 #include <motionlang/text/glove.hpp>
 
 #include <cstdio>
@@ -52,4 +53,10 @@ void retrieval(const Rows<float>& texts, const Rows<float>& motions) {
 }
 void rows(const Tensor<B, 2>& text_latents, const Tensor<B, 2>& motion_latents) {
 #include "metrics/rows.1.inc"
+}
+void study_() {
+#include "metrics/study.1.inc"
+}
+void study_counts_(const Study& study, const std::vector<StudyAnswers>& answers) {
+#include "metrics/study_counts.1.inc"
 }

@@ -1,0 +1,166 @@
+// motionlang study, study-count: a page on which raters compare motions or texts, and what they answered.
+#include <cstdio>
+
+#include <motionlang/generate/timeline_tracks.hpp>
+#include <motionlang/metrics/study_counts.hpp>
+#include <motionlang/view/study_page.hpp>
+
+#include "../commands.hpp"
+#include "../formatted.hpp"
+#include "../generate/timelines.hpp"
+#include "../option_checks.hpp"
+#include "motion_files.hpp"
+
+namespace program {
+
+namespace {
+
+struct StudyCommand {
+  std::string table, kind = "pairs", out = "study.html";
+  ml::StudyPageOptions page;
+  bool hide_text = false;
+};
+
+void run(const StudyCommand& o) {
+  const ml::Study study = ml::parse_study(ml::read_file(o.table), ml::parse_study_kind(o.kind), o.table);
+  const std::filesystem::path folder = std::filesystem::path(o.table).parent_path();
+  ml::InputFiles inputs{o.table};
+  const auto file = [&](const std::string& name) {
+    inputs.add(folder / name);
+    return folder / name;
+  };
+  const ml::StudyFiles files{.motion = [&](const std::string& name) { return read_only_performed_motion(file(name)); },
+                             .timeline =
+                                 [&](const std::string& name) {
+                                   constexpr double fps = 20;
+                                   const auto timelines = read_timelines(file(name).string(), fps);
+                                   return ml::timeline_tracks(timelines.front(), fps);
+                                 }};
+  ml::StudyPageOptions page = o.page;
+  page.show_text = !o.hide_text;
+  if (page.question.empty()) page.question = ml::study_question(study, page.show_text);
+  if (page.title.empty()) page.title = page.question;
+  const std::string html = ml::study_html(study, files, page);
+  inputs.refuse(o.out);
+  ml::write_file(std::filesystem::path(o.out), html);
+  const auto trials = ml::study_trials(study, page.seed);
+  const auto count = [&](ml::StudyRole role) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(trials, [&](const auto& t) { return study.items[t.item].role == role; }));
+  };
+  std::printf("%s: %s, %s and %s, seed %llu\n", o.out.c_str(), counted(count(ml::StudyRole::counted), "trial").c_str(),
+              counted(count(ml::StudyRole::warmup), "warm-up").c_str(),
+              counted(count(ml::StudyRole::catch_trial), "catch trial").c_str(),
+              static_cast<unsigned long long>(page.seed));
+}
+
+struct StudyCountCommand {
+  std::string table, kind = "pairs";
+  std::vector<std::string> answers;
+  double pass = 1;
+};
+
+void print_pairs(const ml::Study& study, const std::vector<ml::PairCount>& pairs) {
+  std::printf(
+      "| a | b | items | votes a / none / b | items a / tie / b | a preferred %% (95 %%) | preferred or similar %% "
+      "(95 %%) |\n|---|---|---|---|---|---|---|\n");
+  const auto share = [](const ml::StudyShare& s) {
+    return formatted("%.1f (%.1f to %.1f)", 100 * s.share, 100 * s.low, 100 * s.high);
+  };
+  for (const ml::PairCount& p : pairs)
+    std::printf("| %s | %s | %zu | %zu / %zu / %zu | %zu / %zu / %zu | %s | %s |\n",
+                study.systems[static_cast<std::size_t>(p.a)].c_str(),
+                study.systems[static_cast<std::size_t>(p.b)].c_str(), p.items, p.votes_a, p.votes_none, p.votes_b,
+                p.items_a, p.items_tied, p.items_b, share(p.preferred).c_str(), share(p.preferred_or_similar).c_str());
+}
+void print_ranks(const ml::Study& study, const std::vector<ml::RankCount>& ranks) {
+  std::printf("| system | mean rank (95 %%) |");
+  for (std::size_t i = 0; i < study.systems.size(); ++i) std::printf(" rank %zu %% |", i + 1);
+  std::printf("\n|---|---|%s\n", ml::join_text(std::vector<std::string>(study.systems.size(), "---|"), "").c_str());
+  for (const ml::RankCount& r : ranks) {
+    std::printf("| %s | %.2f +- %.2f |", study.systems[static_cast<std::size_t>(r.system)].c_str(), r.rank.mean,
+                r.rank.half_width);
+    for (std::size_t place = 0; place < r.places.size(); ++place) std::printf(" %.1f |", 100 * r.share(place));
+    std::printf("\n");
+  }
+}
+void print_ratings(const ml::Study& study, const std::vector<ml::RatingCount>& ratings) {
+  std::printf("| system | mean (95 %%) | 1 | 2 | 3 | 4 | 5 |\n|---|---|---|---|---|---|---|\n");
+  for (const ml::RatingCount& r : ratings)
+    std::printf("| %s | %.2f +- %.2f | %zu | %zu | %zu | %zu | %zu |\n",
+                study.systems[static_cast<std::size_t>(r.system)].c_str(), r.rating.mean, r.rating.half_width,
+                r.ratings[0], r.ratings[1], r.ratings[2], r.ratings[3], r.ratings[4]);
+}
+
+void run(const StudyCountCommand& o) {
+  const ml::Study study = ml::parse_study(ml::read_file(o.table), ml::parse_study_kind(o.kind), o.table);
+  std::vector<ml::StudyAnswers> answers;
+  for (const std::string& file : o.answers)
+    answers.push_back(ml::parse_study_answers(ml::read_file(file), study, file));
+  const ml::StudyCounts counts = ml::count_study(study, answers, o.pass);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < counts.raters.size(); ++i) {
+    const ml::StudyRater& r = counts.raters[i];
+    kept += r.kept ? 1 : 0;
+    if (!r.kept)
+      std::printf("left out: %s (%s), %zu of %s passed\n", r.name.c_str(), o.answers[i].c_str(), r.passed,
+                  counted(r.caught, "catch trial").c_str());
+  }
+  std::printf("%zu of %s kept, %.1f answers for each trial\n", kept, counted(counts.raters.size(), "rater").c_str(),
+              counts.raters_for_item);
+  if (study.kind == ml::StudyKind::pairs) print_pairs(study, counts.pairs);
+  if (study.kind == ml::StudyKind::ranking) print_ranks(study, counts.ranks);
+  if (study.kind == ml::StudyKind::rating) print_ratings(study, counts.ratings);
+}
+
+constexpr const char* study_table_help =
+    "Table of the study, with tabs between columns. The first line names them: text, role (warmup, or catch and the "
+    "right column), timeline, motion (if texts are compared), and one column for each system with its files or texts";
+constexpr const char* study_kind_help =
+    "pairs: the better of two, for all pairs of systems; ranking: all systems in order; rating: one at a time, from 1 "
+    "to 5";
+
+CLI::Option* add_kind(CLI::App& c, std::string& kind) {
+  return c.add_option("--kind", kind, study_kind_help)
+      ->check(CLI::IsMember({"pairs", "ranking", "rating"}))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_study(CLI::App& app) {
+  const auto o = std::make_shared<StudyCommand>();
+  o->page.title = "";
+  CLI::App* c = app.add_subcommand("study",
+                                   "Writes a perceptual study as one page: raters compare moving figures or texts, and "
+                                   "save their answers as a file");
+  c->add_option("table", o->table, study_table_help)->required()->check(CLI::ExistingFile);
+  add_kind(*c, o->kind);
+  c->add_option("-o,--out", o->out, "The page (.html)")->check(not_empty())->capture_default_str();
+  c->add_option("--seed", o->page.seed, "Seed of the order of trials and sides; another seed is another page")
+      ->check(seed_number())
+      ->capture_default_str();
+  c->add_option("--question", o->page.question, "The question above each trial. The default depends on the kind");
+  c->add_option("--title", o->page.title, "Title of the page. The default is the question");
+  c->add_option("--instructions", o->page.instructions, "What raters read first. The default depends on the kind");
+  c->add_flag("--hide-text", o->hide_text, "Show neither texts nor timelines, as in a study of realism");
+  c->add_flag("--no-preference", o->page.no_preference, "With pairs: raters may also have no preference");
+  c->callback([o] { run(*o); });
+}
+
+void add_study_count(CLI::App& app) {
+  const auto o = std::make_shared<StudyCountCommand>();
+  CLI::App* c = app.add_subcommand(
+      "study-count",
+      "Counts the answers to a study: majorities, mean ranks or ratings with 95 % intervals, without raters who fail "
+      "catch trials");
+  c->add_option("table", o->table, "Table of the study, as `study` read it")->required()->check(CLI::ExistingFile);
+  c->add_option("answers", o->answers, "Files that raters saved")->required()->check(CLI::ExistingFile);
+  add_kind(*c, o->kind);
+  c->add_option("--pass", o->pass, "Share of catch trials that a rater must pass")
+      ->check(in_range(0, 1))
+      ->capture_default_str();
+  c->callback([o] { run(*o); });
+}
+
+}  // namespace program
