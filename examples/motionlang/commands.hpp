@@ -45,6 +45,7 @@ void add_pack(CLI::App& app);
 void add_word_vectors(CLI::App& app);
 void add_study(CLI::App& app);
 void add_study_count(CLI::App& app);
+void add_figure(CLI::App& app);
 
 /// The weights that come with the repository, unless MOTIONLANG_MODEL names others.
 inline std::filesystem::path default_model() {

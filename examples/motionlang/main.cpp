@@ -85,6 +85,7 @@ int main(int argc, char** argv) {
   program::add_word_vectors(app);
   program::add_study(app);
   program::add_study_count(app);
+  program::add_figure(app);
   try {
     require_known_subcommand(app, argc, argv);
     app.parse(argc, argv);

@@ -53,7 +53,8 @@ TEST_CASE("study, study-count: pairs with a catch trial") {
   CHECK_MESSAGE(contains(counted.text, "1 of 2 raters kept, 1.0 answers for each trial"), counted.text);
   CHECK_MESSAGE(contains(counted.text, "| ours | theirs | 2 | 2 / 0 / 0 | 2 / 0 / 0 | 100.0 (34.2 to 100.0) |"),
                 counted.text);
-  const Outcome all = w.run({"study-count", "study.tsv", "ann.tsv", "bob.tsv", "--pass", "0"});
+  const Outcome all = w.run({"study-count", "study.tsv", "ann.tsv", "bob.tsv", "--pass", "0", "--svg", "bars.svg"});
+  CHECK(contains(ml::read_file(w / "bars.svg"), "ours : theirs"));
   CHECK_MESSAGE(contains(all.text, "| ours | theirs | 2 | 2 / 0 / 2 | 0 / 2 / 0 | 50.0 "), all.text);
 
   for (const char* kind : {"ranking", "rating"}) {

@@ -1,8 +1,10 @@
 // motionlang study, study-count: a page on which raters compare motions or texts, and what they answered.
+#include <algorithm>
 #include <cstdio>
 
 #include <motionlang/generate/timeline_tracks.hpp>
 #include <motionlang/metrics/study_counts.hpp>
+#include <motionlang/view/study_chart.hpp>
 #include <motionlang/view/study_page.hpp>
 
 #include "../commands.hpp"
@@ -55,7 +57,7 @@ void run(const StudyCommand& o) {
 }
 
 struct StudyCountCommand {
-  std::string table, kind = "pairs";
+  std::string table, kind = "pairs", svg;
   std::vector<std::string> answers;
   double pass = 1;
 };
@@ -111,6 +113,11 @@ void run(const StudyCountCommand& o) {
   if (study.kind == ml::StudyKind::pairs) print_pairs(study, counts.pairs);
   if (study.kind == ml::StudyKind::ranking) print_ranks(study, counts.ranks);
   if (study.kind == ml::StudyKind::rating) print_ratings(study, counts.ratings);
+  if (o.svg.empty()) return;
+  ml::InputFiles inputs(o.answers);
+  inputs.add(o.table);
+  inputs.refuse(o.svg);
+  ml::write_file(std::filesystem::path(o.svg), ml::bar_chart_svg(ml::study_chart(study, counts)));
 }
 
 constexpr const char* study_table_help =
@@ -157,6 +164,7 @@ void add_study_count(CLI::App& app) {
   c->add_option("table", o->table, "Table of the study, as `study` read it")->required()->check(CLI::ExistingFile);
   c->add_option("answers", o->answers, "Files that raters saved")->required()->check(CLI::ExistingFile);
   add_kind(*c, o->kind);
+  c->add_option("--svg", o->svg, "Also draw the counts as bars, into this file")->check(not_empty());
   c->add_option("--pass", o->pass, "Share of catch trials that a rater must pass")
       ->check(in_range(0, 1))
       ->capture_default_str();

@@ -30,29 +30,35 @@ struct GalleryCommand {
   MachineOptions machine;
 };
 
-std::vector<ml::GalleryPrompt> prompts_of(const GalleryCommand& o) {
+/// The list of prompts: that of the command line, or one beside the weights; "": none.
+std::filesystem::path list_of(const GalleryCommand& o) {
+  if (!o.prompts.empty()) return o.prompts;
+  const std::filesystem::path model(o.model);
+  const auto beside = (std::filesystem::is_directory(model) ? model : model.parent_path()) / "gallery.txt";
+  return std::filesystem::exists(beside) ? beside : std::filesystem::path();
+}
+std::vector<ml::GalleryPrompt> prompts_of(const GalleryCommand& o, const ml::MotionModel& generator) {
   if (!o.captions.empty()) {
     const auto captions = ml::read_captions(o.captions, std::filesystem::path(o.captions).parent_path());
     return ml::gallery_prompts(captions, o.least);
   }
-  const std::string file = o.prompts.empty() ? default_gallery_prompts().string() : o.prompts;
+  std::string file = list_of(o).string();
+  if (file.empty() && !generator.captions().empty()) return ml::gallery_prompts(generator.captions(), o.least);
+  if (file.empty()) file = default_gallery_prompts().string();
   return ml::parse_gallery_prompts(read_timeline_text(file), timeline_source(file));
 }
 
 void run(const GalleryCommand& o) {
-  auto prompts = prompts_of(o);
-  if (o.list) {
-    std::printf("%s", ml::write_gallery_prompts(prompts).c_str());
-    return;
-  }
   o.machine.apply();
+  const auto generator = load_generator(o.backend, o.model, o.sources);
+  auto prompts = prompts_of(o, *generator);
+  if (o.list) return print(ml::write_gallery_prompts(prompts));
   const ml::OutputFolder out("--out", o.out);
   const auto page = std::filesystem::path(o.out) / "gallery.html", sheet = std::filesystem::path(o.out) / "gallery.svg";
   for (const auto& file : {page, sheet}) ml::InputFiles{o.prompts, o.captions}.refuse(file);
-  const auto generator = load_generator(o.backend, o.model, o.sources);
   ml::check_options(*generator, o.settings);
   const auto unknown = o.all ? std::vector<ml::GalleryPrompt>() : ml::take_unknown_prompts(prompts, *generator);
-  if (prompts.empty()) ml::raise<ml::config_error>(101, "gallery: the model knows the words of no prompt");
+  if (prompts.empty()) ml::raise<ml::config_error>(101, "gallery: the model knows no prompt");
 
   ProgressBar bar("generating");
   ml::GenerateOptions settings = o.settings;
@@ -65,11 +71,11 @@ void run(const GalleryCommand& o) {
     cards.push_back({motions[i], prompts[i].verb, prompts[i].text});
     if (i < o.pictured) entries.push_back({motions[i], prompts[i].text});
   }
-  const std::string info = formatted("model %s, seed %llu", std::filesystem::path(o.model).filename().c_str(),
+  const std::string info = formatted("model %s, seed %llu", std::filesystem::path(o.model).filename().string().c_str(),
                                      static_cast<unsigned long long>(settings.seed));
   ml::write_file(page, ml::gallery_html(cards, {.title = "Every verb that the model knows", .info = info}));
   ml::write_file(sheet, ml::contact_sheet_svg(entries, {.columns = o.columns, .poses = o.poses}));
-  std::printf("%s, %s left out because of unknown words\n  page     %s\n  picture  %s\n",
+  std::printf("%s, %s left out because the model does not know them\n  page     %s\n  picture  %s\n",
               counted(motions.size(), "motion").c_str(), counted(unknown.size(), "prompt").c_str(),
               page.string().c_str(), sheet.string().c_str());
 }
@@ -82,19 +88,21 @@ void add_gallery(CLI::App& app) {
                                    "Makes a motion for each verb that a model knows. Writes gallery.html, a page of "
                                    "small moving figures, and gallery.svg, a picture of them");
   const auto prompts =
-      c->add_option("--prompts", o->prompts,
-                    "File with a line for each prompt: 'text # seconds'. For models of actions, the text names one. "
-                    "The default is a list for the bundled model, a prompt for each verb of its captions")
+      c->add_option(
+           "--prompts", o->prompts,
+           "File with a line for each prompt: 'text # seconds'. For models of actions, the text names one. "
+           "The default is gallery.txt beside the weights, then the captions that the model remembers, then the list "
+           "of the bundled model, which has a prompt for each verb of its captions")
           ->check(CLI::ExistingFile);
   c->add_option("--captions", o->captions,
                 "File of captions, as `train` reads it: a prompt for each verb with which its captions begin")
       ->check(CLI::ExistingFile)
       ->excludes(prompts);
-  c->add_option("--least", o->least, "With --captions: leave out verbs that fewer segments show")
+  c->add_option("--least", o->least, "Without a list: leave out verbs that fewer segments show, or captions say")
       ->check(in_range(1, 1000000))
       ->capture_default_str();
   c->add_flag("--list", o->list, "Print the prompts, as --prompts reads them, and stop");
-  c->add_flag("--all", o->all, "Keep prompts with words that the model never learned");
+  c->add_flag("--all", o->all, "Keep prompts that the model does not know by their words or by their meaning");
   c->add_option("--model", o->model,
                 "Weights, as `generate` takes them. The default is the bundled model, or what MOTIONLANG_MODEL names");
   c->add_option("--text-encoder", o->sources.text_encoder,

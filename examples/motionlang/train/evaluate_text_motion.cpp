@@ -107,6 +107,7 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
                    const ml::TemosModel<B>& model, FilmStrips& strips) {
   const auto& features = ml::motion_features(file.config.features);
   ProgressBar bar("generating");
+  std::string best;  // by the number of samples
   const auto errors = ml::temos_errors<B>(
       model.system, model.motion_normalizer, features, m.data, *m.part,
       {.tokens = [&](std::span<const std::string> texts) { return model.tokens(texts, m.token_cache()); },
@@ -116,6 +117,7 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
                  text, [&] { return ml::motion_of_features(features, mean, file.fps); },
                  [&] { return ml::motion_of_features(features, recorded, file.fps); });
            },
+       .sampled = [&](const ml::SampledErrors& e) { best = ml::best_of_table(e); },
        .samples = o.samples,
        .seed = o.seed},
       bar);
@@ -123,6 +125,7 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
   if (ml::TemosJoints(features).mmm)
     std::printf("as TEMOS measures MMM's joints: 640 units per metre, which count as millimetres\n");
   print(ml::errors_table(errors));
+  if (o.samples > 1) print(best);
 }
 
 }  // namespace

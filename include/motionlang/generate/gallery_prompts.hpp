@@ -18,7 +18,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct GalleryPrompt {
   std::string verb, text;
-  double seconds = 4;
+  double seconds = 0;  // 0: as long as the action takes (compose/text_timeline.hpp)
   bool operator==(const GalleryPrompt&) const = default;
 };
 
@@ -28,19 +28,24 @@ struct GalleryPrompt {
 /// Adverbs, "be", "do" and "have" are left out.
 /// least   segments that show a verb
 std::vector<GalleryPrompt> gallery_prompts(std::span<const ClipLine> captions, std::size_t least = 1);
+/// The same from the captions that a model remembers: verbs with many captions first, and of each the caption with the
+/// fewest words. It lasts as long as its action takes.
+/// least   captions that begin with a verb
+std::vector<GalleryPrompt> gallery_prompts(const KnownCaptions& captions, std::size_t least = 1);
 
-/// Lines "text # seconds" (compose/timeline_text.hpp). The verb is the first word. Throws timeline_error 501 ... 504,
-/// 507, and config_error 101 without any line.
+/// Lines "text # seconds" (compose/timeline_text.hpp), to a millisecond. The verb is the first word. Throws
+/// timeline_error 501 ... 504, 507.
 std::vector<GalleryPrompt> parse_gallery_prompts(std::string_view text, std::string_view name = "prompts");
-/// The lines that parse_gallery_prompts reads.
+/// The lines that parse_gallery_prompts reads. Prompts without seconds get 4.
 std::string write_gallery_prompts(std::span<const GalleryPrompt> prompts);
 
-/// Takes out the prompts with words that the model never learned, and returns them. None if the model lists no words.
+/// Takes out the prompts with words that the model does not know, and those that are far from all captions that it
+/// remembers, and returns them. None if the model has neither words nor captions.
 std::vector<GalleryPrompt> take_unknown_prompts(std::vector<GalleryPrompt>& prompts, const MotionModel& model);
 
-/// One motion for each prompt, with the text as its name. Each is the motion that generate_motion makes of the text
-/// alone, with the same seed. The notes of the options have no effect. Progress counts prompts. Throws what
-/// generate_motion throws.
+/// One motion for each prompt, with the text as its name. Each is the motion that `motionlang generate` makes of the
+/// text with the same seed: what ends is made once. The notes of the options have no effect. Progress counts prompts.
+/// Throws what generate_motion throws.
 std::vector<Motion> gallery_motions(const MotionModel& model, std::span<const GalleryPrompt> prompts,
                                     const GenerateOptions& options);
 

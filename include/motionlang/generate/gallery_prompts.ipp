@@ -8,6 +8,7 @@
 #include <set>        // words
 #include <tuple>      // order
 
+#include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/core/quantile.hpp>
 #include <motionlang/datasets/caption_card.hpp>
@@ -45,6 +46,15 @@ inline std::string first_word(std::string_view text) {
   return words.empty() ? std::string(text) : words.front();
 }
 
+/// The timeline that `motionlang generate` makes of a text.
+inline Timeline gallery_timeline(const GalleryPrompt& p, const MotionModel& model, const GenerateOptions& options) {
+  if (!model.takes_timelines())
+    return whole_body_timeline(p.text, frame_at(p.seconds > 0 ? p.seconds : text_seconds, model.fps()));
+  TextTimelineOptions how{.seconds = {}, .fps = model.fps(), .end_actions = ends_actions(options)};
+  if (p.seconds > 0) how.seconds = p.seconds;
+  return text_timeline(p.text, model.captions(), how);
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY std::vector<GalleryPrompt> gallery_prompts(std::span<const ClipLine> captions, std::size_t least) {
@@ -69,28 +79,51 @@ MOTIONLANG_BODY std::vector<GalleryPrompt> gallery_prompts(std::span<const ClipL
   return out;
 }
 
-MOTIONLANG_BODY std::vector<GalleryPrompt> parse_gallery_prompts(std::string_view text, std::string_view name) {
-  constexpr double milliseconds = 1000;
+MOTIONLANG_BODY std::vector<GalleryPrompt> gallery_prompts(const KnownCaptions& captions, std::size_t least) {
+  std::map<std::string, std::vector<std::string>> verbs;
+  if (captions.empty()) return {};
+  const auto& texts = captions.table().texts();
+  for (std::size_t i = 0; i < captions.actions().size(); ++i) {  // texts that were tried follow
+    const std::string verb = commanded_verb(texts[i]);
+    if (!detail::is_empty_verb(verb)) verbs[verb].push_back(texts[i]);
+  }
+  std::vector<std::pair<std::string, const std::vector<std::string>*>> order;
+  for (const auto& [verb, list] : verbs) {
+    if (list.size() >= least) order.emplace_back(verb, &list);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.second->size() > b.second->size(); });
   std::vector<GalleryPrompt> out;
-  for (const TimedText& t : parse_text_list(text, {.fps = milliseconds, .name = name}))
-    out.push_back({detail::first_word(t.text), t.text, static_cast<double>(t.frames) / milliseconds});
-  if (out.empty()) raise<config_error>(101, name, ": no prompts");
+  for (const auto& [verb, list] : order) {
+    const auto rank = [](const std::string& text) { return std::pair(detail::caption_words(text).size(), text); };
+    out.push_back({verb, *std::min_element(list->begin(), list->end(),
+                                           [&](const auto& a, const auto& b) { return rank(a) < rank(b); })});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<GalleryPrompt> parse_gallery_prompts(std::string_view text, std::string_view name) {
+  constexpr double finer = 100'000, kept = 1000;  // frames are cut off, milliseconds are rounded
+  std::vector<GalleryPrompt> out;
+  for (const TimedText& t : parse_text_list(text, {.fps = finer, .name = name})) {
+    const double seconds = std::round(static_cast<double>(t.frames) / finer * kept) / kept;
+    out.push_back({detail::first_word(t.text), t.text, seconds});
+  }
   return out;
 }
 
 MOTIONLANG_BODY std::string write_gallery_prompts(std::span<const GalleryPrompt> prompts) {
   std::string out;
-  for (const GalleryPrompt& p : prompts) out += concat_text(p.text, " # ", p.seconds, "\n");
+  for (const GalleryPrompt& p : prompts) out += concat_text(p.text, " # ", p.seconds > 0 ? p.seconds : 4, "\n");
   return out;
 }
 
 MOTIONLANG_BODY std::vector<GalleryPrompt> take_unknown_prompts(std::vector<GalleryPrompt>& prompts,
                                                                 const MotionModel& model) {
-  const std::vector<std::string> known = model.words();
   std::vector<GalleryPrompt> out;
-  if (known.empty()) return out;
   std::erase_if(prompts, [&](const GalleryPrompt& p) {
-    const bool unknown = !unknown_words(p.text, known).empty();
+    const bool far = !model.captions().empty() && !model.captions().knows(p.text);
+    const bool unknown = far || !unknown_words(p.text, model.words()).empty();
     if (unknown) out.push_back(p);
     return unknown;
   });
@@ -105,7 +138,7 @@ MOTIONLANG_BODY std::vector<Motion> gallery_motions(const MotionModel& model, st
   for (const GalleryPrompt& p : prompts) {
     auto last = [&](Index, Index) { return options.progress(std::ssize(out), std::ssize(prompts)), true; };
     how.progress = last;  // so that a long motion can be stopped
-    out.push_back(generate_motion(model, whole_body_timeline(p.text, frame_at(p.seconds, model.fps())), how));
+    out.push_back(generate_motion(model, detail::gallery_timeline(p, model, how), how));
     out.back().name = p.text;
     options.progress(std::ssize(out), std::ssize(prompts));
   }

@@ -13,3 +13,4 @@
 #include <motionlang/datasets/label_sentences.ipp>
 #include <motionlang/datasets/mtt_motions.ipp>
 #include <motionlang/datasets/segment_motion.ipp>
+#include <motionlang/datasets/word_counts.ipp>

@@ -25,7 +25,7 @@ using JointErrors = ApeAveMetric<double>;
 class SampledErrors {
  public:
   SampledErrors(const JointErrors& none, Index samples)
-      : of_sample_(static_cast<std::size_t>(samples), none), best_(none), worst_(none) {}
+      : of_sample_(static_cast<std::size_t>(samples), none), best_of_(of_sample_), worst_(none) {}
 
   /// samples  one motion for each of the samples
   void add(const std::vector<JointFrames>& samples, const JointFrames& truth);
@@ -36,12 +36,14 @@ class SampledErrors {
   /// The mean over the samples.
   ApeAve mean() const;
   /// The errors of the best and of the worst motion of each text.
-  ApeAve best() const { return best_.result(); }
+  ApeAve best() const { return best_of_.back().result(); }
   ApeAve worst() const { return worst_.result(); }
+  /// The errors of the best of the first motions of each text. Source  thesis figure 4.5
+  ApeAve best_of(Index first) const { return best_of_.at(static_cast<std::size_t>(first - 1)).result(); }
 
  private:
-  std::vector<JointErrors> of_sample_;
-  JointErrors best_, worst_;
+  std::vector<JointErrors> of_sample_, best_of_;  // of one sample, of the first 1, 2, 3, ...
+  JointErrors worst_;
 };
 
 /// Errors of motions that ignore the text. One is the mean of all poses, seen from the body, standing still. The other
@@ -76,6 +78,9 @@ struct NamedErrors {
 /// "one sample", the first motion of each text. If there are several, also "mean of 10 samples", "best of 10 samples"
 /// and "worst of 10 samples".
 std::vector<NamedErrors> named_errors(const SampledErrors& errors);
+/// The root's APE of the best of 1, 2, 3, ... motions: a line with the numbers of samples and one with the errors, as
+/// `figure curves --rows` reads them (view/loss_curves.hpp).
+std::string best_of_table(const SampledErrors& errors);
 /// "mean pose" and "random clip".
 std::vector<NamedErrors> named_errors(const BlindErrors& errors);
 /// The rows below a header: APE in metres and AVE in square metres, of the root, its trajectory, and the joints,

@@ -35,7 +35,7 @@ inline JointFrames mean_pose(const RifkeVariant& variant, Index motions, const B
 MOTIONLANG_BODY void SampledErrors::add(const std::vector<JointFrames>& samples, const JointFrames& truth) {
   const std::vector<JointErrors::Joints> all(samples.begin(), samples.end());
   for (std::size_t k = 0; k < of_sample_.size(); ++k) of_sample_[k].add(all[k], truth);
-  best_.add_best(all, truth);
+  for (std::size_t k = 0; k < best_of_.size(); ++k) best_of_[k].add_best(std::span(all).first(k + 1), truth);
   worst_.add_worst(all, truth);
 }
 
@@ -74,6 +74,15 @@ MOTIONLANG_BODY std::vector<NamedErrors> named_errors(const SampledErrors& error
   out.push_back({"best" + samples, errors.best()});
   out.push_back({"worst" + samples, errors.worst()});
   return out;
+}
+
+MOTIONLANG_BODY std::string best_of_table(const SampledErrors& errors) {
+  std::string counts = formatted("  %-22s", "samples"), values = formatted("  %-22s", "APE root of the best");
+  for (Index k = 1; k <= errors.samples(); ++k) {
+    counts += formatted("  %9td", k);
+    values += formatted("  %9.4f", errors.best_of(k).ape.root);
+  }
+  return counts + "\n" + values + "\n";
 }
 
 MOTIONLANG_BODY std::vector<NamedErrors> named_errors(const BlindErrors& errors) {

@@ -43,7 +43,8 @@ struct TemosMeasures {
   std::function<Sequences<B>(std::span<const std::string>)> tokens;  // the input of the text encoder for texts
   /// Receives each text with its mean motion and the recorded one, as rows of features.
   std::function<void(const std::string& text, std::span<const float> mean, std::span<const float> recorded)> made{};
-  Index samples = 10;  // motions for each text
+  std::function<void(const SampledErrors&)> sampled{};  // receives the errors of the samples, at the end
+  Index samples = 10;                                   // motions for each text
   std::uint64_t seed = 0;
 };
 
@@ -89,6 +90,7 @@ std::vector<NamedErrors> temos_errors(const Temos<B>& model, const Normalizer<B>
     if (how.made) how.made(text, mean, recorded);
     progress(++done, std::ssize(part));
   }
+  if (how.sampled) how.sampled(sampled);
   std::vector<NamedErrors> out = named_errors(sampled);
   out.push_back({"mean of the latent", at_mean.result()});
   for (NamedErrors& row : named_errors(blind)) out.push_back(std::move(row));

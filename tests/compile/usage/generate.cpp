@@ -20,9 +20,12 @@
 #include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/generate/timeline_tracks.hpp>
 #include <motionlang/generate/timelines_of_text.hpp>
+#include <motionlang/search/text_similarity.hpp>
 #include <motionlang/stmc.hpp>
 #include <motionlang/systems/sinc_baseline.hpp>
 #include <motionlang/view/gallery_page.hpp>
+#include <motionlang/view/loss_curves.hpp>
+#include <motionlang/view/study_chart.hpp>
 #include <motionlang/view/study_page.hpp>
 #include <motionlang/view/viewer.hpp>
 
@@ -65,6 +68,15 @@ void gallery_page_(std::span<const GalleryCard> cards) {
 }
 void study_page_(const std::string& table) {
 #include "view/study_page.1.inc"
+}
+void study_chart_(const Study& study, const std::vector<StudyAnswers>& answers) {
+#include "view/study_chart.1.inc"
+}
+void curves_() {
+#include "view/loss_curves.1.inc"
+}
+void text_similarity_(const SearchEncoder& tmr, const Motion& motion) {
+#include "search/text_similarity.1.inc"
 }
 void judge_(const std::unique_ptr<MotionModel>& model) {
 #include "generate/judged_prompts.1.inc"

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "../../support/word_count_encoder.hpp"
 #include "fake_models.hpp"
 
 namespace ml = motionlang;
@@ -34,13 +35,31 @@ TEST_CASE("a prompt for each verb: the caption of most segments, of these the sh
   CHECK(ml::gallery_prompts({}).empty());
 }
 
+TEST_CASE("prompts of the captions that a model remembers; those that are far from them are taken out") {
+  const std::vector<std::string> texts{"walk straight on", "a person walks", "walk on",    "kick",
+                                       "kick hard",        "be hard",        "raise again"};
+  const std::vector<ml::KnownAction> actions(6, {2, true, ""});  // "raise again" was tried, and no caption says it
+  fake::Model model;
+  model.learned = ml::KnownCaptions(ml::TextTable::encoded(texts, counted::vectors), actions, 0.5, {0.1});
+  const auto prompts = ml::gallery_prompts(model.learned);
+  CHECK(prompts == std::vector<ml::GalleryPrompt>{{"kick", "kick"}, {"walk", "walk on"}});
+  CHECK(ml::gallery_prompts(model.learned, 3).empty());
+  CHECK(ml::gallery_prompts(ml::KnownCaptions()).empty());
+  CHECK(ml::write_gallery_prompts(prompts) == "kick # 4\nwalk on # 4\n");
+
+  std::vector<ml::GalleryPrompt> list{{"walk", "walk on"}, {"moonwalk", "moonwalk"}};
+  CHECK(ml::take_unknown_prompts(list, model) == std::vector<ml::GalleryPrompt>{{"moonwalk", "moonwalk"}});
+  CHECK(list.size() == 1);
+}
+
 TEST_CASE("prompts are written and read again; a file without any is an error") {
   const std::vector<ml::GalleryPrompt> prompts{{"walk", "Walk on, and on", 2.5}, {"kick", "kick", 4}};
   const std::string text = ml::write_gallery_prompts(prompts);
   CHECK(text == "Walk on, and on # 2.5\nkick # 4\n");
   CHECK(ml::parse_gallery_prompts(text) == prompts);
-  CHECK_THROWS_WITH_AS(ml::parse_gallery_prompts("\n", "mine.txt"), doctest::Contains("mine.txt: no prompts"),
-                       ml::config_error);
+  CHECK(ml::parse_gallery_prompts("walk # 2.3")[0].seconds == 2.3);
+  CHECK_THROWS_WITH_AS(ml::parse_gallery_prompts("\n", "mine.txt"), doctest::Contains("mine.txt: no line"),
+                       ml::timeline_error);
   CHECK_THROWS_WITH_AS(ml::parse_gallery_prompts("walk # soon", "mine.txt"), doctest::Contains("mine.txt:1:"),
                        ml::timeline_error);
 }
@@ -50,7 +69,7 @@ TEST_CASE("prompts with unknown words are taken out, if the model lists its word
   fake::Model model;
   CHECK(ml::take_unknown_prompts(prompts, model).empty());
   CHECK(prompts.size() == 3);
-  model.known = {"walk", "on"};
+  model.known = ml::KnownWords({"walk", "on"});
   const auto unknown = ml::take_unknown_prompts(prompts, model);
   REQUIRE(unknown.size() == 1);
   CHECK(unknown[0].text == "fly on");

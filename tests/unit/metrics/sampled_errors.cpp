@@ -29,6 +29,14 @@ TEST_CASE("the first, the mean, the best and the worst motion of each text") {
   CHECK(first > 0);
   CHECK(worst > first);
   CHECK(mean == doctest::Approx((first + best + worst) / 3));
+  CHECK(errors.best_of(1).ape.root == errors.first().ape.root);
+  CHECK(errors.best_of(1).ape.root > 0);
+  CHECK(errors.best_of(2).ape.root == 0);  // the second motion is the true one
+  CHECK(errors.best_of(3).ape.root == 0);
+  const std::string table = ml::best_of_table(errors);
+  CHECK(table.find("  samples  ") == 0);
+  CHECK(table.find("          1          2          3\n") != table.npos);
+  CHECK(table.substr(table.size() - 23) == "     0.0000     0.0000\n");
   const auto rows = ml::named_errors(errors);
   REQUIRE(rows.size() == 4);
   CHECK(rows[0].name == "one sample");

@@ -1,6 +1,7 @@
 // Curves of a training run as a picture.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -37,4 +38,62 @@ TEST_CASE("a picture names its curves; values that are not finite are left out")
     CHECK_MESSAGE(svg.find(text) != svg.npos, text, " in ", svg);
   CHECK(svg.find("nan") == svg.npos);
   CHECK(is_well_formed(ml::curves_svg({})));
+}
+
+TEST_CASE("curves of a table: columns or rows, titles, and what is missing") {
+  const auto panels = ml::parse_curves(
+      "# accuracy & more\nframes\tfixed\tvariable\n40\t85.5\t88\n60\t91\t-\n\nframes  FID of all\n40  3.5\n60  "
+      "-1e-2\n");
+  REQUIRE(panels.size() == 2);
+  CHECK(panels[0].title == "accuracy & more");
+  CHECK(panels[0].axis == "frames");
+  REQUIRE(panels[0].curves.size() == 2);
+  CHECK(panels[0].curves[0].name == "fixed");
+  CHECK(panels[0].curves[0].steps == std::vector<double>{40, 60});
+  CHECK(panels[0].curves[0].values == std::vector<double>{85.5, 91});
+  CHECK(std::isnan(panels[0].curves[1].values[1]));
+  CHECK(panels[1].title.empty());
+  CHECK(panels[1].curves[0].name == "FID of all");
+  CHECK(panels[1].curves[0].values == std::vector<double>{3.5, -0.01});
+  // As `evaluate --moments` prints it: each line is a curve.
+  const auto rows =
+      ml::parse_curves("  windows      0.3     0.4\n  1 s          17.50   9.00\n  all lengths  20   -\n", true);
+  REQUIRE(rows.size() == 1);
+  CHECK(rows[0].axis == "windows");
+  REQUIRE(rows[0].curves.size() == 2);
+  CHECK(rows[0].curves[0].name == "1 s");
+  CHECK(rows[0].curves[1].steps == std::vector<double>{0.3, 0.4});
+  const auto refused = [](const char* table, const char* why, bool by_row = false) {
+    CHECK_THROWS_WITH(ml::parse_curves(table, by_row, "t.tsv"), doctest::Contains(why));
+  };
+  refused("", "t.tsv: no values");
+  refused("frames\n1\n", "t.tsv:1: one column");
+  refused("frames\ta\n1\t2\t3\n", "t.tsv:2: 3 cells below 2 names");
+  refused("frames\ta\n1\tx\n", "t.tsv:2: 'x' is not a number");
+  refused("frames\ta\n", "t.tsv:1: 'a' is not a number", true);
+}
+
+TEST_CASE("a panel with an axis has marks, ranges and dashed lines, and linear heights") {
+  ml::CurvePanel panel{.title = "sit <down>", .curves = {{"similarity", {0, 1, 2, 3, 4}, {0.001, 0.1, 0.9, 0.2, 0}}}};
+  const std::vector<ml::CurvePanel> plain{panel};
+  CHECK(ml::curves_svg(plain).find("(logarithmic)") != std::string::npos);
+  panel.axis = "seconds";
+  panel.shaded = {{1.5, 99}};
+  panel.marks = {2};
+  const std::vector<ml::CurvePanel> panels{panel};
+  const std::string svg = ml::curves_svg(panels);
+  CHECK(is_well_formed(svg));
+  CHECK(svg.find("(logarithmic)") == std::string::npos);
+  CHECK(svg.find("sit &lt;down&gt;") != std::string::npos);
+  CHECK(svg.find(">seconds<") != std::string::npos);
+  CHECK(occurrences(svg, "class='shaded'") == 1);
+  CHECK(occurrences(svg, "class='mark'") == 1);
+  // The dashed line is at the highest point of the curve, and the range ends with the panel.
+  const auto number_at = [&](const char* tag, const char* word) {
+    const std::size_t at = svg.find(word, svg.find(tag)) + std::string(word).size();
+    return std::stod(svg.substr(at));
+  };
+  CHECK(number_at("class='mark'", "d='M") == doctest::Approx(70 + 680 * 0.5));
+  CHECK(number_at("class='shaded'", " x='") == doctest::Approx(70 + 680 * 1.5 / 4));
+  CHECK(number_at("class='shaded'", "width='") == doctest::Approx(680 * 2.5 / 4));
 }

