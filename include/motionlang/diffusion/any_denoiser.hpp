@@ -30,7 +30,7 @@ struct AnyDenoiser {
     std::optional<typename MdmSmplDenoiser<B>::EncodedText> mdm_smpl{};
     std::optional<typename MotionDiffuseDenoiser<B>::EncodedText> motiondiffuse{};
   };
-  /// Of a text whose encoder marks no end, the last token is the end token of MotionDiffuse.
+  /// MotionDiffuse takes the last token as the end token if the encoder marks no end.
   EncodedText encode(const TextFeatures<B>& text) const {
     EncodedText out{text};
     if (motiondiffuse && text.end_position.empty()) {
