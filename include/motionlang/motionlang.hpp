@@ -17,6 +17,7 @@
 #include <motionlang/core/dual.hpp>
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/fields.hpp>
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/core/half.hpp>
 #include <motionlang/core/instruction_set.hpp>
 #include <motionlang/core/lane.hpp>
@@ -84,6 +85,8 @@
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/body_root.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
+#include <motionlang/kinematics/curved_path.hpp>
+#include <motionlang/kinematics/describe_skeleton.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/kinematics/face_landmarks.hpp>
 #include <motionlang/kinematics/finger_names.hpp>
@@ -168,6 +171,7 @@
 
 #include <motionlang/features/actor_points.hpp>
 #include <motionlang/features/amass_sequence.hpp>
+#include <motionlang/features/describe_features.hpp>
 #include <motionlang/features/feature_rows.hpp>
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/features/guoh3d.hpp>
@@ -245,6 +249,7 @@
 #include <motionlang/compose/body_part_lexicon.hpp>
 #include <motionlang/compose/collage.hpp>
 #include <motionlang/compose/cut_texts.hpp>
+#include <motionlang/compose/describe_plan.hpp>
 #include <motionlang/compose/edits.hpp>
 #include <motionlang/compose/handovers.hpp>
 #include <motionlang/compose/in_turn.hpp>
@@ -301,6 +306,8 @@
 #include <motionlang/search/motion_index.hpp>
 #include <motionlang/search/motion_search.hpp>
 #include <motionlang/search/nearest.hpp>
+#include <motionlang/search/query_bench.hpp>
 #include <motionlang/search/search_encoder.hpp>
+#include <motionlang/search/text_answer.hpp>
 #include <motionlang/search/unit_rows.hpp>
 #include <motionlang/search/vector_scan.hpp>
