@@ -35,7 +35,7 @@ std::vector<InspectedMotion> inspect_folder(const std::filesystem::path& folder,
                                             const InspectFolderOptions& options = {}, std::string* notes = nullptr,
                                             Progress progress = {});
 
-/// The findings as lines: the motions that have one (`all`: every motion), then how many have each fault.
+/// The findings as lines: the motions with one (`all`: every motion), then how many have each fault.
 std::string describe_inspection(const std::vector<InspectedMotion>& found, bool all = false);
 
 MOTIONLANG_NAMESPACE_END
