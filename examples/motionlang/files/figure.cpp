@@ -6,10 +6,9 @@
 #include <motionlang/datasets/word_counts.hpp>
 #include <motionlang/generate/timeline_tracks.hpp>
 #include <motionlang/search/text_similarity.hpp>
-#include <motionlang/view/bar_chart.hpp>
 #include <motionlang/view/film_strip.hpp>
-#include <motionlang/view/loss_curves.hpp>
 #include <motionlang/view/timeline_picture.hpp>
+#include <motionlang/view/word_charts.hpp>
 
 #include "../commands.hpp"
 #include "../formatted.hpp"
@@ -94,44 +93,16 @@ void draw_moments(const FigureCommand& o) {
 }
 
 void draw_words(const FigureCommand& o) {
-  std::vector<std::vector<std::string>> texts;
-  std::vector<std::string> names, all;
-  for (const std::string& file : o.in) {
-    texts.push_back(ml::texts_of_file(file));
-    names.push_back(std::filesystem::path(file).filename().string());
-    all.insert(all.end(), texts.back().begin(), texts.back().end());
-  }
-  ml::CurvePanel tokens{.title = "words that appear at least so often", .curves = {}, .axis = "times"};
-  const auto verbs = ml::commanded_verbs(all);
-  ml::BarChart chart{.title = "texts with a verb", .series = names, .groups = {}};
-  std::map<std::string, std::size_t> total;
-  std::vector<std::map<std::string, std::size_t>> of_file;
-  for (std::size_t i = 0; i < texts.size(); ++i) {
-    const auto counts = ml::word_counts(texts[i]);
-    ml::Curve curve{names[i], {}, {}};
-    for (std::size_t least = 1; least <= 50; ++least) {
-      curve.steps.push_back(static_cast<double>(least));
-      curve.values.push_back(static_cast<double>(ml::words_at_least(counts, least)));
-    }
-    tokens.curves.push_back(std::move(curve));
-    of_file.push_back(ml::verb_counts(texts[i], verbs));
-    for (const auto& [verb, count] : of_file.back()) total[verb] += count;
-    std::printf("%s: %s, %s, %s\n", names[i].c_str(), counted(texts[i].size(), "text").c_str(),
-                counted(counts.size(), "word").c_str(), counted(of_file.back().size(), "verb").c_str());
-  }
-  std::vector<std::pair<std::size_t, std::string>> order;
-  for (const auto& [verb, count] : total) order.emplace_back(count, verb);
-  std::ranges::sort(order, [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (std::size_t i = 0; i < std::min(order.size(), o.most); ++i) {
-    ml::BarGroup group{.name = order[i].second, .values = {}};
-    for (auto& counts : of_file) group.values.push_back(static_cast<double>(counts[group.name]));
-    chart.groups.push_back(std::move(group));
-  }
+  std::vector<ml::NamedTexts> sets;
+  for (const std::string& file : o.in)
+    sets.push_back({std::filesystem::path(file).filename().string(), ml::texts_of_file(file)});
+  const ml::WordCharts charts = ml::word_charts(sets, o.most);
+  print(charts.about);
   const std::filesystem::path out(o.out);
-  o.write(ml::curves_svg(std::span(&tokens, 1)));
+  o.write(ml::curves_svg(std::span(&charts.words, 1)));
   FigureCommand verbs_of = o;
   verbs_of.out = (out.parent_path() / (out.stem().string() + "_verbs.svg")).string();
-  verbs_of.write(ml::bar_chart_svg(chart));
+  verbs_of.write(ml::bar_chart_svg(charts.verbs));
 }
 
 /// A kind of figure: its inputs and the picture.

@@ -62,38 +62,6 @@ struct StudyCountCommand {
   double pass = 1;
 };
 
-void print_pairs(const ml::Study& study, const std::vector<ml::PairCount>& pairs) {
-  std::printf(
-      "| a | b | items | votes a / none / b | items a / tie / b | a preferred %% (95 %%) | preferred or similar %% "
-      "(95 %%) |\n|---|---|---|---|---|---|---|\n");
-  const auto share = [](const ml::StudyShare& s) {
-    return formatted("%.1f (%.1f to %.1f)", 100 * s.share, 100 * s.low, 100 * s.high);
-  };
-  for (const ml::PairCount& p : pairs)
-    std::printf("| %s | %s | %zu | %zu / %zu / %zu | %zu / %zu / %zu | %s | %s |\n",
-                study.systems[static_cast<std::size_t>(p.a)].c_str(),
-                study.systems[static_cast<std::size_t>(p.b)].c_str(), p.items, p.votes_a, p.votes_none, p.votes_b,
-                p.items_a, p.items_tied, p.items_b, share(p.preferred).c_str(), share(p.preferred_or_similar).c_str());
-}
-void print_ranks(const ml::Study& study, const std::vector<ml::RankCount>& ranks) {
-  std::printf("| system | mean rank (95 %%) |");
-  for (std::size_t i = 0; i < study.systems.size(); ++i) std::printf(" rank %zu %% |", i + 1);
-  std::printf("\n|---|---|%s\n", ml::join_text(std::vector<std::string>(study.systems.size(), "---|"), "").c_str());
-  for (const ml::RankCount& r : ranks) {
-    std::printf("| %s | %.2f +- %.2f |", study.systems[static_cast<std::size_t>(r.system)].c_str(), r.rank.mean,
-                r.rank.half_width);
-    for (std::size_t place = 0; place < r.places.size(); ++place) std::printf(" %.1f |", 100 * r.share(place));
-    std::printf("\n");
-  }
-}
-void print_ratings(const ml::Study& study, const std::vector<ml::RatingCount>& ratings) {
-  std::printf("| system | mean (95 %%) | 1 | 2 | 3 | 4 | 5 |\n|---|---|---|---|---|---|---|\n");
-  for (const ml::RatingCount& r : ratings)
-    std::printf("| %s | %.2f +- %.2f | %zu | %zu | %zu | %zu | %zu |\n",
-                study.systems[static_cast<std::size_t>(r.system)].c_str(), r.rating.mean, r.rating.half_width,
-                r.ratings[0], r.ratings[1], r.ratings[2], r.ratings[3], r.ratings[4]);
-}
-
 void run(const StudyCountCommand& o) {
   const ml::Study study = ml::parse_study(ml::read_file(o.table), ml::parse_study_kind(o.kind), o.table);
   std::vector<ml::StudyAnswers> answers;
@@ -110,9 +78,7 @@ void run(const StudyCountCommand& o) {
   }
   std::printf("%zu of %s kept, %.1f answers for each trial\n", kept, counted(counts.raters.size(), "rater").c_str(),
               counts.raters_for_item);
-  if (study.kind == ml::StudyKind::pairs) print_pairs(study, counts.pairs);
-  if (study.kind == ml::StudyKind::ranking) print_ranks(study, counts.ranks);
-  if (study.kind == ml::StudyKind::rating) print_ratings(study, counts.ratings);
+  print(ml::study_table(study, counts));
   if (o.svg.empty()) return;
   ml::InputFiles inputs(o.answers);
   inputs.add(o.table);

@@ -1,13 +1,13 @@
 // motionlang search: finds the motions of an index that fit words or another motion.
 #include <cstdio>
 
-#include <motionlang/file/json.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/search/query_bench.hpp>
 #include <motionlang/view/search_page.hpp>
 
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"
+#include "../formatted.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "search_model.hpp"
@@ -44,7 +44,7 @@ class Search {
   void run() {
     if (!o_.queries.empty()) {
       if (!o_.text.empty()) ml::raise<usage_error>(102, "search: give either a text or --queries");
-      return bench();
+      return print(ml::describe_query_answers(ml::answer_queries(index(), model(), ml::read_queries(o_.queries))));
     }
     if (o_.text.empty() == o_.like.empty())
       ml::raise<usage_error>(102, "search: give either a text or --like with a motion file");
@@ -53,11 +53,9 @@ class Search {
     if (!o_.html.empty()) require_folder_of(o_.html);
     ml::InputFiles{o_.index, o_.like}.refuse(o_.html);
     answer_ = answer();
-    for (std::size_t i = 0; i < answer_.hits.size(); ++i) {
-      const ml::MotionHit& h = answer_.hits[i];
-      found_.push_back({ml::clip_of(index(), h), h.start, h.end, answer_.scores[i], {}, {}});
-    }
-    o_.json ? say_json() : say();
+    found_ = ml::found_motions(index(), answer_);
+    print(o_.json ? ml::search_json(found_, answer_, query_text(), kind()) : ml::search_text(found_, answer_, one()));
+    if (!o_.json && found_.empty()) std::printf("no results: the index has %td %s\n", gallery(), kind());
     if (!o_.html.empty()) write_page();
   }
 
@@ -82,65 +80,11 @@ class Search {
     return out;
   }
 
-  /// Prints how often the first result of a query is right.
-  void bench() const {
-    struct Count {
-      int right = 0, all = 0;
-    } shown, absent;
-    for (const ml::QueryAnswer& a : ml::answer_queries(index(), model(), ml::read_queries(o_.queries))) {
-      Count& count = a.query.phrases.empty() ? absent : shown;
-      count.right += a.right ? 1 : 0, ++count.all;
-      const std::string answer = a.shown ? "\"" + a.found.captions.front() + "\"" : "no clip shows this";
-      std::printf("%-6s%.4f  %-44s %s\n", a.right ? "right" : "wrong", a.score, ml::printable(a.query.text).c_str(),
-                  ml::printable(answer).c_str());
-    }
-    if (shown.all > 0) std::printf("the first result is right for %d of %d queries\n", shown.right, shown.all);
-    if (absent.all > 0)
-      std::printf("no clip shows this is the answer to %d of %d queries that nothing shows\n", absent.right,
-                  absent.all);
-  }
-
   const char* one() const { return o_.moments ? "moment" : "clip"; }
   const char* kind() const { return o_.moments ? "moments" : o_.captions ? "captions" : "clips"; }
   /// The number of items to search.
   Index gallery() const { return ml::gallery_size(index(), o_.search().what); }
   std::string query_text() const { return o_.text.empty() ? "like " + o_.like : o_.text; }
-
-  void say() const {
-    for (const ml::UnknownWord& w : answer_.unheard)
-      std::printf("nobody taught the model the word '%s'%s\n", ml::printable(w.word).c_str(),
-                  w.like.empty() ? "" : (" (did you mean '" + w.like + "'?)").c_str());
-    if (!answer_.shown) std::printf("no %s shows this%s\n", one(), found_.empty() ? "" : "; the nearest are:");
-    int place = 0;
-    for (const ml::FoundMotion& f : found_) {
-      std::printf("%3d  %.*f  %7.2f %7.2f s  %s", ++place, answer_.calibrated ? 4 : 3, f.score, f.start, f.end,
-                  ml::printable(f.clip.path).c_str());
-      if (!f.clip.name.empty()) std::printf(" (%s)", ml::printable(f.clip.name).c_str());
-      if (!f.clip.captions.empty()) std::printf("  \"%s\"", ml::printable(f.clip.captions.front()).c_str());
-      std::printf("\n");
-    }
-    if (found_.empty()) std::printf("no results: the index has %td %s\n", gallery(), kind());
-  }
-  void say_json() const {
-    nlohmann::ordered_json hits = nlohmann::ordered_json::array();
-    for (const ml::FoundMotion& f : found_) {
-      hits.push_back({{"path", f.clip.path},
-                      {"name", f.clip.name},
-                      {"start", f.start},
-                      {"end", f.end},
-                      {"score", f.score},
-                      {"captions", f.clip.captions},
-                      {"license", f.clip.license}});
-    }
-    auto unheard = nlohmann::ordered_json::array();
-    for (const ml::UnknownWord& w : answer_.unheard) unheard.push_back(w.word);
-    const nlohmann::ordered_json out{{"query", query_text()},
-                                     {"kind", kind()},
-                                     {"shown", answer_.shown},
-                                     {"unknown_words", std::move(unheard)},
-                                     {"hits", std::move(hits)}};
-    std::printf("%s\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-  }
 
   void write_page() {
     ml::draw_found(found_, o_.read);

@@ -10,3 +10,4 @@
 #include <motionlang/view/study_page.ipp>
 #include <motionlang/view/view_file.ipp>
 #include <motionlang/view/viewer.ipp>
+#include <motionlang/view/word_charts.ipp>

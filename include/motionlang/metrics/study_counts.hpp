@@ -72,6 +72,9 @@ struct StudyCounts {
 /// Raters are kept if they pass this share of the catch trials that they answered, and answered one if there are any.
 StudyCounts count_study(const Study& study, std::span<const StudyAnswers> answers, double pass_share = 1);
 
+/// The counts of a study's kind as a table in Markdown: pairs of systems, or a row for each system.
+std::string study_table(const Study& study, const StudyCounts& counts);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_INSTANTIATED

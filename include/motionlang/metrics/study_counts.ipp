@@ -9,6 +9,7 @@
 #include <set>        // systems
 #include <utility>    // pair
 
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/metrics/study_counts.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -140,6 +141,55 @@ MOTIONLANG_BODY StudyCounts count_study(const Study& study, std::span<const Stud
   }
   counter.finish(out);
   return out;
+}
+
+namespace detail {
+
+inline std::string pair_table(const Study& study, const std::vector<PairCount>& pairs) {
+  const auto name = [&](int system) { return study.systems[static_cast<std::size_t>(system)]; };
+  const auto share = [](const StudyShare& s) {
+    return formatted("%.1f (%.1f to %.1f)", 100 * s.share, 100 * s.low, 100 * s.high);
+  };
+  std::string out =
+      "| a | b | items | votes a / none / b | items a / tie / b | a preferred % (95 %) | preferred or similar % (95 %) "
+      "|\n"
+      "|---|---|---|---|---|---|---|\n";
+  for (const PairCount& p : pairs)
+    out += concat_text("| ", name(p.a), " | ", name(p.b), " | ", p.items, " | ", p.votes_a, " / ", p.votes_none, " / ",
+                       p.votes_b, " | ", p.items_a, " / ", p.items_tied, " / ", p.items_b, " | ", share(p.preferred),
+                       " | ", share(p.preferred_or_similar), " |\n");
+  return out;
+}
+inline std::string rank_table(const Study& study, const std::vector<RankCount>& ranks) {
+  std::string out = "| system | mean rank (95 %) |", line = "|---|---|";
+  for (std::size_t i = 0; i < study.systems.size(); ++i) {
+    out += concat_text(" rank ", i + 1, " % |");
+    line += "---|";
+  }
+  out += "\n" + line + "\n";
+  for (const RankCount& r : ranks) {
+    out += "| " + study.systems[static_cast<std::size_t>(r.system)];
+    out += formatted(" | %.2f +- %.2f |", r.rank.mean, r.rank.half_width);
+    for (std::size_t place = 0; place < r.places.size(); ++place) out += formatted(" %.1f |", 100 * r.share(place));
+    out += "\n";
+  }
+  return out;
+}
+inline std::string rating_table(const Study& study, const std::vector<RatingCount>& ratings) {
+  std::string out = "| system | mean (95 %) | 1 | 2 | 3 | 4 | 5 |\n|---|---|---|---|---|---|---|\n";
+  for (const RatingCount& r : ratings) {
+    out += "| " + study.systems[static_cast<std::size_t>(r.system)];
+    out += formatted(" | %.2f +- %.2f | ", r.rating.mean, r.rating.half_width) + join_text(r.ratings, " | ") + " |\n";
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string study_table(const Study& study, const StudyCounts& counts) {
+  if (study.kind == StudyKind::pairs) return detail::pair_table(study, counts.pairs);
+  if (study.kind == StudyKind::ranking) return detail::rank_table(study, counts.ranks);
+  return detail::rating_table(study, counts.ratings);
 }
 
 MOTIONLANG_NAMESPACE_END

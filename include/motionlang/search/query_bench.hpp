@@ -41,6 +41,9 @@ struct QueryAnswer {
 std::vector<QueryAnswer> answer_queries(const MotionIndex& index, const SearchEncoder& encoder,
                                         const std::vector<MotionQuery>& queries);
 
+/// A line for each answer, and how many are right: of queries that clips show, and of those that none shows.
+std::string describe_query_answers(const std::vector<QueryAnswer>& answers);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_INSTANTIATED

@@ -5,7 +5,9 @@
 #include <algorithm>  // any_of, search
 #include <set>        // captions
 
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/core/text_lines.hpp>
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/search/query_bench.hpp>
 #include <motionlang/text/word_forms.hpp>
@@ -72,6 +74,25 @@ MOTIONLANG_BODY std::vector<QueryAnswer> answer_queries(const MotionIndex& index
     a.found = clip_of(captioned, answer.hits.front()), a.score = answer.scores.front();
     a.right = query.phrases.empty() ? !a.shown : a.shown && shows(a.found.captions, query);
   }
+  return out;
+}
+
+MOTIONLANG_BODY std::string describe_query_answers(const std::vector<QueryAnswer>& answers) {
+  struct Count {
+    int right = 0, all = 0;
+  } shown, absent;
+  std::string out;
+  for (const QueryAnswer& a : answers) {
+    Count& count = a.query.phrases.empty() ? absent : shown;
+    count.right += a.right ? 1 : 0, ++count.all;
+    const std::string answer = a.shown ? "\"" + a.found.captions.front() + "\"" : "no clip shows this";
+    out += formatted("%-6s%.4f  %-44s %s\n", a.right ? "right" : "wrong", a.score, printable(a.query.text).c_str(),
+                     printable(answer).c_str());
+  }
+  if (shown.all > 0) out += concat_text("the first result is right for ", shown.right, " of ", shown.all, " queries\n");
+  if (absent.all > 0)
+    out += concat_text("no clip shows this is the answer to ", absent.right, " of ", absent.all,
+                       " queries that nothing shows\n");
   return out;
 }
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// Search results as one self-contained HTML page: for each clip or moment its score, its place, its captions, and a
-/// film strip.
+/// Search results as lines, as JSON, and as one self-contained HTML page: for each clip or moment its score, its place,
+/// its captions, and on the page a film strip.
 #pragma once
 
 #include <span>         // hits
 #include <string>       // texts
 #include <string_view>  // query
+#include <vector>       // hits
 
 #include <motionlang/formats/motion_file.hpp>
-#include <motionlang/search/motion_search.hpp>
+#include <motionlang/search/text_answer.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -20,6 +21,15 @@ struct FoundMotion {
   std::string strip{};        // film_strip_svg, or "" for none
   std::string problem{};      // the reason if there is no strip
 };
+
+/// The hits of an answer with their clips.
+std::vector<FoundMotion> found_motions(const MotionIndex& index, const TextAnswer& answer);
+
+/// Lines: the words that the model does not know, if nothing shows the query (`one`: "clip" or "moment"), and the hits.
+std::string search_text(std::span<const FoundMotion> found, const TextAnswer& answer, std::string_view one);
+/// kind  what was searched: "clips", "moments", "captions"
+std::string search_json(std::span<const FoundMotion> found, const TextAnswer& answer, std::string_view query,
+                        std::string_view kind);
 
 /// Draws the strips: reads the files of the hits, or records why a strip could not be drawn.
 void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read = {});

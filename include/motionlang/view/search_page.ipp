@@ -5,6 +5,9 @@
 #include <algorithm>   // clamp
 #include <filesystem>  // names of files
 
+#include <motionlang/core/formatted.hpp>
+#include <motionlang/core/utf8.hpp>
+#include <motionlang/file/json.hpp>
 #include <motionlang/formats/motion_folder.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/view/detail/markup.hpp>
@@ -24,6 +27,53 @@ inline Motion found_motion(const FoundMotion& f, const MotionReadOptions& read) 
 }
 
 }  // namespace detail
+
+MOTIONLANG_BODY std::vector<FoundMotion> found_motions(const MotionIndex& index, const TextAnswer& answer) {
+  std::vector<FoundMotion> out;
+  for (std::size_t i = 0; i < answer.hits.size(); ++i) {
+    const MotionHit& h = answer.hits[i];
+    out.push_back({clip_of(index, h), h.start, h.end, answer.scores[i], {}, {}});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string search_text(std::span<const FoundMotion> found, const TextAnswer& answer,
+                                        std::string_view one) {
+  std::string out;
+  for (const UnknownWord& w : answer.unheard)
+    out += concat_text("nobody taught the model the word '", printable(w.word), "'",
+                       w.like.empty() ? "" : " (did you mean '" + w.like + "'?)", "\n");
+  if (!answer.shown) out += concat_text("no ", one, " shows this", found.empty() ? "" : "; the nearest are:", "\n");
+  int place = 0;
+  for (const FoundMotion& f : found) {
+    out += formatted("%3d  %.*f  %7.2f %7.2f s  ", ++place, answer.calibrated ? 4 : 3, f.score, f.start, f.end);
+    out += printable(f.clip.path);
+    if (!f.clip.name.empty()) out += " (" + printable(f.clip.name) + ")";
+    if (!f.clip.captions.empty()) out += "  \"" + printable(f.clip.captions.front()) + "\"";
+    out += "\n";
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string search_json(std::span<const FoundMotion> found, const TextAnswer& answer,
+                                        std::string_view query, std::string_view kind) {
+  auto hits = nlohmann::ordered_json::array(), unheard = nlohmann::ordered_json::array();
+  for (const FoundMotion& f : found)
+    hits.push_back({{"path", f.clip.path},
+                    {"name", f.clip.name},
+                    {"start", f.start},
+                    {"end", f.end},
+                    {"score", f.score},
+                    {"captions", f.clip.captions},
+                    {"license", f.clip.license}});
+  for (const UnknownWord& w : answer.unheard) unheard.push_back(w.word);
+  const nlohmann::ordered_json out{{"query", std::string(query)},
+                                   {"kind", std::string(kind)},
+                                   {"shown", answer.shown},
+                                   {"unknown_words", std::move(unheard)},
+                                   {"hits", std::move(hits)}};
+  return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
 
 MOTIONLANG_BODY void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read) {
   for (FoundMotion& f : found) {

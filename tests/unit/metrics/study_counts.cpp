@@ -137,3 +137,36 @@ TEST_CASE("rating: means of agreement, and a catch trial with a right and a wron
   CHECK(counts.ratings[1].rating.mean == 2);
   CHECK(counts.ratings[0].ratings == std::array<std::size_t, 5>{0, 0, 0, 1, 1});
 }
+
+TEST_CASE("counts are a table of their kind") {
+  ml::Study study;
+  study.systems = {"ours", "theirs"};
+  ml::StudyCounts counts;
+  counts.pairs = {{.a = 0,
+                   .b = 1,
+                   .items = 4,
+                   .votes_a = 5,
+                   .votes_none = 1,
+                   .votes_b = 6,
+                   .items_a = 1,
+                   .items_tied = 1,
+                   .items_b = 2,
+                   .preferred = {0.375, 0.1, 0.8},
+                   .preferred_or_similar = {0.5, 0.2, 0.75}}};
+  counts.ranks = {{.system = 1, .places = {3, 1}, .rank = {1.25, 0.5}}};
+  counts.ratings = {{.system = 0, .ratings = {0, 1, 2, 3, 4}, .rating = {4, 0.125}}};
+  const auto table = [&](ml::StudyKind kind) {
+    study.kind = kind;
+    const std::string out = ml::study_table(study, counts);
+    const auto columns = std::count(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(out.find('\n')), '|');
+    for (std::size_t at = 0; at < out.size(); at = out.find('\n', at) + 1)
+      CHECK(std::count(out.begin() + static_cast<std::ptrdiff_t>(at),
+                       out.begin() + static_cast<std::ptrdiff_t>(out.find('\n', at)), '|') == columns);
+    return out;
+  };
+  CHECK(
+      table(ml::StudyKind::pairs)
+          .ends_with("\n| ours | theirs | 4 | 5 / 1 / 6 | 1 / 1 / 2 | 37.5 (10.0 to 80.0) | 50.0 (20.0 to 75.0) |\n"));
+  CHECK(table(ml::StudyKind::ranking).ends_with("\n| theirs | 1.25 +- 0.50 | 75.0 | 25.0 |\n"));
+  CHECK(table(ml::StudyKind::rating).ends_with("\n| ours | 4.00 +- 0.12 | 0 | 1 | 2 | 3 | 4 |\n"));
+}

@@ -78,3 +78,18 @@ TEST_CASE("the first result among clips with captions is judged; nothing shown i
               "[motionlang.config.102] answer_queries: 'walk, 1' is a caption of a clip");
   CHECK_ERROR(ml::answer_queries(index_of({{1, {}}}), encoder, queries), "[motionlang.config.101]");
 }
+
+TEST_CASE("answers are lines, and the numbers of right ones") {
+  std::vector<ml::QueryAnswer> answers(3);
+  answers[0] = {
+      .query = {"go for a walk", {"walk"}}, .found = {.captions = {"a man walks"}}, .score = 0.5, .right = true};
+  answers[1] = {.query = {"sit", {"sit"}}, .found = {.captions = {"a man walks"}}, .score = 0.25};
+  answers[2] = {.query = {"fly", {}}, .score = 0.125, .shown = false, .right = true};
+  CHECK(ml::describe_query_answers(answers) ==
+        "right 0.5000  go for a walk                                \"a man walks\"\n"
+        "wrong 0.2500  sit                                          \"a man walks\"\n"
+        "right 0.1250  fly                                          no clip shows this\n"
+        "the first result is right for 1 of 2 queries\n"
+        "no clip shows this is the answer to 1 of 1 queries that nothing shows\n");
+  CHECK(ml::describe_query_answers({}).empty());
+}

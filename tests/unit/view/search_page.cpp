@@ -1,6 +1,7 @@
 // The page of a search: what is on it, and that nothing in a name becomes markup.
 #include <doctest/doctest.h>
 
+#include <motionlang/file/json.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/view/film_strip.hpp>
@@ -47,4 +48,27 @@ TEST_CASE("search_html: scores, places, what is said about a clip, its strip, or
   CHECK(page.find("https://") == page.npos);
   CHECK(page.find("http://") == page.find("http://www.w3.org"));  // the name space of SVG
   CHECK(ml::search_html({}, "nothing", "").find("Nothing was found.") != std::string::npos);
+}
+
+TEST_CASE("results are lines, or JSON") {
+  ml::TextAnswer answer;
+  answer.calibrated = true, answer.shown = false, answer.unheard = {{.word = "wlak", .like = "walk"}};
+  std::vector<ml::FoundMotion> found(2);
+  found[0] = {.clip = {.path = "a.bvh", .captions = {"a \"person\" walks", "walks"}, .license = "CC0 1.0"},
+              .start = 1.5,
+              .end = 2.75,
+              .score = 0.625};
+  found[1] = {.clip = {.path = "b\n.glb", .name = "wave"}, .end = 3, .score = 0.5};
+  CHECK(ml::search_text(found, answer, "clip") ==
+        "nobody taught the model the word 'wlak' (did you mean 'walk'?)\nno clip shows this; the nearest are:\n"
+        "  1  0.6250     1.50    2.75 s  a.bvh  \"a \"person\" walks\"\n"
+        "  2  0.5000     0.00    3.00 s  b?.glb (wave)\n");
+  CHECK(ml::search_text({}, {}, "moment").empty());
+  const auto read = nlohmann::json::parse(ml::search_json(found, answer, "wlak", "clips"));
+  CHECK(read["query"] == "wlak");
+  CHECK(read["shown"] == false);
+  CHECK(read["unknown_words"][0] == "wlak");
+  REQUIRE(read["hits"].size() == 2);
+  CHECK(read["hits"][0]["captions"][1] == "walks");
+  CHECK(read["hits"][1]["path"] == "b\n.glb");
 }

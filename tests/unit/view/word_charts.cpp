@@ -1,0 +1,26 @@
+// Charts of the words of data sets, by hand.
+#include <doctest/doctest.h>
+
+#include <motionlang/view/word_charts.hpp>
+
+namespace ml = motionlang;
+
+TEST_CASE("words by how often they appear, and the verbs that most texts have") {
+  const std::vector<ml::NamedTexts> sets{{"a", {"walk slowly", "walk", "sit down slowly"}}, {"b", {"a person sits"}}};
+  const ml::WordCharts charts = ml::word_charts(sets);
+  REQUIRE(charts.words.curves.size() == 2);
+  const ml::Curve& a = charts.words.curves[0];
+  CHECK(a.name == "a");
+  REQUIRE(a.values.size() == 50);
+  CHECK(a.steps[1] == 2);
+  CHECK(a.values[0] == 4);  // walk, slowly, sit, down
+  CHECK(a.values[1] == 2);  // walk, slowly
+  CHECK(a.values[2] == 0);
+  CHECK(charts.verbs.series == std::vector<std::string>{"a", "b"});
+  REQUIRE(charts.verbs.groups.size() == 2);  // of two texts each
+  for (const ml::BarGroup& g : charts.verbs.groups)
+    CHECK(g.values == (g.name == "walk" ? std::vector<double>{2, 0} : std::vector<double>{1, 1}));
+  CHECK(charts.about == "a: 3 texts, 4 words, 2 verbs\nb: 1 text, 3 words, 1 verb\n");
+  CHECK(ml::word_charts(sets, 1).verbs.groups.size() == 1);
+  CHECK(ml::word_charts({}).words.curves.empty());
+}
