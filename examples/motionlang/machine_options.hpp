@@ -21,14 +21,11 @@ struct MachineOptions {
         .add_option("--threads", threads,
                     "Number of threads. The default is the number of processors of the machine or its container")
         ->check(in_range(1, 1024));
-    command
-        .add_option(
-            "--precision", precision,
-            "Precision of matrix products. bf16 rounds factors to bfloat16 and sums in float; it is several times "
-            "faster on processors that multiply bfloat16, and halves the memory of packed weights. bf16x3 uses "
-            "three bfloat16 for a float, is as exact as fp32, and is faster on few threads with AMX")
-        ->check(CLI::IsMember({"fp32", "bf16", "bf16x3"}))
-        ->capture_default_str();
+    checked_option(
+        command, "--precision", precision, CLI::IsMember({"fp32", "bf16", "bf16x3"}),
+        "Precision of matrix products. bf16 rounds factors to bfloat16 and sums in float; it is several times "
+        "faster on processors that multiply bfloat16, and halves the memory of packed weights. bf16x3 uses "
+        "three bfloat16 for a float, is as exact as fp32, and is faster on few threads with AMX");
   }
   /// Call it before a model is loaded.
   void apply() const {

@@ -11,13 +11,6 @@
 #include "help_formatter.hpp"
 #include "training_commands.hpp"
 
-namespace program {
-void add_train_mdm_smpl(CLI::App& app);
-void add_train_mdm(CLI::App& app);
-void add_train_motiondiffuse(CLI::App& app);
-void add_train_mdm_actions(CLI::App& app);
-}  // namespace program
-
 namespace {
 
 void on_interrupt(int) {
@@ -29,6 +22,21 @@ void require_known_subcommand(const CLI::App& app, int argc, char** argv) {
   const auto meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(meant).empty())
     throw CLI::ValidationError(program::no_subcommand(argv[1]));
+}
+
+/// All commands, in the order of --help.
+void add_commands(CLI::App& app) {
+  using namespace program;
+  for (const auto add : {add_generate, add_check, add_mtt, add_info, add_train}) add(app);
+#ifdef MOTIONLANG_TRAINING
+  for (const auto add : {add_train_tmr, add_train_temos, add_train_sinc, add_train_teach, add_train_actor,
+                         add_train_classifier, add_train_tm2t, add_train_mdm_smpl, add_train_mdm,
+                         add_train_motiondiffuse, add_train_mdm_actions, add_evaluate})
+    add(app);
+#endif
+  for (const auto add : {add_judge, add_gallery, add_convert, add_compose, add_join, add_doctor, add_index, add_search,
+                         add_embed, add_describe, add_pack, add_word_vectors, add_study, add_study_count, add_figure})
+    add(app);
 }
 
 }  // namespace
@@ -52,40 +60,7 @@ int main(int argc, char** argv) {
             ". To have them, in the folder of motionlang:\n" + program::build_with_training;
 #endif
   app.footer(footer);
-  program::add_generate(app);
-  program::add_check(app);
-  program::add_mtt(app);
-  program::add_info(app);
-  program::add_train(app);
-#ifdef MOTIONLANG_TRAINING
-  program::add_train_tmr(app);
-  program::add_train_temos(app);
-  program::add_train_sinc(app);
-  program::add_train_teach(app);
-  program::add_train_actor(app);
-  program::add_train_classifier(app);
-  program::add_train_tm2t(app);
-  program::add_train_mdm_smpl(app);
-  program::add_train_mdm(app);
-  program::add_train_motiondiffuse(app);
-  program::add_train_mdm_actions(app);
-  program::add_evaluate(app);
-#endif
-  program::add_judge(app);
-  program::add_gallery(app);
-  program::add_convert(app);
-  program::add_compose(app);
-  program::add_join(app);
-  program::add_doctor(app);
-  program::add_index(app);
-  program::add_search(app);
-  program::add_embed(app);
-  program::add_describe(app);
-  program::add_pack(app);
-  program::add_word_vectors(app);
-  program::add_study(app);
-  program::add_study_count(app);
-  program::add_figure(app);
+  add_commands(app);
   try {
     require_known_subcommand(app, argc, argv);
     app.parse(argc, argv);

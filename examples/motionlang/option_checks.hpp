@@ -67,6 +67,26 @@ inline CLI::Validator not_empty() {
   return CLI::Validator([](const std::string& text) { return std::string(text.empty() ? "is empty" : ""); }, "");
 }
 
+/// Options with the path of an existing file, of an existing folder, or of either.
+template <class T>
+CLI::Option* file_option(CLI::App& c, const std::string& name, T& value, const std::string& about) {
+  return c.add_option(name, value, about)->check(CLI::ExistingFile);
+}
+template <class T>
+CLI::Option* folder_option(CLI::App& c, const std::string& name, T& value, const std::string& about) {
+  return c.add_option(name, value, about)->check(CLI::ExistingDirectory);
+}
+template <class T>
+CLI::Option* path_option(CLI::App& c, const std::string& name, T& value, const std::string& about) {
+  return c.add_option(name, value, about)->check(CLI::ExistingPath);
+}
+/// An option whose value is checked. --help prints its default.
+template <class T>
+CLI::Option* checked_option(CLI::App& c, const std::string& name, T& value, const CLI::Validator& check,
+                            const std::string& about) {
+  return c.add_option(name, value, about)->check(check)->capture_default_str();
+}
+
 /// A name of motion_features.hpp, or `other`.
 inline CLI::Validator features_name(const std::string& other = "") {
   std::vector<std::string> known;

@@ -66,7 +66,7 @@ void add_output(CLI::App& c, ComposeOptions& o) {
   c.add_option("-o,--output", o.out, "Result: .bvh, .glb, .npz (AMASS), .npy (joints), .html (page), .svg or .png")
       ->required()
       ->check(not_empty());
-  c.add_option("--units", o.units, "Units per metre of a BVH result")->check(positive())->capture_default_str();
+  checked_option(c, "--units", o.units, positive(), "Units per metre of a BVH result");
   o.read.add_to(c);
 }
 
@@ -92,9 +92,8 @@ void add_compose(CLI::App& app) {
   const auto of = [&](const char* which) { return std::string(parts).replace(parts.find("%s"), 2, which); };
   c->add_option("--first", o->first, of("first") + ". The default is all")->check(not_empty());
   c->add_option("--second", o->second, of("second"))->required()->check(not_empty());
-  c->add_option("--table", o->table,
-                "Body parts of texts from a language model, as SINC has them: JSON, text -> answers")
-      ->check(CLI::ExistingFile);
+  file_option(*c, "--table", o->table,
+              "Body parts of texts from a language model, as SINC has them: JSON, text -> answers");
   c->add_flag("--center", o->center, "Cut the longer motion at both ends, not only at its end");
   add_output(*c, *o);
   c->callback([o] { compose(*o); });
@@ -110,9 +109,8 @@ void add_join(CLI::App& app) {
       ->required()
       ->expected(1, -1)
       ->check(CLI::ExistingFile);
-  c->add_option("--blend", o->blend, "Seconds over which one motion blends into the next, at least one frame")
-      ->check(not_negative())
-      ->capture_default_str();
+  checked_option(*c, "--blend", o->blend, not_negative(),
+                 "Seconds over which one motion blends into the next, at least one frame");
   add_output(*c, *o);
   c->callback([o] { join(*o); });
 }

@@ -166,13 +166,12 @@ void run(ConvertOptions o) {
 
 /// more: further kinds of input.
 void add_input(CLI::App& c, ConvertOptions& o, const std::string& more = "") {
-  c.add_option("input", o.in,
-               "Motion file: .bvh (every ROOT), .amc, .npz (AMASS, smplx), .npy (joints, features, or every motion of "
-               "MDM's results.npy), .glb, .gltf with embedded data, .vrm or .vrma (every animation). Or a folder of "
-               "them, where .vrm and .gltf are skipped" +
-                   more)
-      ->required()
-      ->check(CLI::ExistingPath);
+  path_option(c, "input", o.in,
+              "Motion file: .bvh (every ROOT), .amc, .npz (AMASS, smplx), .npy (joints, features, or every motion of "
+              "MDM's results.npy), .glb, .gltf with embedded data, .vrm or .vrma (every animation). Or a folder of "
+              "them, where .vrm and .gltf are skipped" +
+                  more)
+      ->required();
   o.read.add_to(c);
 }
 
@@ -210,8 +209,7 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
   });
   if (extension == ".html") {
     CLI::Option* body = add_body(*c, *o);
-    c->add_option("--rig", o->rig.file, "Character (.glb or .vrm with a skin) that shows the motion, in one colour")
-        ->check(CLI::ExistingFile)
+    file_option(*c, "--rig", o->rig.file, "Character (.glb or .vrm with a skin) that shows the motion, in one colour")
         ->excludes(body);
   } else {
     c->add_option("--as", o->as, "Format of the results of a folder. The default is .svg")
@@ -252,15 +250,12 @@ void add_convert(CLI::App& app) {
       ->check(positive());
   c->add_option("--from", o->time.from, "Start in seconds")->check(not_negative());
   c->add_option("--to", o->time.to, "End in seconds")->check(positive());
-  c->add_option("--speed", o->time.speed, "Factor by which the motion becomes faster")
-      ->check(positive())
-      ->capture_default_str();
-  c->add_option("--units", o->scale, "Units per metre of a BVH result")->check(positive())->capture_default_str();
+  checked_option(*c, "--speed", o->time.speed, positive(), "Factor by which the motion becomes faster");
+  checked_option(*c, "--units", o->scale, positive(), "Units per metre of a BVH result");
   CLI::Option* rig =
-      c->add_option("--rig", o->rig.file,
-                    "Character (.glb or .vrm with a skin). A .glb result is this file with the motion added, an .html "
-                    "result is a page that shows it in one colour")
-          ->check(CLI::ExistingFile);
+      file_option(*c, "--rig", o->rig.file,
+                  "Character (.glb or .vrm with a skin). A .glb result is this file with the motion added, an .html "
+                  "result is a page that shows it in one colour");
   CLI::Option* body = add_body(*c, *o)->excludes(rig);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Leave out the animations that the character already has")
       ->needs(rig);
@@ -279,10 +274,9 @@ void add_convert(CLI::App& app) {
       ->excludes(body);
   c->add_flag("--replace", o->replace, "A clip replaces the clip of the same name in the data set. Its captions stay");
   CLI::Option* denoise =
-      c->add_option("--denoise", o->denoise,
-                    "Model that encodes and decodes the motion: ACTOR, TEMOS, TMR or SINC, trained here or published. "
-                    "The result lacks what the model never learned, such as noise, and is on the model's joints")
-          ->check(CLI::ExistingPath);
+      path_option(*c, "--denoise", o->denoise,
+                  "Model that encodes and decodes the motion: ACTOR, TEMOS, TMR or SINC, trained here or published. "
+                  "The result lacks what the model never learned, such as noise, and is on the model's joints");
   c->add_option("--action", o->action, "Action that the motion shows, by name or number, for --denoise with ACTOR")
       ->needs(denoise);
   c->add_option("--text-encoder", o->sources.text_encoder,

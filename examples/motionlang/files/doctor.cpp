@@ -56,16 +56,14 @@ void add_doctor(CLI::App& app) {
   CLI::App* c = app.add_subcommand(
       "doctor",
       "Finds faults of the motions in a folder: scale, up axis, sides, T-poses, frame rate, jumps, feet and others");
-  c->add_option("folder", o->folder,
+  folder_option(*c, "folder", o->folder,
                 "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, including its "
                 "subfolders")
-      ->required()
-      ->check(CLI::ExistingDirectory);
+      ->required();
   c->add_option("--report", o->report, "HTML page for the findings, with film strips");
   c->add_option("--clean", o->clean, "Folder for copies (.bvh) in which the faults are mended as far as possible");
-  c->add_option("--strips", o->strips, "Number of film strips on the page for each kind of finding")
-      ->check(in_range(0, 100))
-      ->capture_default_str();
+  checked_option(*c, "--strips", o->strips, in_range(0, 100),
+                 "Number of film strips on the page for each kind of finding");
   o->read.add_to(*c);
   c->add_flag("--all", o->all, "Also list motions without a finding");
   c->callback([o] { run(*o); });

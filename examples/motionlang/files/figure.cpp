@@ -122,7 +122,7 @@ void add_figure(CLI::App& app) {
   CLI::App* c = app.add_subcommand("figure", "Draws figures of the papers as SVG");
   c->require_subcommand(1);
   const auto fps = [&](CLI::App* kind) {
-    kind->add_option("--fps", o->fps, "Frames per second of the timeline")->check(positive())->capture_default_str();
+    checked_option(*kind, "--fps", o->fps, positive(), "Frames per second of the timeline");
   };
   CLI::App* timelines =
       add_kind_of_figure(*c, o, "timelines", "Timelines, and the text that each body part follows (thesis, figure 6.5)",
@@ -132,14 +132,11 @@ void add_figure(CLI::App& app) {
 
   CLI::App* bodies = add_kind_of_figure(
       *c, o, "bodies", "A film strip in the colours of the texts (thesis, figure 6.7)", "Motion file", 1, draw_bodies);
-  bodies->add_option("--timeline", o->timeline, "Timeline file of this motion")->required()->check(CLI::ExistingFile);
+  file_option(*bodies, "--timeline", o->timeline, "Timeline file of this motion")->required();
   fps(bodies);
-  bodies
-      ->add_option("--colours", o->colours,
-                   "part: each body part has the colour of its own text; newest: the whole body has the colour of "
-                   "the text that started last, as in the thesis")
-      ->check(CLI::IsMember({"part", "newest"}))
-      ->capture_default_str();
+  checked_option(*bodies, "--colours", o->colours, CLI::IsMember({"part", "newest"}),
+                 "part: each body part has the colour of its own text; newest: the whole body has the colour of "
+                 "the text that started last, as in the thesis");
   bodies->add_option("--poses", o->poses, "Number of poses. The default is as many as the motion needs")
       ->check(in_range(1, 200));
 
@@ -155,20 +152,16 @@ void add_figure(CLI::App& app) {
                          "Motion file", 1, draw_moments);
   moments->add_option("--text", o->texts, "A text; may be given several times")->required()->check(utf8());
   moments->add_option("--truth", o->truth, "For each text the seconds in which the motion shows it, such as 2-4.5");
-  moments->add_option("--window", o->window, "Seconds around each frame that are compared")
-      ->check(positive())
-      ->capture_default_str();
-  moments->add_option("--model", o->model, "TMR, of train-tmr or published. The default is the bundled one")
-      ->check(CLI::ExistingPath);
-  moments->add_option("--text-encoder", o->text_encoder, "Its language model, if it reads the states of one")
-      ->check(CLI::ExistingPath);
+  checked_option(*moments, "--window", o->window, positive(), "Seconds around each frame that are compared");
+  path_option(*moments, "--model", o->model, "TMR, of train-tmr or published. The default is the bundled one");
+  path_option(*moments, "--text-encoder", o->text_encoder, "Its language model, if it reads the states of one");
 
   CLI::App* words = add_kind_of_figure(
       *c, o, "words",
       "Words and verbs of data sets (thesis, figure A.3). Writes NAME.svg (words by how often they appear) and "
       "NAME_verbs.svg",
       "Tables of captions, or .json files of annotations or of BABEL", 8, draw_words);
-  words->add_option("--most", o->most, "Number of verbs")->check(in_range(1, 1000))->capture_default_str();
+  checked_option(*words, "--most", o->most, in_range(1, 1000), "Number of verbs");
 }
 
 }  // namespace program

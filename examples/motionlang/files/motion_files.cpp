@@ -13,7 +13,7 @@
 namespace program {
 
 void MotionReadOptions::add_to(CLI::App& command) {
-  command.add_option("--scale", scale, "Metres per unit of BVH files")->check(positive())->capture_default_str();
+  checked_option(command, "--scale", scale, positive(), "Metres per unit of BVH files");
   command
       .add_option("--rate", rate,
                   "Frames per second of .npy and .amc files, and of .npz files that do not state it. The default is "
@@ -28,12 +28,10 @@ void MotionReadOptions::add_to(CLI::App& command) {
           "Axis that points up. The default is y; in .npy files with joints the program finds it, and MDM's results "
           "have y. In the coordinates of a camera it is y-down. AMASS files have z")
       ->check(CLI::IsMember(axes));
-  command
-      .add_option("--asf", asf,
-                  "Skeleton of AMC files. The default is the file of the subject beside the clip, or the only one in "
-                  "the folder")
-      ->check(CLI::ExistingFile);
-  command.add_option("--joints", joints, joints_help)->check(CLI::ExistingFile);
+  file_option(command, "--asf", asf,
+              "Skeleton of AMC files. The default is the file of the subject beside the clip, or the only one in "
+              "the folder");
+  file_option(command, "--joints", joints, joints_help);
 }
 
 void MotionReadOptions::require_for(const std::filesystem::path& file) const {

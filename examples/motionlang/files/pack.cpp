@@ -6,6 +6,7 @@
 #include <motionlang/weights/pack_run.hpp>
 
 #include "../commands.hpp"
+#include "../option_checks.hpp"
 
 namespace program {
 
@@ -36,18 +37,15 @@ void add_pack(CLI::App& app) {
   CLI::App* c = app.add_subcommand("pack",
                                    "Packs a published model (STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR, TEACH, SINC, "
                                    "TM2T) into one folder with config.json and weights.safetensors");
-  c->add_option("run", o->run, "Folder as the repository leaves it")->required()->check(CLI::ExistingDirectory);
+  folder_option(*c, "run", o->run, "Folder as the repository leaves it")->required();
   c->add_option("-o,--out", o->out, "Folder to write")->required();
   c->add_option("--license", o->license, "Licence of the weights")->required();
   c->add_option("--provenance", o->provenance, "Origin of the weights: repository and data")->required();
-  c->add_option("--statistics", o->statistics,
-                "Folder with mean and std of the features, if the model's own folder lacks them")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--text-encoder", o->text_encoder, "Text encoder. The default is to look beside the model")
-      ->check(CLI::ExistingPath);
-  c->add_option("--tokenizer", o->tokenizer,
-                "TM2T: folder of the motion tokenizer. The default is to look beside the model")
-      ->check(CLI::ExistingDirectory);
+  folder_option(*c, "--statistics", o->statistics,
+                "Folder with mean and std of the features, if the model's own folder lacks them");
+  path_option(*c, "--text-encoder", o->text_encoder, "Text encoder. The default is to look beside the model");
+  folder_option(*c, "--tokenizer", o->tokenizer,
+                "TM2T: folder of the motion tokenizer. The default is to look beside the model");
   c->add_flag("--with-text-encoder", o->with_text_encoder,
               "Copy the text encoder into the folder. For TEMOS, TEACH and SINC this is the tokenizer, for TM2T the "
               "word vectors");

@@ -94,9 +94,7 @@ constexpr const char* study_kind_help =
     "to 5";
 
 CLI::Option* add_kind(CLI::App& c, std::string& kind) {
-  return c.add_option("--kind", kind, study_kind_help)
-      ->check(CLI::IsMember({"pairs", "ranking", "rating"}))
-      ->capture_default_str();
+  return checked_option(c, "--kind", kind, CLI::IsMember({"pairs", "ranking", "rating"}), study_kind_help);
 }
 
 }  // namespace
@@ -107,12 +105,11 @@ void add_study(CLI::App& app) {
   CLI::App* c = app.add_subcommand("study",
                                    "Writes a perceptual study as one page: raters compare moving figures or texts, and "
                                    "save their answers as a file");
-  c->add_option("table", o->table, study_table_help)->required()->check(CLI::ExistingFile);
+  file_option(*c, "table", o->table, study_table_help)->required();
   add_kind(*c, o->kind);
-  c->add_option("-o,--out", o->out, "The page (.html)")->check(not_empty())->capture_default_str();
-  c->add_option("--seed", o->page.seed, "Seed of the order of trials and sides; another seed is another page")
-      ->check(seed_number())
-      ->capture_default_str();
+  checked_option(*c, "-o,--out", o->out, not_empty(), "The page (.html)");
+  checked_option(*c, "--seed", o->page.seed, seed_number(),
+                 "Seed of the order of trials and sides; another seed is another page");
   c->add_option("--question", o->page.question, "The question above each trial. The default depends on the kind");
   c->add_option("--title", o->page.title, "Title of the page. The default is the question");
   c->add_option("--instructions", o->page.instructions, "What raters read first. The default depends on the kind");
@@ -127,13 +124,11 @@ void add_study_count(CLI::App& app) {
       "study-count",
       "Counts the answers to a study: majorities, mean ranks or ratings with 95 % intervals, without raters who fail "
       "catch trials");
-  c->add_option("table", o->table, "Table of the study, as `study` read it")->required()->check(CLI::ExistingFile);
-  c->add_option("answers", o->answers, "Files that raters saved")->required()->check(CLI::ExistingFile);
+  file_option(*c, "table", o->table, "Table of the study, as `study` read it")->required();
+  file_option(*c, "answers", o->answers, "Files that raters saved")->required();
   add_kind(*c, o->kind);
   c->add_option("--svg", o->svg, "Also draw the counts as bars, into this file")->check(not_empty());
-  c->add_option("--pass", o->pass, "Share of catch trials that a rater must pass")
-      ->check(in_range(0, 1))
-      ->capture_default_str();
+  checked_option(*c, "--pass", o->pass, in_range(0, 1), "Share of catch trials that a rater must pass");
   c->callback([o] { run(*o); });
 }
 

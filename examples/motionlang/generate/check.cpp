@@ -58,10 +58,8 @@ void add_check(CLI::App& app) {
       "check",
       "Reads a timeline and shows which text moves which body part at which time. Errors name line and column");
   c->add_option("timeline", o->path, "Timeline file; - reads standard input")->required();
-  c->add_option("--fps", o->fps, "Frames per second of the model")->check(positive())->capture_default_str();
-  c->add_option("--overlap", o->overlap, "Seconds that neighbouring texts share around a cut")
-      ->check(not_negative())
-      ->capture_default_str();
+  checked_option(*c, "--fps", o->fps, positive(), "Frames per second of the model");
+  checked_option(*c, "--overlap", o->overlap, not_negative(), "Seconds that neighbouring texts share around a cut");
   c->add_option("--model", o->model, "Weights whose frame rate and longest text are checked as well");
   c->add_flag("--cut-texts,!--no-cut-texts", o->cut,
               "Cut texts as generate does: where others borrow their body parts, and where they are too long");

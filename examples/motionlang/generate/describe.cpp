@@ -90,31 +90,24 @@ class Describer {
 void add_describe(CLI::App& app) {
   const auto o = std::make_shared<DescribeOptions>();
   CLI::App* c = app.add_subcommand("describe", "Captions motions with a TM2T model from motions to texts");
-  c->add_option("input", o->inputs,
-                "Motion files (.bvh, .amc, .npz of AMASS, .npy of joints or features, .glb, .vrma) and folders of "
-                "them. Motions longer than 196 frames at the model's rate are captioned in parts")
-      ->required()
-      ->check(CLI::ExistingPath);
-  c->add_option("--model", o->model, "Folder of the model: from train-tm2t, or M2T_... as published")
-      ->required()
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--tokenizer", o->tokenizer, "Folder of the motion tokenizer. The default is to look beside the model")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--text-encoder", o->words,
-                "Folder of the word vectors (our_vab_data.npy). The default is to look in the folders above the model")
-      ->check(CLI::ExistingDirectory);
+  path_option(*c, "input", o->inputs,
+              "Motion files (.bvh, .amc, .npz of AMASS, .npy of joints or features, .glb, .vrma) and folders of "
+              "them. Motions longer than 196 frames at the model's rate are captioned in parts")
+      ->required();
+  folder_option(*c, "--model", o->model, "Folder of the model: from train-tm2t, or M2T_... as published")->required();
+  folder_option(*c, "--tokenizer", o->tokenizer,
+                "Folder of the motion tokenizer. The default is to look beside the model");
+  folder_option(*c, "--text-encoder", o->words,
+                "Folder of the word vectors (our_vab_data.npy). The default is to look in the folders above the model");
   c->add_option("-o,--out", o->out,
                 "Also write a table of captions, which index and the train commands read. Clips are named by their "
                 "paths below the given folder")
       ->check(not_empty());
-  c->add_option("--top", o->how.top, "Number of captions for each motion, if there are as many different ones")
-      ->check(in_range(1, 100))
-      ->capture_default_str();
+  checked_option(*c, "--top", o->how.top, in_range(1, 100),
+                 "Number of captions for each motion, if there are as many different ones");
   CLI::Option* beams =
-      c->add_option("--beams", o->how.beams,
-                    "Beams of the search, at least as many as --top; 1 takes the most probable word at each step")
-          ->check(in_range(1, 100))
-          ->capture_default_str();
+      checked_option(*c, "--beams", o->how.beams, in_range(1, 100),
+                     "Beams of the search, at least as many as --top; 1 takes the most probable word at each step");
   CLI::Option* sample =
       c->add_flag("--sample", o->how.sample, "Sample words by their probability instead of searching")->excludes(beams);
   c->add_option("--top-k", o->how.top_k, "Sample only from this many of the most probable words")

@@ -87,42 +87,31 @@ void add_gallery(CLI::App& app) {
   CLI::App* c = app.add_subcommand("gallery",
                                    "Makes a motion for each verb that a model knows. Writes gallery.html, a page of "
                                    "small moving figures, and gallery.svg, a picture of them");
-  const auto prompts =
-      c->add_option(
-           "--prompts", o->prompts,
-           "File with a line for each prompt: 'text # seconds'. For models of actions, the text names one. "
-           "The default is gallery.txt beside the weights, then the captions that the model remembers, then the list "
-           "of the bundled model, which has a prompt for each verb of its captions")
-          ->check(CLI::ExistingFile);
-  c->add_option("--captions", o->captions,
-                "File of captions, as `train` reads it: a prompt for each verb with which its captions begin")
-      ->check(CLI::ExistingFile)
+  const auto prompts = file_option(
+      *c, "--prompts", o->prompts,
+      "File with a line for each prompt: 'text # seconds'. For models of actions, the text names one. "
+      "The default is gallery.txt beside the weights, then the captions that the model remembers, then the list "
+      "of the bundled model, which has a prompt for each verb of its captions");
+  file_option(*c, "--captions", o->captions,
+              "File of captions, as `train` reads it: a prompt for each verb with which its captions begin")
       ->excludes(prompts);
-  c->add_option("--least", o->least, "Without a list: leave out verbs that fewer segments show, or captions say")
-      ->check(in_range(1, 1000000))
-      ->capture_default_str();
+  checked_option(*c, "--least", o->least, in_range(1, 1000000),
+                 "Without a list: leave out verbs that fewer segments show, or captions say");
   c->add_flag("--list", o->list, "Print the prompts, as --prompts reads them, and stop");
   c->add_flag("--all", o->all, "Keep prompts that the model does not know by their words or by their meaning");
   c->add_option("--model", o->model,
                 "Weights, as `generate` takes them. The default is the bundled model, or what MOTIONLANG_MODEL names");
-  c->add_option("--text-encoder", o->sources.text_encoder,
-                "Text encoder of a published model that contains none, as `generate` takes it")
-      ->check(CLI::ExistingPath);
-  c->add_option("--out", o->out, "Folder for the page and the picture")->check(not_empty())->capture_default_str();
-  c->add_option("--pictured", o->pictured, "The picture shows at most this many motions, the first ones")
-      ->check(in_range(1, 1000000))
-      ->capture_default_str();
-  c->add_option("--columns", o->columns, "Columns of the picture")->check(in_range(1, 20))->capture_default_str();
-  c->add_option("--poses", o->poses, "Poses of each motion in the picture")
-      ->check(in_range(1, 6))
-      ->capture_default_str();
-  c->add_option("--seed", o->settings.seed,
-                "Seed of the noise. `generate --text` makes the same motions with the same seed")
-      ->check(seed_number())
-      ->capture_default_str();
-  c->add_option("--backend", o->backend, "Backend for the computation")
-      ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
-      ->capture_default_str();
+  path_option(*c, "--text-encoder", o->sources.text_encoder,
+              "Text encoder of a published model that contains none, as `generate` takes it");
+  checked_option(*c, "--out", o->out, not_empty(), "Folder for the page and the picture");
+  checked_option(*c, "--pictured", o->pictured, in_range(1, 1000000),
+                 "The picture shows at most this many motions, the first ones");
+  checked_option(*c, "--columns", o->columns, in_range(1, 20), "Columns of the picture");
+  checked_option(*c, "--poses", o->poses, in_range(1, 6), "Poses of each motion in the picture");
+  checked_option(*c, "--seed", o->settings.seed, seed_number(),
+                 "Seed of the noise. `generate --text` makes the same motions with the same seed");
+  checked_option(*c, "--backend", o->backend, CLI::IsMember({"eigen", "xtensor", "reference"}),
+                 "Backend for the computation");
   o->machine.add_to(*c);
   c->callback([o] { run(*o); });
 }

@@ -279,30 +279,24 @@ void add_generate(CLI::App& app) {
                 "Weights: a .safetensors file, a folder with one, or a folder that a train command wrote. A published "
                 "folder of STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR, TEACH, SINC or TM2T works as well. The default "
                 "is the bundled model, or what MOTIONLANG_MODEL names");
-  c->add_option("--text-encoder", o->sources.text_encoder,
-                "Text encoder of a published model that contains none. CLIP: OpenAI's ViT-B-32.pt with "
-                "bpe_simple_vocab_16e6.txt.gz beside it, or a folder of Hugging Face. TEMOS, TEACH, SINC: "
-                "distilbert-base-uncased. TM2T: the folder of its word vectors (our_vab_data.npy). The default is to "
-                "look beside the model")
-      ->check(CLI::ExistingPath);
-  c->add_option(
-       "--statistics", o->sources.statistics,
-       "Folder with mean and std of the features (.npy or .pt), for a published model whose own folder lacks them")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--tokenizer", o->sources.tokenizer,
-                "TM2T: folder of the motion tokenizer. The default is to look beside the model")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--out", o->out, "Folder for the results")->check(not_empty())->capture_default_str();
-  const auto rig = c->add_option("--rig", o->rig.file,
-                                 "Character (.glb with a skin). The GLB result is this file with the motion added")
-                       ->check(CLI::ExistingFile);
+  path_option(*c, "--text-encoder", o->sources.text_encoder,
+              "Text encoder of a published model that contains none. CLIP: OpenAI's ViT-B-32.pt with "
+              "bpe_simple_vocab_16e6.txt.gz beside it, or a folder of Hugging Face. TEMOS, TEACH, SINC: "
+              "distilbert-base-uncased. TM2T: the folder of its word vectors (our_vab_data.npy). The default is to "
+              "look beside the model");
+  folder_option(
+      *c, "--statistics", o->sources.statistics,
+      "Folder with mean and std of the features (.npy or .pt), for a published model whose own folder lacks them");
+  folder_option(*c, "--tokenizer", o->sources.tokenizer,
+                "TM2T: folder of the motion tokenizer. The default is to look beside the model");
+  checked_option(*c, "--out", o->out, not_empty(), "Folder for the results");
+  const auto rig = file_option(*c, "--rig", o->rig.file,
+                               "Character (.glb with a skin). The GLB result is this file with the motion added");
   c->add_flag("--drop-animations", o->rig.drop_animations, "Leave out the animations that the character already has")
       ->needs(rig);
   c->add_option("--joints", o->rig.joints, joints_help)->needs(rig)->check(CLI::ExistingFile);
-  const auto seed = c->add_option("--seed", o->settings.seed,
-                                  "Seed of the noise. The same seed gives the same motion on any number of threads")
-                        ->check(seed_number())
-                        ->capture_default_str();
+  const auto seed = checked_option(*c, "--seed", o->settings.seed, seed_number(),
+                                   "Seed of the noise. The same seed gives the same motion on any number of threads");
   const auto steps = c->add_option("--steps", o->settings.steps,
                                    "Number of denoising steps, spread evenly over those of the model; 0 takes all. The "
                                    "default is what the weights ask for")
@@ -331,19 +325,15 @@ void add_generate(CLI::App& app) {
                 "Scale of the latent noise, for ACTOR, TEMOS, TMR, SINC and TEACH: above 1 for more variety, 0 for the "
                 "mean motion. The default is 1, as in training")
       ->check(in_range(0, 100));
-  const auto mode =
-      c->add_option("--mode", o->mode,
-                    "STMC, or a baseline of its paper, for diffusion models of texts. sinc: each text is sampled "
-                    "alone, and body parts are stitched once, with hard cuts; sinc-lerp: the same, interpolated around "
-                    "cuts; single-track: the texts of each moment in one sentence (DiffCollage); one-text: all in one "
-                    "sentence. Baselines do not cut texts")
-          ->check(CLI::IsMember({"stmc", "sinc", "sinc-lerp", "single-track", "one-text"}))
-          ->capture_default_str();
+  const auto mode = checked_option(
+      *c, "--mode", o->mode, CLI::IsMember({"stmc", "sinc", "sinc-lerp", "single-track", "one-text"}),
+      "STMC, or a baseline of its paper, for diffusion models of texts. sinc: each text is sampled "
+      "alone, and body parts are stitched once, with hard cuts; sinc-lerp: the same, interpolated around "
+      "cuts; single-track: the texts of each moment in one sentence (DiffCollage); one-text: all in one "
+      "sentence. Baselines do not cut texts");
   const auto overlap =
-      c->add_option("--overlap", o->settings.overlap,
-                    "Seconds that neighbouring texts share around a cut, or that sinc-lerp interpolates")
-          ->check(not_negative())
-          ->capture_default_str();
+      checked_option(*c, "--overlap", o->settings.overlap, not_negative(),
+                     "Seconds that neighbouring texts share around a cut, or that sinc-lerp interpolates");
   const auto noise =
       c->add_option("--noise", o->noise,
                     "A safetensors file with noise/000 (initial), noise/001 and so on, which replaces the seed")
@@ -352,12 +342,10 @@ void add_generate(CLI::App& app) {
               std::string("Also write NAME") + ml::record_extension +
                   " for --reuse after an edit. It has 820 bytes per frame and step (20 MB for 12 s and 100 steps)")
       ->excludes(noise);
-  const auto reuse =
-      c->add_option(
-           "--reuse", o->reuse,
-           "Folder or file of a run with --record. Only what the edited timeline changes is computed; seed, steps, "
-           "sampler, guidance, overlap and cuts are those of that run. The program prints what was reused")
-          ->check(CLI::ExistingPath);
+  const auto reuse = path_option(
+      *c, "--reuse", o->reuse,
+      "Folder or file of a run with --record. Only what the edited timeline changes is computed; seed, steps, "
+      "sampler, guidance, overlap and cuts are those of that run. The program prints what was reused");
   for (CLI::Option* option : {seed, steps, sampler, preset, guidance, noise_factor, mode, overlap, noise})
     reuse->excludes(option);
   c->add_option("--keep-beyond", o->settings.keep_beyond,
@@ -365,13 +353,11 @@ void add_generate(CLI::App& app) {
                 "model would change them")
       ->check(in_range(0, 3600))
       ->needs(reuse);
-  CLI::Option* keep =
-      c->add_option(
-           "--keep", o->keep,
-           "Motion file, as for convert. It starts with the timeline; parts of it are kept, and the texts make the "
-           "rest. For diffusion models of texts. A T-pose in front is left out. Smoothing and foot fixing may "
-           "still move the kept part a little; --no-smooth and --no-fix-feet prevent that")
-          ->check(CLI::ExistingFile);
+  CLI::Option* keep = file_option(
+      *c, "--keep", o->keep,
+      "Motion file, as for convert. It starts with the timeline; parts of it are kept, and the texts make the "
+      "rest. For diffusion models of texts. A T-pose in front is left out. Smoothing and foot fixing may "
+      "still move the kept part a little; --no-smooth and --no-fix-feet prevent that");
   c->add_option("--keep-seconds", o->keep_seconds,
                 "Time ranges in which the whole pose is kept. 0-0.5 fixes the beginning; 0-1,4-5 leaves the frames "
                 "between to the model")
@@ -403,9 +389,8 @@ void add_generate(CLI::App& app) {
               "If an arm does not do what its text says, replace it by the arm of a motion from that text alone. This "
               "takes a second pass")
       ->capture_default_str();
-  c->add_option("--backend", o->backend, "Backend for the computation")
-      ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
-      ->capture_default_str();
+  checked_option(*c, "--backend", o->backend, CLI::IsMember({"eigen", "xtensor", "reference"}),
+                 "Backend for the computation");
   o->machine.add_to(*c);
   c->callback([o, action] {
     o->action = action->count() > 0;

@@ -155,7 +155,7 @@ void add_judge(CLI::App& app) {
                                      "Numbers of steps. Prints a table of cost and quality for both samplers, compared "
                                      "with the first number (100 20 10 8 5)")
                            ->check(positive());
-  c->add_option("--seeds", o->seeds, "Number of motions for each prompt")->check(positive())->capture_default_str();
+  checked_option(*c, "--seeds", o->seeds, positive(), "Number of motions for each prompt");
   c->add_option("--guidance", o->settings.guidance,
                 "Weight of the text; 1 means no guidance. The default is the model's own")
       ->check(in_range(0, 100));
@@ -176,9 +176,8 @@ void add_judge(CLI::App& app) {
               "If an arm does not do what its text says, replace it by the arm of a motion from that text alone. This "
               "takes a second pass")
       ->capture_default_str();
-  c->add_option("--backend", o->backend, "Backend for the computation")
-      ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
-      ->capture_default_str();
+  checked_option(*c, "--backend", o->backend, CLI::IsMember({"eigen", "xtensor", "reference"}),
+                 "Backend for the computation");
   c->add_flag("--details", o->details, "Print for every motion why it fails");
   c->add_option("--bench", o->bench,
                 "own: twelve prompts that the bundled model knows; newcomers: 56 that newcomers type; arms, trunk: "
@@ -187,11 +186,10 @@ void add_judge(CLI::App& app) {
       ->check(CLI::IsMember({"own", "newcomers", "arms", "trunk", "paraphrases", "all"}))
       ->excludes(compare)
       ->capture_default_str();
-  c->add_option(
-       "--prompts", o->prompts,
-       "Prompts of your own instead: a file with lines 'text # verb # seconds'. The verb has the rule. An unknown "
-       "verb is an error that lists all of them")
-      ->check(CLI::ExistingFile)
+  file_option(
+      *c, "--prompts", o->prompts,
+      "Prompts of your own instead: a file with lines 'text # verb # seconds'. The verb has the rule. An unknown "
+      "verb is an error that lists all of them")
       ->excludes(compare)
       ->excludes("--bench");
   c->add_option("--seconds", o->seconds,
@@ -200,15 +198,11 @@ void add_judge(CLI::App& app) {
       ->check(in_range(0.5, 3600))
       ->excludes(compare);
   const auto clips =
-      c->add_option("--clips", o->clips, "Folder of recorded clips to judge instead of generated motions")
-          ->check(CLI::ExistingDirectory);
-  const auto captions = c->add_option("--captions", o->captions, "File of captions of these clips, as `train` reads it")
-                            ->check(CLI::ExistingFile)
-                            ->needs(clips);
+      folder_option(*c, "--clips", o->clips, "Folder of recorded clips to judge instead of generated motions");
+  const auto captions =
+      file_option(*c, "--captions", o->captions, "File of captions of these clips, as `train` reads it")->needs(clips);
   clips->needs(captions);
-  c->add_option("--first-seed", o->settings.seed, "First seed; the others follow it")
-      ->check(seed_number())
-      ->capture_default_str();
+  checked_option(*c, "--first-seed", o->settings.seed, seed_number(), "First seed; the others follow it");
   c->add_flag("--remember", o->remember,
               "Write into the weights which texts were tried and how often they succeeded. generate then warns about "
               "texts like those that mostly fail. Judge with another --first-seed afterwards")

@@ -51,14 +51,13 @@ void add_mtt(CLI::App& app) {
       "mtt",
       "Draws timelines of three texts on two tracks from a list of texts, as STMC's data set MTT has them. Writes "
       "MTT.txt, and the timelines of two baselines: MTT_singletrack.txt and MTT_onetext.txt");
-  c->add_option("--texts", o->texts,
-                "File with a line for each text: 'text # body part # ...'. With STMC's texts.txt, the files are the "
-                "published ones, byte for byte")
-      ->required()
-      ->check(CLI::ExistingFile);
-  c->add_option("--out", o->out, "Folder for the files")->check(not_empty())->capture_default_str();
-  c->add_option("--seed", o->options.seed, "Seed of the draws")->check(in_range(0, 1e15))->capture_default_str();
-  c->add_option("--count", o->options.count, "Number of timelines")->check(in_range(1, 1000000))->capture_default_str();
+  file_option(*c, "--texts", o->texts,
+              "File with a line for each text: 'text # body part # ...'. With STMC's texts.txt, the files are the "
+              "published ones, byte for byte")
+      ->required();
+  checked_option(*c, "--out", o->out, not_empty(), "Folder for the files");
+  checked_option(*c, "--seed", o->options.seed, in_range(0, 1e15), "Seed of the draws");
+  checked_option(*c, "--count", o->options.count, in_range(1, 1000000), "Number of timelines");
   c->callback([o] { run(*o); });
 }
 

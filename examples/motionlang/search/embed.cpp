@@ -57,32 +57,25 @@ void add_embed(CLI::App& app) {
   const auto o = std::make_shared<EmbedOptions>();
   CLI::App* c = app.add_subcommand(
       "embed", "Writes text vectors to NAME.npy, NAME_slice.npy and NAME_index.json, in the layout of TMR and STMC");
-  c->add_option("texts", o->texts, "File with one text per line, or an annotations.json")
-      ->required()
-      ->check(CLI::ExistingFile);
-  c->add_option(
-       "--encoder", o->encoder,
-       "Folder of Hugging Face (distilbert, bert, mpnet, clip), or OpenAI's ViT-B-32.pt with its vocabulary beside it")
-      ->required()
-      ->check(CLI::ExistingPath);
+  file_option(*c, "texts", o->texts, "File with one text per line, or an annotations.json")->required();
+  path_option(
+      *c, "--encoder", o->encoder,
+      "Folder of Hugging Face (distilbert, bert, mpnet, clip), or OpenAI's ViT-B-32.pt with its vocabulary beside it")
+      ->required();
   c->add_option("-o,--out", o->out, "Folder for the files")->required();
   c->add_option(
       "--name", o->name,
       "Name of the encoder in the file names; 'ViT-B/32' makes a subfolder. The default is the name of its folder");
-  c->add_option("--pooling", o->pooling,
-                "Rows to write. none: one per token (TMR's token_embeddings); mean, first: one per text; end: CLIP's "
-                "text vector (STMC)")
-      ->check(CLI::IsMember({"none", "mean", "first", "end"}))
-      ->capture_default_str();
+  checked_option(*c, "--pooling", o->pooling, CLI::IsMember({"none", "mean", "first", "end"}),
+                 "Rows to write. none: one per token (TMR's token_embeddings); mean, first: one per text; end: CLIP's "
+                 "text vector (STMC)");
   c->add_flag("--normalize", o->normalize, "Scale text vectors to length 1 (TMR's sent_embeddings)");
   c->add_flag("--empty,!--no-empty", o->empty, "Also embed the empty text, which is the unconditional one")
       ->capture_default_str();
   c->add_flag("--truncate", o->truncate,
               "Cut texts that are longer than the encoder takes (512 ids); otherwise they are an error. CLIP always "
               "cuts at 77 ids");
-  c->add_option("--batch", o->batch, "Number of texts encoded together")
-      ->check(in_range(1, 4096))
-      ->capture_default_str();
+  checked_option(*c, "--batch", o->batch, in_range(1, 4096), "Number of texts encoded together");
   c->callback([o] { run(*o); });
 }
 

@@ -138,20 +138,16 @@ void add_index(CLI::App& app) {
   const auto o = std::make_shared<IndexOptions>();
   CLI::App* c =
       app.add_subcommand("index", "Makes or updates an index, in which motionlang search finds motions by words");
-  c->add_option("folder", o->folder,
+  folder_option(*c, "folder", o->folder,
                 "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, including its "
-                "subfolders. Unchanged files are not read again")
-      ->check(CLI::ExistingDirectory);
+                "subfolders. Unchanged files are not read again");
   c->add_option("-o,--out", o->out, "Index file")->required();
-  c->add_option("--model", o->model,
+  folder_option(*c, "--model", o->model,
                 "Folder of a TMR, from train-tmr or as published. The default is the model of the index; a new index "
-                "takes the bundled model")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--text-encoder", o->text_encoder,
-                "Language model that the model reads, if it has no word pieces of its own: a folder, or a cache (.npy)")
-      ->check(CLI::ExistingPath);
-  c->add_option("--captions", o->captions, "Table of clip parts and their captions (examples/training/README.md)")
-      ->check(CLI::ExistingFile);
+                "takes the bundled model");
+  path_option(*c, "--text-encoder", o->text_encoder,
+              "Language model that the model reads, if it has no word pieces of its own: a folder, or a cache (.npy)");
+  file_option(*c, "--captions", o->captions, "Table of clip parts and their captions (examples/training/README.md)");
   c->add_option("--license", o->license,
                 "Licence of the motions below the folder, including those already indexed. The default is the first "
                 "line of the LICENSE file beside or above them; without such a file, the entry of the index stays");
@@ -159,20 +155,17 @@ void add_index(CLI::App& app) {
                                    ->delimiter(',')
                                    ->check(in_range(0.05, 600))
                                    ->capture_default_str();
-  const CLI::Option* stride = c->add_option("--stride", o->stride, "Seconds from one moment to the next")
-                                  ->check(in_range(0.05, 600))
-                                  ->capture_default_str();
+  const CLI::Option* stride =
+      checked_option(*c, "--stride", o->stride, in_range(0.05, 600), "Seconds from one moment to the next");
   c->add_flag("--no-moments", o->no_moments, "Index whole clips only, which is smaller and faster");
   c->add_flag("--again", o->again, "Read all files, even unchanged ones");
   c->add_option("--remove", o->remove, "Files or folders whose clips are removed from the index");
   c->add_flag("--list", o->list, "List the clips: path, start, end, frames per second, frames, captions, license");
   o->read.add_to(*c);
-  c->add_option(
-       "--graph", o->graph,
-       "From this number of clips or moments on, searches follow a graph instead of comparing all vectors. The "
-       "graph finds most of the nearest ones. Additions extend it; removals rebuild it")
-      ->check(positive())
-      ->capture_default_str();
+  checked_option(
+      *c, "--graph", o->graph, positive(),
+      "From this number of clips or moments on, searches follow a graph instead of comparing all vectors. The "
+      "graph finds most of the nearest ones. Additions extend it; removals rebuild it");
   o->machine.add_to(*c);
   c->callback([=] {
     o->windows_given = windows->count() + stride->count() > 0;

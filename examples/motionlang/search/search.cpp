@@ -107,35 +107,31 @@ class Search {
 void add_search(CLI::App& app) {
   const auto o = std::make_shared<SearchOptions>();
   CLI::App* c = app.add_subcommand("search", "Finds the motions of an index that fit a text or another motion");
-  c->add_option("index", o->index, "File written by motionlang index")->required()->check(CLI::ExistingFile);
+  file_option(*c, "index", o->index, "File written by motionlang index")->required();
   c->add_option("text", o->text, "Text to search for, such as \"a person waves with the left hand\"");
   CLI::Option* like =
-      c->add_option("--like", o->like, "Motion to search for instead of a text: .bvh, .amc, .npz (AMASS) or .glb")
-          ->check(CLI::ExistingFile);
+      file_option(*c, "--like", o->like, "Motion to search for instead of a text: .bvh, .amc, .npz (AMASS) or .glb");
   c->add_option("--from", o->from, "Start of that motion in seconds")->check(not_negative())->needs(like);
   c->add_option("--to", o->to, "End of that motion in seconds")->check(positive())->needs(like);
   CLI::Option* moments = c->add_flag("--moments", o->moments, "Search moments of clips instead of whole clips");
   c->add_flag("--captions", o->captions, "Compare with the captions of clips instead of their motion");
-  c->add_option("--top", o->top, "Number of results")->check(in_range(1, 100000))->capture_default_str();
+  checked_option(*c, "--top", o->top, in_range(1, 100000), "Number of results");
   c->add_option(
        "--overlap", o->overlap,
        "Leave out moments that overlap a better moment of the same clip by more than this (intersection over union)")
       ->check(in_range(0, 1))
       ->needs(moments)
       ->capture_default_str();
-  c->add_option("--queries", o->queries,
-                "Instead of a text: a table of queries and of phrases in the captions of right results. Prints how "
-                "often the first result is right (examples/training/queries.tsv)")
-      ->check(CLI::ExistingFile)
+  file_option(*c, "--queries", o->queries,
+              "Instead of a text: a table of queries and of phrases in the captions of right results. Prints how "
+              "often the first result is right (examples/training/queries.tsv)")
       ->excludes(like)
       ->excludes(moments);
   c->add_option("--html", o->html, "HTML page with film strips of the results");
   c->add_flag("--exact", o->exact, "Compare with all vectors, even if the index has a graph");
   c->add_flag("--json", o->json, "Print the result as JSON");
-  c->add_option("--model", o->model, "Folder of the model, if it has moved since the index was made")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--text-encoder", o->text_encoder, "Language model, if it has moved since the index was made")
-      ->check(CLI::ExistingPath);
+  folder_option(*c, "--model", o->model, "Folder of the model, if it has moved since the index was made");
+  path_option(*c, "--text-encoder", o->text_encoder, "Language model, if it has moved since the index was made");
   o->read.add_to(*c);
   o->machine.add_to(*c);
   c->callback([o] {

@@ -80,77 +80,57 @@ void add_evaluate(CLI::App& app) {
       "evaluate",
       "Measures a STMC (MDM, MotionDiffuse), TMR, TEMOS, ACTOR, SINC, TEACH, TM2T or classifier of actions, and prints "
       "the tables of its paper");
-  c->add_option("model", o->model,
-                "Folder of the model: trained here, or published (STMC, MDM, MotionDiffuse, TMR, TEMOS, ACTOR, SINC, "
-                "TEACH, M2T_..., or T2M_... with --evaluator). STMC of ours: its .safetensors file, too")
-      ->required()
-      ->check(CLI::ExistingPath);
-  c->add_option("--data", o->data,
-                "Folder of the motions, as for training. STMC: folder of the motions that --recorded names")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--captions", o->captions, "Table of captions, as for training")->check(CLI::ExistingFile);
-  c->add_option("--labels", o->labels,
-                "ACTOR, classifier: table of labels, as for training. Not needed if --annotations has labels")
-      ->check(CLI::ExistingFile);
-  c->add_option(
-       "--classifier", o->classifier,
-       "ACTOR: folder of the classifier that judges, or a published file (humanact12_gru.tar, uestc_rot6d_stgcn.tar)")
-      ->check(CLI::ExistingPath);
-  c->add_option("--body", o->body,
-                "ACTOR: SMPL file, whose joints a published GRU reads. ntu13_gru.tar needs it; humanact12_gru.tar "
-                "otherwise reads our own joints. SINC, TEACH: SMPL-H file, whose joints are compared instead of ours")
-      ->check(CLI::ExistingFile);
-  c->add_option("--joint-regressor", o->regressor, "File J_regressor_extra.npy of SPIN or VIBE, for ntu13_gru.tar")
-      ->check(CLI::ExistingFile);
-  c->add_option(
-       "--evaluator", o->evaluator,
-       "TM2T text-to-motion: finest.tar of the networks of Guo et al. (text_mot_match), or its folder, which judges "
-       "the motions. Its words, glove/our_vab_data.npy, are in a folder above it or in --text-encoder")
-      ->check(CLI::ExistingPath);
+  path_option(*c, "model", o->model,
+              "Folder of the model: trained here, or published (STMC, MDM, MotionDiffuse, TMR, TEMOS, ACTOR, SINC, "
+              "TEACH, M2T_..., or T2M_... with --evaluator). STMC of ours: its .safetensors file, too")
+      ->required();
+  folder_option(*c, "--data", o->data,
+                "Folder of the motions, as for training. STMC: folder of the motions that --recorded names");
+  file_option(*c, "--captions", o->captions, "Table of captions, as for training");
+  file_option(*c, "--labels", o->labels,
+              "ACTOR, classifier: table of labels, as for training. Not needed if --annotations has labels");
+  path_option(
+      *c, "--classifier", o->classifier,
+      "ACTOR: folder of the classifier that judges, or a published file (humanact12_gru.tar, uestc_rot6d_stgcn.tar)");
+  file_option(*c, "--body", o->body,
+              "ACTOR: SMPL file, whose joints a published GRU reads. ntu13_gru.tar needs it; humanact12_gru.tar "
+              "otherwise reads our own joints. SINC, TEACH: SMPL-H file, whose joints are compared instead of ours");
+  file_option(*c, "--joint-regressor", o->regressor, "File J_regressor_extra.npy of SPIN or VIBE, for ntu13_gru.tar");
+  path_option(
+      *c, "--evaluator", o->evaluator,
+      "TM2T text-to-motion: finest.tar of the networks of Guo et al. (text_mot_match), or its folder, which judges "
+      "the motions. Its words, glove/our_vab_data.npy, are in a folder above it or in --text-encoder");
   CLI::Option* bert =
-      c->add_option("--bert", o->bert,
-                    "TM2T motion-to-text: folder of a DistilBERT, BERT or MPNet (Hugging Face), for BERTScore")
-          ->check(CLI::ExistingDirectory);
+      folder_option(*c, "--bert", o->bert,
+                    "TM2T motion-to-text: folder of a DistilBERT, BERT or MPNet (Hugging Face), for BERTScore");
   c->add_option("--bert-layer", o->bert_layer, "Layer whose states BERTScore compares; 0 is the last one")
       ->needs(bert)
       ->check(in_range(0, 1000))
       ->capture_default_str();
-  c->add_option("--seeds", o->seeds,
-                "ACTOR, classifier, TM2T with --evaluator: number of repetitions with new random numbers")
-      ->check(in_range(1, 1000))
-      ->capture_default_str();
-  c->add_option("--annotations", o->annotations, "Unified annotation file, as for training")->check(CLI::ExistingFile);
-  c->add_option("--splits", o->splits, "Folder with train.txt, val.txt and test.txt, as for training")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--babel", o->babel, "SINC, TEACH: BABEL's JSON, as for training; or val.json with --part all")
-      ->check(CLI::ExistingFile);
-  c->add_option("--babel-validation", o->validation,
-                "SINC, TEACH: as for training. --part validation then measures this file")
-      ->check(CLI::ExistingFile);
-  c->add_option("--spelling", o->spelling, "SINC, TEACH: as for training")->check(CLI::ExistingFile);
-  c->add_option("--part", o->part, "Part of the data to measure. 'all' is for SINC and TEACH: all of --babel")
-      ->check(CLI::IsMember({"training", "validation", "test", "all"}))
-      ->capture_default_str();
-  c->add_option("--text-encoder", o->text_encoder,
-                "Text encoder, as for training. Published TEMOS, SINC, TEACH: folder of the tokenizer "
-                "(distilbert-base-uncased). Published TM2T: folder of the words")
-      ->check(CLI::ExistingPath);
-  c->add_option("--statistics", o->statistics,
+  checked_option(*c, "--seeds", o->seeds, in_range(1, 1000),
+                 "ACTOR, classifier, TM2T with --evaluator: number of repetitions with new random numbers");
+  file_option(*c, "--annotations", o->annotations, "Unified annotation file, as for training");
+  folder_option(*c, "--splits", o->splits, "Folder with train.txt, val.txt and test.txt, as for training");
+  file_option(*c, "--babel", o->babel, "SINC, TEACH: BABEL's JSON, as for training; or val.json with --part all");
+  file_option(*c, "--babel-validation", o->validation,
+              "SINC, TEACH: as for training. --part validation then measures this file");
+  file_option(*c, "--spelling", o->spelling, "SINC, TEACH: as for training");
+  checked_option(*c, "--part", o->part, CLI::IsMember({"training", "validation", "test", "all"}),
+                 "Part of the data to measure. 'all' is for SINC and TEACH: all of --babel");
+  path_option(*c, "--text-encoder", o->text_encoder,
+              "Text encoder, as for training. Published TEMOS, SINC, TEACH: folder of the tokenizer "
+              "(distilbert-base-uncased). Published TM2T: folder of the words");
+  folder_option(*c, "--statistics", o->statistics,
                 "Folder with mean and std of the features, if the folder of a published TEMOS, SINC or TEACH lacks "
-                "them. With --evaluator: the statistics of its training, if they differ from those of TM2T")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--tokenizer", o->tokenizer,
-                "Folder of the motion tokenizer of a published TM2T, if it is not beside the model")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--sentence-encoder", o->sentence_encoder, "Sentence encoder, as for training")
-      ->check(CLI::ExistingPath);
-  c->add_option("--threshold", o->threshold, "TMR: similarity from which two texts count as equal")
-      ->check(in_range(0, 1))
-      ->capture_default_str();
-  c->add_option(
-       "--nsim", o->nsim,
-       "TMR: list of ids of dissimilar texts; for a table they are clip@start-end. The default is to choose them")
-      ->check(CLI::ExistingFile);
+                "them. With --evaluator: the statistics of its training, if they differ from those of TM2T");
+  folder_option(*c, "--tokenizer", o->tokenizer,
+                "Folder of the motion tokenizer of a published TM2T, if it is not beside the model");
+  path_option(*c, "--sentence-encoder", o->sentence_encoder, "Sentence encoder, as for training");
+  checked_option(*c, "--threshold", o->threshold, in_range(0, 1),
+                 "TMR: similarity from which two texts count as equal");
+  file_option(
+      *c, "--nsim", o->nsim,
+      "TMR: list of ids of dissimilar texts; for a table they are clip@start-end. The default is to choose them");
   CLI::Option* synthesis =
       c->add_flag("--synthesis", o->synthesis,
                   "TMR: also search motions that were generated for the texts, with the lengths of the recorded ones");
@@ -164,26 +144,19 @@ void add_evaluate(CLI::App& app) {
        "TMR: build this many long motions of several clips, and measure how well the segment of each text is found")
       ->excludes(synthesis)
       ->check(in_range(1, 1000000));
-  c->add_option("--joined", o->joined, "Number of clips in each long motion, with different texts")
-      ->check(in_range(2, 100))
-      ->capture_default_str();
+  checked_option(*c, "--joined", o->joined, in_range(2, 100),
+                 "Number of clips in each long motion, with different texts");
   c->add_option("--windows", o->windows, "Lengths in seconds of the windows that are compared with a text")
       ->delimiter(',')
       ->check(in_range(0.1, 10))
       ->capture_default_str();
-  c->add_option("--stride", o->stride, "Seconds from one window to the next")
-      ->check(in_range(0.01, 10))
-      ->capture_default_str();
-  c->add_option("--samples", o->samples, "TEMOS, SINC, TEACH: number of motions for each text")
-      ->check(in_range(1, 1000))
-      ->capture_default_str();
-  c->add_option("--items", o->items,
-                "SINC: items to measure. pairs: two actions at the same time; unseen: pairs that the training part "
-                "lacks, without 'stand' (the published evaluation); single: single actions; all")
-      ->check(CLI::IsMember({"pairs", "unseen", "single", "all"}))
-      ->capture_default_str();
-  c->add_option("--keys", o->keys, "SINC, TEACH: list of items to measure, one per line, such as spatial_pairs-4242-0")
-      ->check(CLI::ExistingFile);
+  checked_option(*c, "--stride", o->stride, in_range(0.01, 10), "Seconds from one window to the next");
+  checked_option(*c, "--samples", o->samples, in_range(1, 1000), "TEMOS, SINC, TEACH: number of motions for each text");
+  checked_option(*c, "--items", o->items, CLI::IsMember({"pairs", "unseen", "single", "all"}),
+                 "SINC: items to measure. pairs: two actions at the same time; unseen: pairs that the training part "
+                 "lacks, without 'stand' (the published evaluation); single: single actions; all");
+  file_option(*c, "--keys", o->keys,
+              "SINC, TEACH: list of items to measure, one per line, such as spatial_pairs-4242-0");
   const std::map<std::string, ml::Conjunction> conjunctions{{"while", ml::Conjunction::while_},
                                                             {"simultaneously", ml::Conjunction::simultaneously},
                                                             {"comma", ml::Conjunction::comma},
@@ -194,62 +167,51 @@ void add_evaluate(CLI::App& app) {
                 "paper says while")
       ->transform(
           CLI::CheckedTransformer(conjunctions).description("while, simultaneously, comma, same_time or during"));
-  c->add_option("--tags", o->tags,
-                "SINC: sentences tagged by spaCy, one per line: 'walk while wave#walk/VERB while/SCONJ "
-                "wave/VERB#0.0#0.0'. They give the -ing form after while and during")
-      ->check(CLI::ExistingFile);
-  c->add_option("--body-parts", o->body_parts,
-                "SINC: table as for training. Adds a motion for each single label, combined by body parts")
-      ->check(CLI::ExistingFile);
-  c->add_option("--temos", o->temos,
+  file_option(*c, "--tags", o->tags,
+              "SINC: sentences tagged by spaCy, one per line: 'walk while wave#walk/VERB while/SCONJ "
+              "wave/VERB#0.0#0.0'. They give the -ing form after while and during");
+  file_option(*c, "--body-parts", o->body_parts,
+              "SINC: table as for training. Adds a motion for each single label, combined by body parts");
+  folder_option(*c, "--temos", o->temos,
                 "SINC: model whose motion encoder computes the TEMOS score: a SINC of single actions or a TEACH, "
-                "trained here or published, or a published TEMOS. It has the same features at 30 frames per second")
-      ->check(CLI::ExistingDirectory);
+                "trained here or published, or a published TEMOS. It has the same features at 30 frames per second");
   const std::map<std::string, ml::Alignment> alignments{{"full", ml::Alignment::full},
                                                         {"translation", ml::Alignment::translation}};
   c->add_option("--alignment", o->alignment,
                 "TEACH: how the second action joins the end of the first. full turns and moves it (the default); "
                 "translation only moves it")
       ->transform(CLI::CheckedTransformer(alignments).description("full or translation"));
-  c->add_option("--slerp-window", o->slerp_window,
-                "TEACH: number of interpolated frames between two actions; 0 means none")
-      ->check(in_range(0, 1000))
-      ->capture_default_str();
-  c->add_option("--independent", o->independent,
+  checked_option(*c, "--slerp-window", o->slerp_window, in_range(0, 1000),
+                 "TEACH: number of interpolated frames between two actions; 0 means none");
+  folder_option(*c, "--independent", o->independent,
                 "TEACH: model of single actions, which makes each action alone: a SINC or a TEACH without its past, "
-                "trained here or published, or a published TEMOS. It has the same features at 30 frames per second")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--joint", o->joint, "TEACH: such a model of action pairs, which makes one motion from the text 'a, b'")
-      ->check(CLI::ExistingDirectory);
+                "trained here or published, or a published TEMOS. It has the same features at 30 frames per second");
+  folder_option(*c, "--joint", o->joint,
+                "TEACH: such a model of action pairs, which makes one motion from the text 'a, b'");
   c->add_option("--strips", o->strips,
                 "Folder for film strips. TEMOS, SINC, TEACH: generated motions (mean of the latent) beside recorded "
                 "ones, for different texts. ACTOR: one for each action");
   c->add_option("--count", o->count, "Number of film strips")->capture_default_str();
-  c->add_option("--texts", o->texts,
-                "STMC: file with a line for each text: 'text # body part # ...', as for mtt. Timelines are drawn from "
-                "it, and crops are ranked among its texts")
-      ->check(CLI::ExistingFile);
-  c->add_option("--timelines", o->timelines, "STMC: file of timelines instead, such as MTT.txt")
-      ->check(CLI::ExistingFile);
+  file_option(*c, "--texts", o->texts,
+              "STMC: file with a line for each text: 'text # body part # ...', as for mtt. Timelines are drawn from "
+              "it, and crops are ranked among its texts");
+  file_option(*c, "--timelines", o->timelines, "STMC: file of timelines instead, such as MTT.txt");
   c->add_option("--first", o->first, "STMC: number of timelines to measure, from the first on. The default is all 500")
       ->check(in_range(1, 1000000));
-  c->add_option("--recorded", o->recorded,
-                "STMC: file with a line 'path # start # end' for each text: the motion below --data that shows it, and "
-                "from when to when, in seconds. Without it M2M, FID+ and the row of recorded motions are left out")
-      ->check(CLI::ExistingFile);
-  c->add_option("--tmr", o->tmr,
+  file_option(*c, "--recorded", o->recorded,
+              "STMC: file with a line 'path # start # end' for each text: the motion below --data that shows it, and "
+              "from when to when, in seconds. Without it M2M, FID+ and the row of recorded motions are left out");
+  folder_option(*c, "--tmr", o->tmr,
                 "STMC: folder of the TMR that judges, with HumanML3D's features: trained here or published. The "
-                "default is the bundled one")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--tmr-text-encoder", o->tmr_text_encoder, "STMC: text encoder of that TMR, if it has none of its own")
-      ->check(CLI::ExistingPath);
+                "default is the bundled one");
+  path_option(*c, "--tmr-text-encoder", o->tmr_text_encoder,
+              "STMC: text encoder of that TMR, if it has none of its own");
   c->add_option("--modes", o->modes,
                 "STMC: methods to measure, as --mode of generate names them. The default is all five (table 6.1)")
       ->delimiter(',')
       ->check(CLI::IsMember({"stmc", "sinc", "sinc-lerp", "single-track", "one-text"}));
-  c->add_option("--overlap", o->overlap, "STMC: seconds that neighbouring texts share around a cut, of these methods")
-      ->check(not_negative())
-      ->capture_default_str();
+  checked_option(*c, "--overlap", o->overlap, not_negative(),
+                 "STMC: seconds that neighbouring texts share around a cut, of these methods");
   c->add_option(
        "--overlaps", o->overlaps,
        "STMC: also measure it with these overlaps (table 6.2: 0.25,0.4,0.5,0.6,0.75,1,1.25). 0 is without extension "
@@ -260,13 +222,10 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--guidance", o->guidance, "STMC: weight of the text, as for generate")->check(in_range(0, 100));
   c->add_option("--noise-factor", o->noise_factor, "STMC: factor of the noise, as for generate")
       ->check(CLI::IsMember({"paper", "published"}));
-  c->add_option("--batch", o->batch, "STMC: number of timelines that are sampled together")
-      ->check(in_range(1, 100000))
-      ->capture_default_str();
-  c->add_option("--table", o->table, "STMC: form of the tables")
-      ->check(CLI::IsMember({"text", "markdown", "latex", "csv"}))
-      ->capture_default_str();
-  c->add_option("--seed", o->seed, "Seed of the generated motions")->check(seed_number())->capture_default_str();
+  checked_option(*c, "--batch", o->batch, in_range(1, 100000), "STMC: number of timelines that are sampled together");
+  checked_option(*c, "--table", o->table, CLI::IsMember({"text", "markdown", "latex", "csv"}),
+                 "STMC: form of the tables");
+  checked_option(*c, "--seed", o->seed, seed_number(), "Seed of the generated motions");
   o->machine.add_to(*c);
   c->callback([o] {
     if (std::filesystem::is_directory(o->model)) o->model = ml::found_model_folder(o->model);

@@ -62,70 +62,46 @@ void add_train(CLI::App& app) {
   CLI::App* c = app.add_subcommand(
       "train",
       "Trains a text-to-motion model on captioned BVH, AMASS and AMC files. Ctrl-C saves; the same command continues");
-  c->add_option("--data", o->data, "Folder with the clips that the captions name")
-      ->required()
-      ->check(CLI::ExistingDirectory);
-  c->add_option(
-       "--captions", o->captions,
-       "Table of clips, with columns clip, start, end, body parts, captions; or clip, captions for whole clips")
-      ->required()
-      ->check(CLI::ExistingFile);
+  folder_option(*c, "--data", o->data, "Folder with the clips that the captions name")->required();
+  file_option(*c, "--captions", o->captions,
+              "Table of clips, with columns clip, start, end, body parts, captions; or clip, captions for whole clips")
+      ->required();
   c->add_option("--out", o->run.out, "Folder for checkpoint, weights and loss curve")->capture_default_str();
-  c->add_option("--steps", o->config.steps, "Optimiser steps")->check(positive())->capture_default_str();
-  c->add_option("--batch", o->config.batch, "Sequences per step")->check(positive())->capture_default_str();
-  c->add_option("--lr", o->config.lr, "Peak learning rate")->check(positive())->capture_default_str();
-  c->add_option("--width", o->config.model.denoiser.latent_dim, "Width of the denoiser")
-      ->check(positive())
-      ->capture_default_str();
-  c->add_option("--feed-forward", o->config.model.denoiser.ff_size, "Width of its feed-forward layers")
-      ->check(positive())
-      ->capture_default_str();
-  c->add_option("--layers", o->config.model.denoiser.num_layers, "Layers of the denoiser")
-      ->check(in_range(1, 256))
-      ->capture_default_str();
-  c->add_option("--vocabulary", o->config.vocabulary, "Word pieces to learn")->check(positive())->capture_default_str();
-  c->add_option("--word-vectors", o->vectors,
-                "Vectors of words beyond those of the captions, from `motionlang word-vectors`. Every word that the "
-                "captions say twice then is one piece")
-      ->check(CLI::ExistingFile);
-  c->add_option("--dropout", o->config.model.denoiser.dropout, "Dropout of the denoiser")
-      ->check(in_range(0, 0.9))
-      ->capture_default_str();
-  c->add_option("--velocity-weight", o->config.velocity_weight, "Weight of the loss on frame differences")
-      ->check(not_negative())
-      ->capture_default_str();
-  c->add_option("--root-weight", o->config.root_weight, "Weight of the features that move the root")
-      ->check(not_negative())
-      ->capture_default_str();
-  c->add_option("--foot-weight", o->config.foot_weight, "Weight of the loss on the velocity of the feet")
-      ->check(not_negative())
-      ->capture_default_str();
-  c->add_option("--text-weight", o->config.text_weight,
-                "Weight of the loss that predicts a summary of the motion from its caption")
-      ->check(not_negative())
-      ->capture_default_str();
-  c->add_option("--text-steps", o->config.text_steps,
-                "Number of first steps that train the text encoder alone. A training that is stopped during these "
-                "starts them over")
-      ->check(not_negative())
-      ->capture_default_str();
-  c->add_option("--denoiser", o->denoiser, "Start with the denoiser of this model and train only the texts")
-      ->check(CLI::ExistingFile);
-  c->add_option("--seed", o->config.seed, "Seed. The same seed gives the same weights, also after a stop")
-      ->check(seed_number())
-      ->capture_default_str();
+  checked_option(*c, "--steps", o->config.steps, positive(), "Optimiser steps");
+  checked_option(*c, "--batch", o->config.batch, positive(), "Sequences per step");
+  checked_option(*c, "--lr", o->config.lr, positive(), "Peak learning rate");
+  checked_option(*c, "--width", o->config.model.denoiser.latent_dim, positive(), "Width of the denoiser");
+  checked_option(*c, "--feed-forward", o->config.model.denoiser.ff_size, positive(),
+                 "Width of its feed-forward layers");
+  checked_option(*c, "--layers", o->config.model.denoiser.num_layers, in_range(1, 256), "Layers of the denoiser");
+  checked_option(*c, "--vocabulary", o->config.vocabulary, positive(), "Word pieces to learn");
+  file_option(*c, "--word-vectors", o->vectors,
+              "Vectors of words beyond those of the captions, from `motionlang word-vectors`. Every word that the "
+              "captions say twice then is one piece");
+  checked_option(*c, "--dropout", o->config.model.denoiser.dropout, in_range(0, 0.9), "Dropout of the denoiser");
+  checked_option(*c, "--velocity-weight", o->config.velocity_weight, not_negative(),
+                 "Weight of the loss on frame differences");
+  checked_option(*c, "--root-weight", o->config.root_weight, not_negative(),
+                 "Weight of the features that move the root");
+  checked_option(*c, "--foot-weight", o->config.foot_weight, not_negative(),
+                 "Weight of the loss on the velocity of the feet");
+  checked_option(*c, "--text-weight", o->config.text_weight, not_negative(),
+                 "Weight of the loss that predicts a summary of the motion from its caption");
+  checked_option(*c, "--text-steps", o->config.text_steps, not_negative(),
+                 "Number of first steps that train the text encoder alone. A training that is stopped during these "
+                 "starts them over");
+  file_option(*c, "--denoiser", o->denoiser, "Start with the denoiser of this model and train only the texts");
+  checked_option(*c, "--seed", o->config.seed, seed_number(),
+                 "Seed. The same seed gives the same weights, also after a stop");
   c->add_option("--license", o->license, "Licence of the weights, for their metadata; the data must allow it");
   c->add_option("--provenance", o->provenance, "Origin of the data, for the metadata");
   c->add_option("--commit", o->commit, "Commit of the program, for the metadata");
-  c->add_option("--save-minutes", o->run.save_minutes, "Minutes between checkpoints")
-      ->check(not_negative())
-      ->capture_default_str();
+  checked_option(*c, "--save-minutes", o->run.save_minutes, not_negative(), "Minutes between checkpoints");
   c->add_flag("--other-settings", o->run.other_settings,
               "Continue a checkpoint that began with other values (batch, rates, weights of losses, samples). The "
               "result then differs from that of a single command");
-  c->add_option("--noise-focus", o->config.noise_focus, "Share of the samples that come from the noisiest fifth")
-      ->check(in_range(0, 1))
-      ->capture_default_str();
+  checked_option(*c, "--noise-focus", o->config.noise_focus, in_range(0, 1),
+                 "Share of the samples that come from the noisiest fifth");
   c->add_flag("--fresh", o->run.fresh, "Start over even if there is a checkpoint");
   c->add_flag("--recompute", o->run.recompute, about_recompute);
   o->machine.add_to(*c);

@@ -32,14 +32,11 @@ void add_train_actor(CLI::App& app) {
       "train-actor", "Trains ACTOR, which generates motions from actions. Ctrl-C saves; the same command continues");
   add_training_options(*c, o->common, {"actor-published", "actor-variable", "small"});
   o->labels.add_to(*c);
-  c->add_option("--from", o->from,
-                "Model to start with, trained here or published, to train on many lengths after those of 60 frames")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--body", o->files.body, "File of SMPL, for losses.points = vertices, smpl, a2m, a2mpl, vibe")
-      ->check(CLI::ExistingFile);
-  c->add_option("--joint-regressor", o->files.regressor,
-                "File J_regressor_extra.npy of SPIN or VIBE, for losses.points = a2m, a2mpl, vibe")
-      ->check(CLI::ExistingFile);
+  folder_option(*c, "--from", o->from,
+                "Model to start with, trained here or published, to train on many lengths after those of 60 frames");
+  file_option(*c, "--body", o->files.body, "File of SMPL, for losses.points = vertices, smpl, a2m, a2mpl, vibe");
+  file_option(*c, "--joint-regressor", o->files.regressor,
+              "File J_regressor_extra.npy of SPIN or VIBE, for losses.points = a2m, a2mpl, vibe");
   c->callback([o] { run(*o); });
 }
 

@@ -20,16 +20,13 @@ inline CLI::App* add_babel_options(CLI::App& app, const char* name, const char* 
   CLI::App* c = app.add_subcommand(name, what);
   add_training_options(*c, o.common, {published, "small"});
   c->get_option("--data")->description("Folder of the motions, such as AMASS; the paths feat_p of BABEL lead into it");
-  c->add_option("--babel", o.babel, "BABEL's train.json")->check(CLI::ExistingFile);
-  c->add_option("--babel-validation", o.validation,
-                "BABEL's val.json, for validation. The default is a part of --babel, chosen by --splits or at random")
-      ->check(CLI::ExistingFile);
-  c->add_option("--spelling", o.spelling, "JSON of words in labels and their replacements")->check(CLI::ExistingFile);
-  c->add_option("--text-encoder", o.text_encoder, "DistilBERT: a folder, or the .npy file of an embedding cache")
-      ->check(CLI::ExistingPath);
-  c->add_option("--statistics", o.statistics,
-                "Folder with mean and std of the features. The default is the statistics of the training motions")
-      ->check(CLI::ExistingDirectory);
+  file_option(*c, "--babel", o.babel, "BABEL's train.json");
+  file_option(*c, "--babel-validation", o.validation,
+              "BABEL's val.json, for validation. The default is a part of --babel, chosen by --splits or at random");
+  file_option(*c, "--spelling", o.spelling, "JSON of words in labels and their replacements");
+  path_option(*c, "--text-encoder", o.text_encoder, "DistilBERT: a folder, or the .npy file of an embedding cache");
+  folder_option(*c, "--statistics", o.statistics,
+                "Folder with mean and std of the features. The default is the statistics of the training motions");
   return c;
 }
 

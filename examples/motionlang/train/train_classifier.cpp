@@ -32,10 +32,9 @@ void add_train_classifier(CLI::App& app) {
       "Trains a classifier of actions, which evaluate uses to judge ACTOR. Ctrl-C saves; the same command continues");
   add_training_options(*c, o->common, {"small", "stgcn-published", "gru-published"});
   o->labels.add_to(*c);
-  c->add_option("--generated", o->generated,
+  folder_option(*c, "--generated", o->generated,
                 "Model of train-actor that makes a share of the motions (generated_share). generated_kind chooses "
-                "sampled motions, or recorded ones that are denoised or interpolated")
-      ->check(CLI::ExistingDirectory);
+                "sampled motions, or recorded ones that are denoised or interpolated");
   c->callback([o] { run(*o); });
 }
 

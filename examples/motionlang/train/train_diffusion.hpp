@@ -49,11 +49,10 @@ void add_diffusion(CLI::App& app, const char* name, const char* what, const std:
   CLI::App* c = app.add_subcommand(name, what);
   add_training_options(*c, o->common, presets);
   o->texts.add_to(*c);
-  c->add_option("--text-encoder", o->text_encoder, about_text_encoder)->check(CLI::ExistingPath);
-  c->add_option("--statistics", o->statistics,
+  path_option(*c, "--text-encoder", o->text_encoder, about_text_encoder);
+  folder_option(*c, "--statistics", o->statistics,
                 "Folder with mean and std of the features. The default is Mean.npy and Std.npy in --data, if the "
-                "system reads data sets that have them, otherwise the statistics of the training motions")
-      ->check(CLI::ExistingDirectory);
+                "system reads data sets that have them, otherwise the statistics of the training motions");
   c->callback([o, preset] { run_diffusion<System>(*o, named_preset([&] { return preset(o->common.preset); })); });
 }
 

@@ -12,10 +12,9 @@ void add_train_sinc(CLI::App& app) {
                                   "Trains SINC, which generates motions from several actions at the same time. Ctrl-C "
                                   "saves; the same command continues",
                                   *o, "sinc-published");
-  c->add_option("--body-parts", o->body_parts,
-                "JSON of labels and the body parts that a language model named for them, as SINC has it. Training then "
-                "combines actions of different parts (data.proportion)")
-      ->check(CLI::ExistingFile);
+  file_option(*c, "--body-parts", o->body_parts,
+              "JSON of labels and the body parts that a language model named for them, as SINC has it. Training then "
+              "combines actions of different parts (data.proportion)");
   c->callback([o] {
     std::optional<ml::BodyPartTable> table;
     run_babel(*o, named_preset([&] { return ml::sinc_preset(o->common.preset); }), &ml::sinc_reader,

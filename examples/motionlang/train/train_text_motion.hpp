@@ -41,21 +41,17 @@ void add_text_motion(CLI::App& app, const char* name, const char* what, const ch
   CLI::App* c = app.add_subcommand(name, what);
   add_training_options(*c, o->common, {published, "small"});
   o->texts.add_to(*c);
-  c->add_option("--text-encoder", o->files.text_encoder,
-                "DistilBERT: a folder, which text.finetune trains as well, or the .npy file of an embedding cache")
-      ->check(CLI::ExistingPath);
-  c->add_option("--sentence-encoder", o->files.sentence_encoder,
-                "MPNet, which finds texts of equal meaning: a folder or a cache. The default is to compare the words "
-                "of all texts about the same frames")
-      ->check(CLI::ExistingPath);
-  c->add_option("--word-vectors", o->files.word_vectors,
-                "Vectors of words beyond those of the captions, from `motionlang word-vectors`, for a model with word "
-                "pieces. Every word that the captions say twice then is one piece")
-      ->check(CLI::ExistingFile);
-  c->add_option("--statistics", o->files.statistics,
+  path_option(*c, "--text-encoder", o->files.text_encoder,
+              "DistilBERT: a folder, which text.finetune trains as well, or the .npy file of an embedding cache");
+  path_option(*c, "--sentence-encoder", o->files.sentence_encoder,
+              "MPNet, which finds texts of equal meaning: a folder or a cache. The default is to compare the words "
+              "of all texts about the same frames");
+  file_option(*c, "--word-vectors", o->files.word_vectors,
+              "Vectors of words beyond those of the captions, from `motionlang word-vectors`, for a model with word "
+              "pieces. Every word that the captions say twice then is one piece");
+  folder_option(*c, "--statistics", o->files.statistics,
                 "Folder with mean and std of the features, such as HumanML3D or KIT-ML with Mean.npy and Std.npy. The "
-                "default is the statistics of the training motions, as in the published programs")
-      ->check(CLI::ExistingDirectory);
+                "default is the statistics of the training motions, as in the published programs");
   c->callback([o, preset] { run_text_motion<Training>(*o, named_preset([&] { return preset(o->common.preset); })); });
 }
 

@@ -93,20 +93,17 @@ void add_train_tm2t(CLI::App& app) {
       ->transform(CLI::CheckedTransformer(stages).description("tokenizer, motion-to-text or text-to-motion"));
   add_training_options(*c, o->common, {"tm2t-published", "tm2t-published-kit", "small"});
   o->texts.add_to(*c);
-  c->add_option("--statistics", o->statistics,
+  folder_option(*c, "--statistics", o->statistics,
                 "Tokenizer stage: folder with Mean.npy and Std.npy of the features. The default is the statistics of "
-                "the training motions")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--tokenizer", o->tokenizer,
-                "Other stages: folder of the tokenizer, from the first stage or as published")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--describer", o->describer,
+                "the training motions");
+  folder_option(*c, "--tokenizer", o->tokenizer,
+                "Other stages: folder of the tokenizer, from the first stage or as published");
+  folder_option(*c, "--describer", o->describer,
                 "Stage text-to-motion: folder of motion-to-text, or M2T_... as published, for inverse alignment. Its "
-                "words are used, and its tokenizer unless --tokenizer names one")
-      ->check(CLI::ExistingDirectory);
-  c->add_option("--text-encoder", o->words,
-                "Folder of word vectors (our_vab_data.npy). The default is the words of the texts, with random vectors")
-      ->check(CLI::ExistingDirectory);
+                "words are used, and its tokenizer unless --tokenizer names one");
+  folder_option(
+      *c, "--text-encoder", o->words,
+      "Folder of word vectors (our_vab_data.npy). The default is the words of the texts, with random vectors");
   c->callback([o] { run(*o); });
 }
 

@@ -12,14 +12,11 @@ void add_training_options(CLI::App& command, TrainingOptions& o, const std::vect
   o.preset = presets.front();
   std::string names = presets.front();
   for (std::size_t i = 1; i < presets.size(); ++i) names += (i + 1 < presets.size() ? ", " : " or ") + presets[i];
-  command.add_option("--data", o.data, "Folder with the clips of the table, or in the form of HumanML3D or KIT-ML")
-      ->check(CLI::ExistingDirectory);
-  command
-      .add_option("--splits", o.splits, "Folder with train.txt, val.txt and test.txt. The default is a random split")
-      ->check(CLI::ExistingDirectory);
+  folder_option(command, "--data", o.data, "Folder with the clips of the table, or in the form of HumanML3D or KIT-ML");
+  folder_option(command, "--splits", o.splits,
+                "Folder with train.txt, val.txt and test.txt. The default is a random split");
   command.add_option("--preset", o.preset, "Hyperparameters: " + names)->capture_default_str();
-  command.add_option("--config", o.config, "JSON with the hyperparameters that differ from the preset")
-      ->check(CLI::ExistingFile);
+  file_option(command, "--config", o.config, "JSON with the hyperparameters that differ from the preset");
   command.add_option("--set", o.set, "One hyperparameter, such as optimiser.lr=3e-4; may be repeated")
       ->allow_extra_args(false);
   command.add_flag("--print-config", o.print_config, "Print all hyperparameters as JSON and stop");
@@ -36,27 +33,19 @@ void add_training_options(CLI::App& command, TrainingOptions& o, const std::vect
 }
 
 void LabelOptions::add_to(CLI::App& command) {
-  command
-      .add_option("--labels", labels,
-                  "Table of clips, with columns clip, start, end, label; or clip, label for whole clips. With "
-                  "--annotations: the id of a segment or motion, or a text, and its label")
-      ->check(CLI::ExistingFile);
-  command
-      .add_option(
-          "--annotations", annotations,
-          "Annotation file (JSON) whose paths lead into --data: BABEL's own with categories of actions, or the unified "
-          "one with a label for each segment")
-      ->check(CLI::ExistingFile);
+  file_option(command, "--labels", labels,
+              "Table of clips, with columns clip, start, end, label; or clip, label for whole clips. With "
+              "--annotations: the id of a segment or motion, or a text, and its label");
+  file_option(
+      command, "--annotations", annotations,
+      "Annotation file (JSON) whose paths lead into --data: BABEL's own with categories of actions, or the unified "
+      "one with a label for each segment");
 }
 
 void CaptionOptions::add_to(CLI::App& command) {
-  command
-      .add_option(
-          "--captions", captions,
-          "Table of clips, with columns clip, start, end, body parts, captions; or clip, captions for whole clips")
-      ->check(CLI::ExistingFile);
-  command.add_option("--annotations", annotations, "Unified annotation file (JSON); its paths lead into --data")
-      ->check(CLI::ExistingFile);
+  file_option(command, "--captions", captions,
+              "Table of clips, with columns clip, start, end, body parts, captions; or clip, captions for whole clips");
+  file_option(command, "--annotations", annotations, "Unified annotation file (JSON); its paths lead into --data");
 }
 
 bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& config) {
