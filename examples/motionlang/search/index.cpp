@@ -5,6 +5,7 @@
 
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"
+#include "../formatted.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
@@ -41,11 +42,11 @@ class Indexer {
     require_folder_of(o_.out);
     remove();
     if (!o_.folder.empty()) update();
-    if (o_.list) list();
+    if (o_.list) print(ml::listed_clips(kept_.index()));
   }
 
  private:
-  // ---- removing and listing
+  // ---- removing
 
   void remove() {
     if (o_.remove.empty()) return;
@@ -63,16 +64,6 @@ class Indexer {
                 kept_.index().count());
     if (stopped) throw ml::cancelled();
   }
-  void list() const {
-    for (const ml::IndexedClip& c : kept_.index().clips()) {
-      const std::string path = c.path + (c.name.empty() ? "" : "#" + c.name);
-      std::string captions;
-      for (const std::string& text : c.captions) captions += (captions.empty() ? "" : " | ") + text;
-      std::printf("%s\t%.2f\t%.2f\t%g\t%td\t%s\t%s\n", ml::printable(path).c_str(), c.start, c.end, c.fps, c.frames,
-                  ml::printable(captions).c_str(), ml::printable(c.license).c_str());
-    }
-  }
-
   // ---- adding
 
   void update() {
@@ -97,12 +88,7 @@ class Indexer {
     }
     for (const std::string& problem : report.skipped)
       std::fprintf(stderr, "skipped: %s\n", ml::printable(with_options(problem)).c_str());
-    std::printf("%s: %s, %s (%td added, %td removed, %td renamed, %td unchanged, %zu skipped)\n", o_.out.c_str(),
-                ml::counted(kept_.index().count(), "clip").c_str(),
-                ml::counted(kept_.index().moments().size(), "moment").c_str(), report.added, report.removed,
-                report.renamed, report.unchanged, report.skipped.size());
-    if (report.relicensed > 0)
-      std::printf("%s another license now\n", ml::counted(report.relicensed, "file has", "files have").c_str());
+    print(o_.out + ": " + ml::describe_update(kept_.index(), report));
     if (stopped) throw ml::cancelled();  // the vectors so far are kept
     for (const std::string& clip : report.unknown_clips)
       std::fprintf(stderr, "%s: there is no clip '%s' below %s\n", o_.captions.c_str(), ml::printable(clip).c_str(),

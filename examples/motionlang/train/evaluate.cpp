@@ -1,12 +1,11 @@
 #include "evaluate.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <map>
 
+#include <motionlang/weights/model_system.hpp>
 #include <motionlang/weights/run_folder.hpp>
-#include <motionlang/weights/vae_run.hpp>
 
 #include "../commands.hpp"
 #include "../generate/generation.hpp"
@@ -16,58 +15,27 @@ namespace program {
 
 namespace {
 
-struct MeasuredSystem {
-  std::string name;
-  bool ours;
-};
-/// That of a model. A .safetensors file, alone or in a folder without a config.json, is an STMC of ours.
-MeasuredSystem system_of(const std::filesystem::path& model) {
-  namespace fs = std::filesystem;
-  if (!fs::is_directory(model)) return {"stmc", true};
-  const std::string found = ml::system_of_run(model);
-  if (!found.empty() && found != "motionlang") return {found, false};
-  const auto is_weights = [](const auto& entry) { return entry.path().extension() == ".safetensors"; };
-  if (!fs::exists(model / "config.json") && std::ranges::any_of(fs::directory_iterator(model), is_weights))
-    return {"stmc", true};
-  return {ml::read_model_folder(model).system, true};
-}
-
-bool is_diffusion(const std::string& system) {
-  return system == "stmc" || system == "mdm" || system == "motiondiffuse";
-}
-
 void run(const EvaluationOptions& o) {
   const auto begin = std::chrono::steady_clock::now();
   o.machine.apply();
-  const auto [system, ours] = system_of(o.model);
-  if (!is_diffusion(system) && o.data.empty())
+  const ml::ModelSystem model = ml::model_system(ml::FilePath(o.model));
+  const std::string& system = model.name;
+  if (!model.is_diffusion() && o.data.empty())
     ml::raise<usage_error>(102, o.model.string(), ": --data is needed to measure ", system);
   if (system != "tmr" && o.synthesis)
     ml::raise<usage_error>(102, o.model.string(), ": --synthesis measures tmr, not ", system);
-  if (system == "tmr" && o.moments > 0)
-    evaluate_moments(o);
-  else if (system == "tmr")
-    evaluate_tmr(o, ml::read_text_motion_config(o.model));
-  else if (system == "temos" && !ours)
-    evaluate_published_temos(o);
-  else if (system == "temos")
-    evaluate_temos(o, ml::read_text_motion_config(o.model));
-  else if (system == "actor")
-    evaluate_actor(o);
-  else if (system == "classifier")
-    evaluate_classifier(o);
-  else if (system == "sinc")
-    evaluate_sinc(o);
-  else if (system == "teach")
-    evaluate_teach(o);
-  else if (system == "tm2t")
-    evaluate_tm2t(o);
-  else if (is_diffusion(system))
-    evaluate_stmc(o);
-  else
+  const std::map<std::string_view, void (*)(const EvaluationOptions&)> evaluations{
+      {"actor", evaluate_actor}, {"classifier", evaluate_classifier},
+      {"sinc", evaluate_sinc},   {"teach", evaluate_teach},
+      {"tm2t", evaluate_tm2t},   {"temos", evaluate_temos},
+      {"tmr", evaluate_tmr},     {"stmc", evaluate_stmc},
+      {"mdm", evaluate_stmc},    {"motiondiffuse", evaluate_stmc}};
+  const auto found = evaluations.find(system);
+  if (found == evaluations.end())
     ml::raise<ml::config_error>(103, o.model.string(), ": a model of '", system,
                                 "'; evaluate measures stmc, mdm, motiondiffuse, tmr, temos, actor, sinc, teach and "
                                 "tm2t, also as published, and classifier");
+  found->second(o);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
   std::printf("%.1f s\n", time.count());
 }

@@ -8,7 +8,6 @@
 #include <motionlang/text/joined_labels.hpp>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/weights/text_motion_model.hpp>
 
 #include "../machine_options.hpp"
 
@@ -52,11 +51,11 @@ struct EvaluationOptions {
   MachineOptions machine;
 };
 
-/// Retrieval in both directions by the four protocols, for recorded motions and for motions generated from the texts.
-void evaluate_tmr(const EvaluationOptions& o, const ml::TextMotionFile& file);
+/// Retrieval in both directions by the four protocols, for recorded motions and for motions generated from the texts;
+/// or evaluate_moments, if motions for it are asked for.
+void evaluate_tmr(const EvaluationOptions& o);
 /// Errors of generated motions, and those of the mean pose and of random clips, for a model trained here or published.
-void evaluate_temos(const EvaluationOptions& o, const ml::TextMotionFile& file);
-void evaluate_published_temos(const EvaluationOptions& o);
+void evaluate_temos(const EvaluationOptions& o);
 
 /// Errors of motions for several simultaneous labels, or for single ones; the TEMOS score. For a model trained here or
 /// published.

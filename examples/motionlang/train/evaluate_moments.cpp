@@ -3,6 +3,7 @@
 
 #include <motionlang/datasets/described_motions.hpp>
 #include <motionlang/train/moment_evaluation.hpp>
+#include <motionlang/weights/text_motion_model.hpp>
 
 #include "../progress_bar.hpp"
 #include "../search/search_model.hpp"

@@ -11,6 +11,7 @@
 #include <motionlang/train/presets.hpp>
 #include <motionlang/train/retrieval_evaluation.hpp>
 #include <motionlang/train/temos_evaluation.hpp>
+#include <motionlang/weights/model_system.hpp>
 #include <motionlang/weights/text_motion_checkpoint.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
 #include <motionlang/weights/text_states.hpp>
@@ -66,7 +67,9 @@ struct Measured {
 
 }  // namespace
 
-void evaluate_tmr(const EvaluationOptions& o, const ml::TextMotionFile& file) {
+void evaluate_tmr(const EvaluationOptions& o) {
+  if (o.moments > 0) return evaluate_moments(o);
+  const ml::TextMotionFile file = ml::read_text_motion_config(o.model);
   const Measured m(o, file);
   ml::RetrievalOptions options{.threshold = o.threshold};
   for (const ml::DescribedMotion& d : *m.part) options.ids.push_back(d.id);
@@ -130,14 +133,13 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
 
 }  // namespace
 
-void evaluate_temos(const EvaluationOptions& o, const ml::TextMotionFile& file) {
+void evaluate_temos(const EvaluationOptions& o) {
   FilmStrips strips(o);
-  const Measured m(o, file);
-  measure_temos(o, file, m, ml::load_text_motion<ml::Temos, B>(o.model, file), strips);
-}
-
-void evaluate_published_temos(const EvaluationOptions& o) {
-  FilmStrips strips(o);
+  if (ml::model_system(ml::FilePath(o.model)).ours) {
+    const ml::TextMotionFile file = ml::read_text_motion_config(o.model);
+    const Measured m(o, file);
+    return measure_temos(o, file, m, ml::load_text_motion<ml::Temos, B>(o.model, file), strips);
+  }
   auto run = ml::load_temos_run<B>(ml::FilePath(o.model), {.text_encoder = o.text_encoder, .statistics = o.statistics});
   ml::TextMotionFile file{"temos", run.fps, ml::temos_preset("temos-published"), {}};
   file.config.features = ml::published_temos_features(run.width()).name;

@@ -13,6 +13,7 @@
 #include <motionlang/weights/mdm_action_run.ipp>
 #include <motionlang/weights/model_folder.ipp>
 #include <motionlang/weights/model_summary.ipp>
+#include <motionlang/weights/model_system.ipp>
 #include <motionlang/weights/own_text_encoder.ipp>
 #include <motionlang/weights/pack_run.ipp>
 #include <motionlang/weights/run_folder.ipp>

@@ -118,6 +118,12 @@ bool is_below(const std::filesystem::path& path, const std::filesystem::path& fo
 /// Removes the clips of a file, or of all files below a folder, from an index. Returns the number of these clips.
 Index remove_below(MotionIndex& index, const FilePath& path);
 
+/// A line for each clip of an index, with tabs: path and animation, start, end, frames per second, frames, captions,
+/// licence.
+std::string listed_clips(const MotionIndex& index);
+/// The size of an index after an update, and what the update changed, as lines.
+std::string describe_update(const MotionIndex& index, const IndexReport& report);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_INSTANTIATED

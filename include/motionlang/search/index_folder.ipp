@@ -6,6 +6,7 @@
 #include <chrono>     // times of files
 #include <cmath>      // lround
 
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/core/utf8.hpp>
@@ -280,6 +281,24 @@ MOTIONLANG_BODY IndexReport update_index(MotionIndex& index, const FilePath& fol
   IndexUpdate update(index, folder, encoder, std::move(options));
   update.run(progress);
   return update.report();
+}
+
+MOTIONLANG_BODY std::string listed_clips(const MotionIndex& index) {
+  std::string out;
+  for (const IndexedClip& c : index.clips()) {
+    out += printable(c.path + (c.name.empty() ? "" : "#" + c.name));
+    out += formatted("\t%.2f\t%.2f\t%g\t%td\t", c.start, c.end, c.fps, c.frames);
+    out += printable(join_text(c.captions, " | ")) + "\t" + printable(c.license) + "\n";
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string describe_update(const MotionIndex& index, const IndexReport& report) {
+  std::string out = concat_text(counted(index.count(), "clip"), ", ", counted(index.moments().size(), "moment"), " (",
+                                report.added, " added, ", report.removed, " removed, ", report.renamed, " renamed, ",
+                                report.unchanged, " unchanged, ", report.skipped.size(), " skipped)\n");
+  if (report.relicensed > 0) out += counted(report.relicensed, "file has", "files have") + " another license now\n";
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END

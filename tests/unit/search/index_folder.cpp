@@ -51,6 +51,12 @@ TEST_CASE("an update reads what is new or has changed, and nothing else") {
   CHECK(report.skipped[0].find("broken.bvh: [motionlang.io.") != std::string::npos);
   CHECK(report.changed());
   CHECK(names(index) == std::vector<std::string>{"fast.npz", "slow.bvh"});
+  const std::string moments = std::to_string(index.moments().size());
+  CHECK(ml::describe_update(index, report) ==
+        "2 clips, " + moments + " moments (2 added, 0 removed, 0 renamed, 0 unchanged, 1 skipped)\n");
+  const std::string list = ml::listed_clips(index);
+  CHECK(std::count(list.begin(), list.end(), '\n') == 2);
+  CHECK(list.find("slow.bvh\t0.00\t3.00\t20\t60\t\tCC0\n") != std::string::npos);
   CHECK(index.clips()[0].license == "CC0");
   CHECK(index.clips()[0].end == doctest::Approx(3));
   CHECK_FALSE(index.moments().empty());
