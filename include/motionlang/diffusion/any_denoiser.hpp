@@ -30,7 +30,7 @@ struct AnyDenoiser {
     std::optional<typename MdmSmplDenoiser<B>::EncodedText> mdm_smpl{};
     std::optional<typename MotionDiffuseDenoiser<B>::EncodedText> motiondiffuse{};
   };
-  /// MotionDiffuse takes the last token as the end token if the encoder marks no end.
+  /// If the encoder of a text marks no end, MotionDiffuse takes its last token as the end.
   EncodedText encode(const TextFeatures<B>& text) const {
     EncodedText out{text};
     if (motiondiffuse && text.end_position.empty()) {

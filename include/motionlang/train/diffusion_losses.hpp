@@ -43,14 +43,14 @@ struct NoisedMotions {
 /// The first lengths[i] rows of sequence i. Throws shape_error 204 for another number of lengths, 203 for a sequence
 /// that is shorter.
 template <Backend B>
-Sequences<B> first_rows(const Sequences<B>& x, std::span<const Index> lengths) {
+Sequences<B> without_padding(const Sequences<B>& x, std::span<const Index> lengths) {
   if (std::ssize(lengths) != x.count())
-    raise<shape_error>(204, "first_rows: ", lengths.size(), " lengths for ", x.count(), " sequences");
+    raise<shape_error>(204, "without_padding: ", lengths.size(), " lengths for ", x.count(), " sequences");
   PoolVector<Index> rows;
   for (Index s = 0; s < x.count(); ++s) {
     const Index length = lengths[static_cast<std::size_t>(s)];
     if (length < 0 || length > x.offsets.length(s))
-      raise<shape_error>(203, "first_rows: ", length, " rows of ", x.offsets.length(s), " in sequence ", s);
+      raise<shape_error>(203, "without_padding: ", length, " rows of ", x.offsets.length(s), " in sequence ", s);
     for (Index i = 0; i < length; ++i) rows.push_back(x.offsets.begin(s) + i);
   }
   return {gather(x.rows, rows), Offsets(lengths)};
@@ -76,7 +76,7 @@ template <Backend B>
 Tensor<B, 1> mdm_losses(const GaussianDiffusion& d, const MdmDenoiser<B>& denoiser, const NoisedMotions<B>& batch,
                         std::span<const Index> lengths, const TextFeatures<B>& text, const Context& context = {}) {
   const auto said = denoiser(batch.at_t(d), batch.t, text, context);
-  return mse_per_sequence(first_rows(batch.x0, lengths), first_rows(said, lengths).rows);
+  return mse_per_sequence(without_padding(batch.x0, lengths), without_padding(said, lengths).rows);
 }
 
 /// The mean square of the error of the noise over all valid frames of a batch: long motions weigh more.
@@ -86,7 +86,7 @@ Tensor<B, 0> motiondiffuse_loss(const GaussianDiffusion& d, const MotionDiffuseD
                                 const NoisedMotions<B>& batch, std::span<const Index> lengths,
                                 const TextFeatures<B>& text, const Context& context = {}) {
   const auto said = denoiser(batch.at_t(d), batch.t, text, context);
-  return mse(first_rows(batch.x0.with(batch.noise), lengths).rows, first_rows(said, lengths).rows);
+  return mse(without_padding(batch.x0.with(batch.noise), lengths).rows, without_padding(said, lengths).rows);
 }
 
 /// Weights of MDM's geometric terms.
