@@ -237,7 +237,6 @@
 #include <motionlang/text/token_offsets.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/tokenizer.hpp>
-#include <motionlang/text/unheard_words.hpp>
 #include <motionlang/text/unicode.hpp>
 #include <motionlang/text/word_forms.hpp>
 #include <motionlang/text/word_piece.hpp>

@@ -8,9 +8,8 @@
 #include <vector>
 
 #include <motionlang/search/search_encoder.hpp>
-#include <motionlang/text/word_piece.hpp>
 
-/// A motion becomes its speed and its turning; "walk N" is a text of the speed N. It knows no words with an x.
+/// A motion becomes its speed and its turning; "walk N" is a text of the speed N.
 class SpeedEncoder final : public motionlang::SearchEncoder {
  public:
   const motionlang::IndexModel& model() const override { return model_; }
@@ -42,15 +41,10 @@ class SpeedEncoder final : public motionlang::SearchEncoder {
   }
 
   const motionlang::SimilarityScale& similarity() const override { return scale; }
-  std::vector<motionlang::UnknownWord> unheard_words(const std::string& text) const override {
-    std::vector<motionlang::UnknownWord> out;
-    for (const std::string& word : motionlang::WordPiece::words(text)) {
-      if (word.find('x') != std::string::npos) out.push_back({word, ""});
-    }
-    return out;
-  }
+  motionlang::KnownWords known_words() const override { return known; }
 
   motionlang::SimilarityScale scale{};
+  motionlang::KnownWords known{};
   mutable std::atomic<int> asked = 0;
 
  private:

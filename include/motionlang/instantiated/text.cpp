@@ -13,7 +13,6 @@
 #include <motionlang/text/text_repair.ipp>
 #include <motionlang/text/text_table.ipp>
 #include <motionlang/text/tokenizer.ipp>
-#include <motionlang/text/unheard_words.ipp>
 #include <motionlang/text/unicode.ipp>
 #include <motionlang/text/word_piece.ipp>
 #include <motionlang/text/word_vectors.ipp>

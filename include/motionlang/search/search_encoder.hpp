@@ -34,8 +34,8 @@ class SearchEncoder {
 
   /// The meaning of the cosines of texts and motions; empty if it was not measured.
   virtual const SimilarityScale& similarity() const;
-  /// The words of a text about which the model knows nothing; none if it cannot tell.
-  virtual std::vector<UnknownWord> unheard_words(const std::string&) const { return {}; }
+  /// The words that the model knows; empty if it cannot tell.
+  virtual KnownWords known_words() const { return {}; }
 
  protected:
   SearchEncoder() = default;

@@ -27,7 +27,10 @@ MOTIONLANG_BODY TextAnswer answer_text(const MotionSearch& found, const SearchEn
                                        const SearchOptions& options) {
   TextAnswer out;
   out.hits = search(found, encoder.encode_texts(std::span(&text, 1)), options);
-  out.unheard = encoder.unheard_words(text);
+  if (const KnownWords known = encoder.known_words(); !known.empty()) {
+    out.unheard = unknown_words(text, known);
+    for (std::string& word : unreadable_words(text)) out.unheard.push_back({std::move(word), ""});
+  }
   const SimilarityScale& scale = encoder.similarity();
   out.calibrated = !scale.empty() && options.what != SearchFor::captions;
   for (const MotionHit& hit : out.hits)

@@ -76,9 +76,7 @@ class TmrSearchEncoder final : public SearchEncoder {
   }
 
   const SimilarityScale& similarity() const override { return tmr_.similarity; }
-  std::vector<UnknownWord> unheard_words(const std::string& text) const override {
-    return tmr_.unheard_words ? tmr_.unheard_words(text) : std::vector<UnknownWord>();
-  }
+  KnownWords known_words() const override { return tmr_.known_words; }
 
  private:
   static void append(std::vector<float>& out, const Tensor<B, 2>& rows) {

@@ -14,7 +14,7 @@
 
 #include <motionlang/features/feature_rows.hpp>
 #include <motionlang/features/normalizer.hpp>
-#include <motionlang/text/unheard_words.hpp>
+#include <motionlang/text/known_words.hpp>
 #include <motionlang/weights/checkpoint_options.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
 #include <motionlang/weights/text_states.hpp>
@@ -35,8 +35,7 @@ struct TextMotionCheckpoint {
   std::string folder{}, text_encoder{};  // where it was loaded from
   std::string id{};                      // of the weights (tensors_checksum); only for TMR
   SimilarityScale similarity{};          // of texts and motions; empty if the model has none
-  /// The words of a text about which the text encoder knows nothing. Null if it cannot tell.
-  std::function<std::vector<UnknownWord>(std::string_view)> unheard_words{};
+  KnownWords known_words{};              // of a model with vectors of words; empty for others, which cannot tell
 
   /// The means of the latents, (texts, latent).
   Tensor<B, 2> encode_text(std::span<const std::string> texts) const { return model.encode_text(tokens(texts)).mu; }
@@ -60,6 +59,10 @@ namespace detail {
 
 /// The system of a folder: "tmr" for a published one, "trained tmr" for our own trainings, ... "" if unknown.
 std::string checkpoint_system(const RunFolder& run);
+
+/// The words with a piece of their own or with a vector. Empty without vectors: pieces alone do not tell the words of
+/// the training texts.
+KnownWords known_words_of(const WordPiece& pieces, const WordVectors& vectors);
 
 /// Encodes each text once with a language model or a cache, and remembers the states.
 template <Backend B>
@@ -91,9 +94,7 @@ TextMotionCheckpoint<B, System<B>> checkpoint_of(TextMotionModel<B, System> mode
   if (model.words) {
     const auto words = std::make_shared<const WordPieceTokens<B>>(std::move(*model.words));
     out.tokens = [words](std::span<const std::string> texts) { return (*words)(texts).tokens; };
-    out.unheard_words = [words](std::string_view text) {
-      return motionlang::unheard_words(words->tokenizer, words->vectors, text);
-    };
+    out.known_words = known_words_of(words->tokenizer, words->vectors);
   } else if (model.language) {
     out.tokens = [language = std::move(*model.language)](std::span<const std::string> texts) {
       return language(texts, {});

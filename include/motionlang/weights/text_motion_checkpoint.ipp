@@ -13,6 +13,15 @@ MOTIONLANG_BODY std::string checkpoint_system(const RunFolder& run) {
   return system == nullptr ? run.system : "trained " + to_string(*system);
 }
 
+MOTIONLANG_BODY KnownWords known_words_of(const WordPiece& pieces, const WordVectors& vectors) {
+  if (vectors.empty()) return {};
+  std::vector<std::string> words;
+  for (const std::string& piece : pieces.vocabulary()) {
+    if (piece.front() != '#' && piece.front() != '[') words.push_back(piece);
+  }
+  return KnownWords(std::move(words), vectors);
+}
+
 MOTIONLANG_BODY void require_trained(const std::filesystem::path& folder, const std::string& found,
                                      const char* wanted) {
   if (found != wanted) raise<config_error>(102, folder.string(), ": a model of ", found, ", not ", wanted);

@@ -196,11 +196,14 @@ TEST_CASE("the answer to a text: scores on a scale, unknown words, and whether a
   CHECK_FALSE(captions.calibrated);
 
   encoder.scale.least = -1;
-  const auto partly = ml::answer_text(moves, encoder, "xylo 3");
+  encoder.known = ml::KnownWords({"walk", "3"});
+  CHECK(ml::answer_text(moves, encoder, "walk 3").unheard.empty());
+  const auto partly = ml::answer_text(moves, encoder, "xylo 3 \xC3\xA9\xC3\xA9");
   CHECK(partly.shown);
-  REQUIRE(partly.unheard.size() == 1);
+  REQUIRE(partly.unheard.size() == 2);
   CHECK(partly.unheard[0].word == "xylo");
-  CHECK_FALSE(ml::answer_text(moves, encoder, "xylo 0x3").shown);  // no word of it is known
+  CHECK(partly.unheard[1].word == "\xC3\xA9\xC3\xA9");
+  CHECK_FALSE(ml::answer_text(moves, encoder, "xylo 9").shown);  // no word of it is known
 }
 
 TEST_CASE("captions of an animation of a file with several go to that one alone") {

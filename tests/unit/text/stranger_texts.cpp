@@ -1,11 +1,10 @@
-// Texts that no motion shows, and words of which an encoder knows nothing.
+// Texts that no motion shows.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <set>
 
 #include <motionlang/text/stranger_texts.hpp>
-#include <motionlang/text/unheard_words.hpp>
 
 namespace ml = motionlang;
 using ml::WordPiece, ml::WordVectors;
@@ -69,18 +68,4 @@ TEST_CASE("without vectors, strangers are made of words that do not exist") {
   CHECK(strangers.words().empty());
   const auto texts = strangers.draw(50, ml::Philox{.seed = 1});
   CHECK(std::set<std::string>(texts.begin(), texts.end()).size() > 45);
-}
-
-TEST_CASE("words without a piece and without a vector are unheard, each once") {
-  const auto found =
-      ml::unheard_words(pieces(), vectors(), "Walk, strolling slwly slwly to the bugdet \xC3\xA9t\xC3\xA9");
-  REQUIRE(found.size() == 5);
-  CHECK(found[0].word == "slwly");
-  CHECK(found[0].like == "slowly");
-  CHECK(found[1].word == "to");
-  CHECK(found[3].word == "bugdet");
-  CHECK(found[3].like == "budget");
-  CHECK(found[4].word == "\xC3\xA9t\xC3\xA9");
-  CHECK(ml::unheard_words(pieces(), vectors(), "walks slowly").empty());
-  CHECK(ml::unheard_words(pieces(), {}, "slwly").empty());  // pieces alone do not tell
 }
