@@ -1,5 +1,6 @@
 // motionlang figure: pictures as the papers have them, from timelines, motions, tables and texts.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <motionlang/compose/cut_texts.hpp>

@@ -32,7 +32,7 @@ TEST_CASE("a prompt for each verb: the caption of most segments, of these the sh
       {"walk", "walk on", 2.5}, {"kick", "kick hard", 2}, {"wave", "wave", 4}};
   CHECK(ml::gallery_prompts(captions) == expected);
   CHECK(ml::gallery_prompts(captions, 2) == std::vector<ml::GalleryPrompt>{expected[0]});
-  CHECK(ml::gallery_prompts({}).empty());
+  CHECK(ml::gallery_prompts(std::span<const ml::ClipLine>()).empty());
 }
 
 TEST_CASE("prompts of the captions that a model remembers; those that are far from them are taken out") {

@@ -23,12 +23,13 @@ TEST_CASE("pairs: items by majority in per cent, with the interval and a line in
 TEST_CASE("rankings and ratings: the shares of ranks and of ratings") {
   const ml::Study ranking = ml::parse_study("text\ta\tb\n1\tx\tx\n", ml::StudyKind::ranking);
   ml::StudyCounts counts;
-  counts.ranks = {{0, {3, 1}, {}}, {1, {1, 3}, {}}};
+  counts.ranks.push_back({0, {3, 1}, {}});
+  counts.ranks.push_back({1, {1, 3}, {}});
   const ml::BarChart ranks = ml::study_chart(ranking, counts);
   CHECK(ranks.series == std::vector<std::string>{"rank 1", "rank 2"});
   REQUIRE(ranks.groups.size() == 2);
   CHECK(ranks.groups[1].values == std::vector<double>{25, 75});
-  counts.ratings = {{1, {0, 0, 0, 2, 2}, {}}};
+  counts.ratings.push_back({1, {0, 0, 0, 2, 2}, {}});
   const ml::Study rating = ml::parse_study("text\ta\tb\n1\tx\tx\n", ml::StudyKind::rating);
   const ml::BarChart ratings = ml::study_chart(rating, counts);
   REQUIRE(ratings.groups.size() == 1);
