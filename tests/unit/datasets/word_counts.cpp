@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <motionlang/file/file.hpp>
+
 #include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
