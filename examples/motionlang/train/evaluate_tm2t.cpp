@@ -8,6 +8,7 @@
 #include <motionlang/train/bert_judge.hpp>
 #include <motionlang/train/guo_evaluation.hpp>
 #include <motionlang/train/text_entries.hpp>
+#include <motionlang/weights/model_folder.hpp>
 #include <motionlang/weights/tm2t_run.hpp>
 
 #include "../progress_bar.hpp"
