@@ -81,7 +81,7 @@ TEST_CASE("tables have a column for each measure, and '-' for what is not measur
 
   const std::string recognised =
       ml::recognition_table({{"accuracy_gt", {0.9, 0.92}}, {"fid_gen", {1.5, 1.5}}, {"diversity_gt", {7, 7}}});
-  CHECK(recognised.find("\n  recorded                  91.00 +-0.00 -            7.00 +-0.00  -           \n") !=
+  CHECK(recognised.find("\n  recorded                  91.00 +-1.96 -            7.00 +-0.00  -           \n") !=
         std::string::npos);
   CHECK(recognised.find("\n  generated                 -            1.50 +-0.00  -            -           \n") !=
         std::string::npos);

@@ -1,11 +1,13 @@
 // Files of motions as lines.
 #include <doctest/doctest.h>
 
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/file/npz.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/formats/glb_writer.hpp>
+#include <motionlang/metrics/motion_quality.hpp>
 #include <motionlang/view/describe_motion.hpp>
 
 #include "../../support/synthetic_motion.hpp"
@@ -17,7 +19,9 @@ TEST_CASE("a motion is described by its frames, its place and its joints, SMPL's
   ml::Motion walk = synthetic::walk({.frames = 40});
   const std::string text = ml::describe_motion("walk\a.bvh", walk);
   CHECK(text.starts_with("walk?.bvh: 40 frames, 20 frames per second, 2.00 s, 24 joints\n  root moves within x "));
-  CHECK(text.find("\n  feet on the floor 100 % of the time, sliding at 0.00 m/s; jitter ") != std::string::npos);
+  const auto quality = ml::motion_quality(walk);
+  CHECK(text.find(ml::formatted("\n  feet on the floor %.0f %% of the time, sliding at %.2f m/s; jitter %.0f m/s^3; ",
+                                100 * quality.feet.contact, quality.feet.speed, quality.jitter)) != std::string::npos);
   CHECK(text.find("\n    0 pelvis                   \n    1 ") != std::string::npos);
   walk.skeleton.names[5] = "other";
   CHECK(ml::describe_motion("walk", walk).find("feet on the floor") == std::string::npos);
