@@ -35,7 +35,7 @@ struct TrainingOptions {
   MachineOptions machine;
 };
 
-/// The source of the actions of train-actor and train-classifier.
+/// The source of the actions of train-actor, train-classifier and train-mdm-actions.
 struct LabelOptions {
   std::filesystem::path labels, annotations;
 
@@ -43,7 +43,7 @@ struct LabelOptions {
   ml::DataSources sources(const TrainingOptions& o) const { return {o.data, {}, labels, annotations, o.splits, true}; }
 };
 
-/// The source of the texts of train-tmr, train-temos and train-tm2t.
+/// The source of the texts of the trainings that take captions.
 struct CaptionOptions {
   std::filesystem::path captions, annotations;
 

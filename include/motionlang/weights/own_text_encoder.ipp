@@ -12,8 +12,9 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY std::vector<std::string> own_vocabulary(std::span<const std::string> texts, Index size) {
+  const WordPiece learned = WordPiece::learn(texts, size);
   std::vector<std::string> out{"[PAD]"};
-  for (const std::string& piece : WordPiece::learn(texts, size).vocabulary()) out.push_back(piece);
+  out.insert(out.end(), learned.vocabulary().begin(), learned.vocabulary().end());
   for (const char* mark : {".", ",", "'", "-"}) {
     if (std::find(out.begin(), out.end(), mark) == out.end()) out.emplace_back(mark);
   }
