@@ -81,10 +81,11 @@ TEST_CASE("the first result among clips with captions is judged; nothing shown i
 
 TEST_CASE("answers are lines, and the numbers of right ones") {
   std::vector<ml::QueryAnswer> answers(3);
-  answers[0] = {
-      .query = {"go for a walk", {"walk"}}, .found = {.captions = {"a man walks"}}, .score = 0.5, .right = true};
-  answers[1] = {.query = {"sit", {"sit"}}, .found = {.captions = {"a man walks"}}, .score = 0.25};
-  answers[2] = {.query = {"fly", {}}, .score = 0.125, .shown = false, .right = true};
+  ml::IndexedClip walk;
+  walk.captions = {"a man walks"};
+  answers[0] = {.query = {"go for a walk", {"walk"}}, .found = walk, .score = 0.5, .right = true};
+  answers[1] = {.query = {"sit", {"sit"}}, .found = walk, .score = 0.25};
+  answers[2] = {.query = {"fly", {}}, .found = {}, .score = 0.125, .shown = false, .right = true};
   CHECK(ml::describe_query_answers(answers) ==
         "right 0.5000  go for a walk                                \"a man walks\"\n"
         "wrong 0.2500  sit                                          \"a man walks\"\n"

@@ -4,6 +4,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/train/measured_similarity.hpp>
 #include <motionlang/train/presets.hpp>
+#include <motionlang/weights/text_states.hpp>
 
 namespace ml = motionlang;
 using B = ml::EigenBackend<float>;
