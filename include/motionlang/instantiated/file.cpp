@@ -19,6 +19,7 @@
 #include <motionlang/file/tensor_memory.ipp>
 #include <motionlang/file/tensor_set.ipp>
 #include <motionlang/file/tensor_view.ipp>
+#include <motionlang/file/torch_archive.ipp>
 #include <motionlang/file/torch_file.ipp>
 #include <motionlang/file/zip.ipp>
 

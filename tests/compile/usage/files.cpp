@@ -8,6 +8,7 @@
 #include <motionlang/file/pickle.hpp>
 #include <motionlang/file/pickle_arrays.hpp>
 #include <motionlang/file/safetensors.hpp>
+#include <motionlang/file/torch_archive.hpp>
 #include <motionlang/file/torch_file.hpp>
 #include <motionlang/formats/amass_body.hpp>
 #include <motionlang/formats/amass_sequence.hpp>
@@ -17,7 +18,11 @@
 #include <motionlang/formats/mdm_results.hpp>
 #include <motionlang/formats/merged_body.hpp>
 #include <motionlang/formats/motion_npy.hpp>
+#include <motionlang/weights/module_file.hpp>
 
+void torch_archive(const TensorStore& store) {
+#include "file/torch_archive.1.inc"
+}
 void json() {
 #include "file/json.1.inc"
 }
