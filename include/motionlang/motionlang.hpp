@@ -246,6 +246,7 @@
 #include <motionlang/compose/baselines.hpp>
 #include <motionlang/compose/body_part_answers.hpp>
 #include <motionlang/compose/body_part_lexicon.hpp>
+#include <motionlang/compose/body_part_prompts.hpp>
 #include <motionlang/compose/collage.hpp>
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/compose/describe_plan.hpp>

@@ -9,6 +9,7 @@
 /// Differs  from the code: each line is stripped, so that "- waist" is one; "left shoulder" is understood
 #pragma once
 
+#include <optional>       // unknown parts
 #include <string>         // answers
 #include <string_view>    // answers
 #include <unordered_map>  // parts of labels
@@ -18,6 +19,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// The parts of an answer; nothing if a line is not a part, or if no part is named.
+std::optional<SincParts> known_body_part_answer(std::string_view answer);
 /// One part per line. Lines about the face, wrists and hands are ignored. Shoulders count as arms, buttocks and waist
 /// as the pelvis, and the neck as the torso. Throws config_error 103 for an unknown name, and if no part is named.
 SincParts parse_body_part_answer(std::string_view answer);

@@ -29,23 +29,44 @@ inline std::string plain_answer(std::string_view answer) {
 
 }  // namespace detail
 
-MOTIONLANG_BODY SincParts parse_body_part_answer(std::string_view answer) {
+namespace detail {
+
+/// The names in an answer, without those that mean nothing.
+inline std::set<std::string, std::less<>> named_parts(std::string_view answer) {
   std::set<std::string, std::less<>> named;
-  const std::string plain = detail::plain_answer(answer);
-  detail::for_each_line(plain, [&](std::string_view line, Index) {
-    if (const auto part = detail::trim(line); !part.empty()) named.emplace(part);
+  const std::string plain = plain_answer(answer);
+  for_each_line(plain, [&](std::string_view line, Index) {
+    if (const auto part = trim(line); !part.empty()) named.emplace(part);
   });
   for (const char* nothing : {"right side of face", "right eye", "wrist", "hand"}) named.erase(nothing);
   const bool arm = named.contains("left arm") || named.contains("right arm");
   if (named.erase("shoulders") > 0 && !arm) named.insert({"left arm", "right arm"});
+  return named;
+}
+inline std::optional<SincPart> part_of_answer(std::string_view name) {
+  return parse_sinc_part(name == "buttocks" || name == "waist" ? "global"
+                         : name == "neck"                      ? "torso"
+                         : name == "left shoulder"             ? "left arm"
+                         : name == "right shoulder"            ? "right arm"
+                                                               : name);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::optional<SincParts> known_body_part_answer(std::string_view answer) {
   SincParts parts;
-  for (const std::string_view name : named) {
-    const std::string_view known = name == "buttocks" || name == "waist" ? "global"
-                                   : name == "neck"                      ? "torso"
-                                   : name == "left shoulder"             ? "left arm"
-                                   : name == "right shoulder"            ? "right arm"
-                                                                         : name;
-    const auto part = parse_sinc_part(known);
+  for (const std::string& name : detail::named_parts(answer)) {
+    const auto part = detail::part_of_answer(name);
+    if (!part) return std::nullopt;
+    parts.set(static_cast<std::size_t>(*part));
+  }
+  return parts.none() ? std::nullopt : std::optional(parts);
+}
+
+MOTIONLANG_BODY SincParts parse_body_part_answer(std::string_view answer) {
+  SincParts parts;
+  for (const std::string& name : detail::named_parts(answer)) {
+    const auto part = detail::part_of_answer(name);
     if (!part) raise<config_error>(103, "parse_body_part_answer: '", name, "' is not a body part, in '", answer, "'");
     parts.set(static_cast<std::size_t>(*part));
   }

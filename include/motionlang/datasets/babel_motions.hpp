@@ -26,12 +26,13 @@ DataConfig split_config(const Data& c) {
 }
 
 struct SincDataConfig {
-  std::string types = "seg+seq+spatial_pairs";       // what the model learns, in any order; separate_pairs may be added
-  Index shortest = 15, window = 300;                 // frames; a longer item gives `window` from a random place
-  Index longest = 800;                               // for validation
-  Index simultaneous_max = 4;                        // labels at the same time
-  double proportion = 0.5;                           // share of single actions that get a partner with other parts
-  bool random = false;                               // combine any actions, with random parts
+  std::string types = "seg+seq+spatial_pairs";  // what the model learns, in any order; separate_pairs may be added
+  Index shortest = 15, window = 300;            // frames; a longer item gives `window` from a random place
+  Index longest = 800;                          // for validation
+  Index simultaneous_max = 4;                   // labels at the same time
+  double proportion = 0.5;                      // share of single actions that get a partner with other parts
+  bool random = false;                          // combine any actions, with random parts
+  bool shuffle = false;  // several labels in random order, as in the paper; the released program keeps them
   double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
   std::uint64_t split_seed = 1;
 
@@ -47,8 +48,8 @@ struct SincDataConfig {
     using C = SincDataConfig;
     return motionlang::fields("types", &C::types, "shortest", &C::shortest, "window", &C::window, "longest",
                               &C::longest, "simultaneous_max", &C::simultaneous_max, "proportion", &C::proportion,
-                              "random", &C::random, "test_share", &C::test_share, "validation_share",
-                              &C::validation_share, "split_seed", &C::split_seed);
+                              "random", &C::random, "shuffle", &C::shuffle, "test_share", &C::test_share,
+                              "validation_share", &C::validation_share, "split_seed", &C::split_seed);
   }
 };
 
@@ -90,6 +91,13 @@ struct BabelItems {
   std::vector<BabelItem> items;
   LeftOut left_out{};
 };
+namespace detail {
+
+/// JSON of words and their replacements; empty for "". Throws io_error 401, 403, config_error 107.
+SpellingTable read_spelling(const std::filesystem::path& path);
+
+}  // namespace detail
+
 /// Makes the items of a sequence of this many frames.
 using BabelReader = std::function<BabelItems(const BabelSequence& sequence, Index frames, const SpellingTable& spelling,
                                              bool training)>;
@@ -109,6 +117,14 @@ BabelReader teach_reader(const TeachDataConfig& config);
 /// Throws io_error 401, 403, ... for files, with the place; io_error 403 if there is nothing to train on
 DescribedMotions read_babel_motions(const BabelSources& sources, const std::string& features, const DataConfig& shares,
                                     const BabelReader& reader, Progress progress);
+
+/// Whole sequences with the texts of their segments, for the search of moments. Sequences without segments are left
+/// out, and segments of T-poses and transitions.
+/// maker   of the rows, at its own rate
+/// part    0: training, 1: validation, 2: test, as the sources split them; -1: all
+/// Throws  as read_babel_motions; io_error 403 if no sequence is left
+std::vector<DescribedMotion> read_babel_sequences(const BabelSources& sources, const RowMaker& maker,
+                                                  const DataConfig& shares, int part, Progress progress);
 
 MOTIONLANG_NAMESPACE_END
 

@@ -70,7 +70,7 @@ inline std::vector<BabelEntry> babel_entries(const BabelSources& sources, const 
   return out;
 }
 
-inline SpellingTable read_spelling(const std::filesystem::path& path) {
+MOTIONLANG_BODY SpellingTable read_spelling(const std::filesystem::path& path) {
   if (path.empty()) return {};
   const auto document = read_json(path);
   const auto words = JsonView(document, path.string()).as<std::map<std::string, std::string>>();
@@ -221,6 +221,38 @@ MOTIONLANG_BODY DescribedMotions read_babel_motions(const BabelSources& sources,
   if (out.training.empty())
     raise<io_error>(403, sources.babel.string(), ": nothing to train on (", out.left_out.text(), ")");
   return out;
+}
+
+MOTIONLANG_BODY std::vector<DescribedMotion> read_babel_sequences(const BabelSources& sources, const RowMaker& maker,
+                                                                  const DataConfig& shares, int part,
+                                                                  Progress progress) {
+  const auto spelling = detail::read_spelling(sources.spelling);
+  const auto entries = detail::babel_entries(sources, shares);
+  std::vector<DescribedMotion> found(entries.size());
+  std::mutex mutex;
+  Index done = 0;
+  parallel_for(std::ssize(entries), [&](Index i) {
+    const detail::BabelEntry& e = entries[static_cast<std::size_t>(i)];
+    if ((part < 0 || e.part == part) && !e.sequence.frame_annotations.empty()) {
+      auto clip = read_clip(sources.data, e.clip);
+      clip.fps = corrected_amass_fps(e.clip.clip, clip.fps);
+      DescribedMotion& m = found[static_cast<std::size_t>(i)];
+      if (clip.seconds() >= detail::least_seconds) {
+        const auto rows = maker.rows(resample(clip, maker.fps));
+        m = {e.sequence.id, e.clip.clip, {rows.begin(), rows.end()}, {}};
+      }
+      const Index frames = std::ssize(m.rows) / maker.width;
+      for (const BabelAnnotation& a : e.sequence.frame_annotations) {
+        for (const BabelSegment& s : babel_segments(a.labels, maker.fps, frames, spelling))
+          m.texts.push_back({s.text, {s.start, s.end - s.start}});
+      }
+    }
+    const std::lock_guard lock(mutex);
+    progress(++done, std::ssize(entries));
+  });
+  std::erase_if(found, [](const DescribedMotion& m) { return m.texts.empty(); });
+  if (found.empty()) raise<io_error>(403, sources.babel.string(), ": no sequence with segments");
+  return found;
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -20,6 +20,7 @@ namespace detail {
 std::vector<Interval> texts_in_order(const Timeline& timeline);
 /// Joins all texts, which run at the same time, to one sentence.
 Interval texts_together(const Timeline& timeline);
+std::vector<std::string> texts_of(const Timeline& timeline);
 
 }  // namespace detail
 
@@ -53,8 +54,32 @@ template <Backend B>
 std::unique_ptr<MotionModel> teach_motion_model(TeachLatents<B> parts) {
   return std::make_unique<TeachMotionModel<B>>(std::move(parts));
 }
+/// SINC that reads labels apart: "SINC-STE", and the ablation with a latent for each label.
+template <Backend B>
+class SeparateSincMotionModel final : public SeparateMotionModel {
+ public:
+  explicit SeparateSincMotionModel(SincLatents<B> parts) : parts_(std::move(parts)) {}
+
+  double fps() const override { return parts_.fps; }
+  std::string system() const override { return "SINC of separate texts"; }
+  bool draws_latents() const override { return true; }
+
+ private:
+  Motion motion(const Timeline& timeline, Philox noise, const GenerateOptions& options) const override {
+    const auto labels = detail::texts_of(timeline);
+    const SincTexts<B> texts{parts_.tokens(labels), std::vector<Index>(labels.size(), 0)};
+    const auto made =
+        labels_to_motion(parts_.model, texts, Offsets{timeline.end()}, noise, 1, {.fact = options.fact.value_or(1)});
+    return motion_of_smplvelp(sinc_motion(parts_.normalizer, made.front().rows), parts_.fps);
+  }
+
+  SincLatents<B> parts_;
+};
+
 template <Backend B>
 std::unique_ptr<MotionModel> sinc_motion_model(SincLatents<B> parts) {
+  if (parts.model.config.mode != SincMode::single)
+    return std::make_unique<SeparateSincMotionModel<B>>(std::move(parts));
   parts.wanted = detail::texts_together;
   return text_motion_model(std::move(parts));
 }

@@ -22,10 +22,14 @@ MOTIONLANG_BODY std::vector<Interval> texts_in_order(const Timeline& timeline) {
   return out;
 }
 
+MOTIONLANG_BODY std::vector<std::string> texts_of(const Timeline& timeline) {
+  std::vector<std::string> out;
+  for (const Interval& i : timeline.intervals) out.push_back(i.text);
+  return out;
+}
+
 MOTIONLANG_BODY Interval texts_together(const Timeline& timeline) {
-  std::vector<std::string> labels;
-  for (const Interval& i : timeline.intervals) labels.push_back(i.text);
-  return {join_labels(labels, Conjunction::same_time), 0, timeline.end(), BodyParts::all()};
+  return {join_labels(texts_of(timeline), Conjunction::same_time), 0, timeline.end(), BodyParts::all()};
 }
 
 }  // namespace detail

@@ -3,6 +3,7 @@
 #include <motionlang/compose/baselines.ipp>
 #include <motionlang/compose/body_part_answers.ipp>
 #include <motionlang/compose/body_part_lexicon.ipp>
+#include <motionlang/compose/body_part_prompts.ipp>
 #include <motionlang/compose/collage.ipp>
 #include <motionlang/compose/cut_texts.ipp>
 #include <motionlang/compose/describe_plan.ipp>

@@ -2,6 +2,7 @@
 // Bodies of the headers in train/ that need nlohmann_json, compiled once for motionlang::instantiated.
 #include <motionlang/train/action_batch.ipp>
 #include <motionlang/train/actor_training.ipp>
+#include <motionlang/train/body_part_evaluation.ipp>
 #include <motionlang/train/classifier_training.ipp>
 #include <motionlang/train/diffusion_items.ipp>
 #include <motionlang/train/diffusion_presets.ipp>

@@ -110,6 +110,37 @@ struct Sinc {
   }
 };
 
+/// The input of the text encoder for the labels of some motions.
+/// sentence(labels)   joins those of a motion, in mode single; the other modes read them apart
+/// tokens(texts)      the rows of texts
+template <Backend B, class Sentence, class Tokens>
+SincTexts<B> sinc_texts(SincMode mode, std::span<const std::vector<std::string>> labels, Sentence sentence,
+                        Tokens tokens) {
+  std::vector<std::string> texts;
+  std::vector<Index> motion;
+  for (std::size_t m = 0; m < labels.size(); ++m) {
+    if (mode == SincMode::single) {
+      texts.push_back(sentence(labels[m]));
+      continue;
+    }
+    texts.insert(texts.end(), labels[m].begin(), labels[m].end());
+    motion.insert(motion.end(), labels[m].size(), static_cast<Index>(m));
+  }
+  return {tokens(texts), std::move(motion)};
+}
+
+/// text_to_motion for the texts of any mode: `samples` motions for each.
+template <Backend B>
+std::vector<Sequences<B>> labels_to_motion(const Sinc<B>& model, const SincTexts<B>& texts, const Offsets& lengths,
+                                           const Philox& rng, Index samples = 1, const LatentSampling& sampling = {}) {
+  const auto latent = model.encode_text(texts);
+  const Offsets slots = model.latents(texts);
+  std::vector<Sequences<B>> out;
+  for (Index i = 0; i < samples; ++i)
+    out.push_back(model.decode(Sequences<B>(sampled_latents(latent, rng, i, sampling), slots), lengths));
+  return out;
+}
+
 /// Normalised features of one motion, (frames, 135), to rotations of 22 joints and translation: metres, Z up, 30 frames
 /// per second.
 template <Backend B>

@@ -61,28 +61,33 @@ std::vector<NamedErrors> sinc_errors(const SincCheckpoint<B>& model, const Measu
     const auto labels = labels_of(item);
     const JointFrames truth = how.joints(recorded(item));
     const Offsets length{std::ssize(item.rows) / items.data().width};
-    const auto made = [&](const std::string& text, const Philox& noise, Index count, const LatentSampling& sampling) {
+    const auto made = [&](const std::vector<std::string>& of, const Philox& noise, Index count,
+                          const LatentSampling& sampling, bool alone = false) {
       std::vector<Tensor<B, 2>> out;
-      const auto tokens = model.tokens(std::span(&text, 1));
-      for (const auto& s : text_to_motion(model.model, tokens, length, noise, count, sampling)) out.push_back(s.rows);
+      const auto texts = sinc_texts<B>(
+          model.model.config.mode, std::span(&of, 1),
+          [&](const std::vector<std::string>& some) { return alone ? some.front() : how.sentences(some); },
+          [&](const std::vector<std::string>& some) { return model.tokens(some); });
+      for (const auto& s : labels_to_motion(model.model, texts, length, noise, count, sampling)) out.push_back(s.rows);
       return out;
     };
     const std::string sentence = how.sentences(labels);
     std::vector<JointFrames> samples;
-    for (const auto& rows : made(sentence, rng, how.samples, {})) {
+    for (const auto& rows : made(labels, rng, how.samples, {})) {
       const auto motion = sinc_motion(model.normalizer, rows);
       if (how.likeness != nullptr && samples.empty()) how.likeness->add(motion, item.rows);
       samples.push_back(how.joints(motion));
     }
     sampled.add(samples, truth);
-    const auto mean = sinc_motion(model.normalizer, made(sentence, rng, 1, {.mean = true}).front());
+    const auto mean = sinc_motion(model.normalizer, made(labels, rng, 1, {.mean = true}).front());
     at_mean.add(how.joints(mean), truth);
     if (how.made) how.made(sentence, mean, item);
     if (how.parts != nullptr && labels.size() == 2) {
-      const auto alone = [&](std::size_t label) {
-        return made(labels[label], rng.split("alone").split(static_cast<std::uint64_t>(label)), 1, {}).front();
+      const auto single = [&](std::size_t label) {
+        const auto noise = rng.split("alone").split(static_cast<std::uint64_t>(label));
+        return made({labels[label]}, noise, 1, {}, /*alone=*/true).front();
       };
-      composed.add(how.joints(sinc_composed(model.normalizer, alone(0), how.parts->parts(labels[0]), alone(1),
+      composed.add(how.joints(sinc_composed(model.normalizer, single(0), how.parts->parts(labels[0]), single(1),
                                             how.parts->parts(labels[1]))),
                    truth);
     }

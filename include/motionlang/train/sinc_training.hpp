@@ -16,6 +16,7 @@
 #include <string>      // labels
 #include <vector>      // labels
 
+#include <motionlang/datasets/label_tags.hpp>
 #include <motionlang/datasets/sinc_items.hpp>
 #include <motionlang/text/joined_labels.hpp>
 #include <motionlang/train/babel_task.hpp>
@@ -45,43 +46,55 @@ class SincTraining : public BabelTask<A, Sinc> {
   /// states       of a language model; none: word pieces of the data
   /// statistics   a folder with those of the features; empty: those of the training motions
   /// table        body parts of all labels; null if no actions are combined. Outlives the training, as `data` does.
-  /// Throws       config_error 103 for a label that the table lacks, 102 if table and data.proportion contradict each
-  ///              other
+  /// tags         words of all labels, for the -ing forms of sentences; null: words stay as they are
+  /// Throws       config_error 103 for a label that the table or the tags lack, 102 if table and data.proportion
+  ///              contradict each other, or tags are given to a model that reads labels apart
   SincTraining(SincTrainingConfig config, const DescribedMotions& data, TextStates states = {},
-               const std::filesystem::path& statistics = {}, const BodyPartTable* table = nullptr);
+               const std::filesystem::path& statistics = {}, const BodyPartTable* table = nullptr,
+               const LabelTags* tags = nullptr);
 
   LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
   /// The loss without dropout, of whole motions and the published evaluation's sentences, always with the same noise.
   std::vector<Measure> validate();
 
  private:
-  template <Backend T>
-  LossTerms<T> loss_of(const TextMotionModel<T, Sinc>& model, const std::vector<std::string>& texts,
+  using LabelsOfMotions = std::vector<std::vector<std::string>>;
+
+  /// sentence(labels): one text of them, for a model that reads them so.
+  template <Backend T, class Sentence>
+  LossTerms<T> loss_of(const TextMotionModel<T, Sinc>& model, const LabelsOfMotions& labels, Sentence sentence,
                        const Sequences<T>& motions, const Philox& rng, const Context& context) const;
 
   using Base::batches_, Base::config_, Base::data_, Base::learner_;
   std::optional<SincItems> items_;
+  const LabelTags* tags_;
 };
 
 template <AutodiffBackend A>
 SincTraining<A>::SincTraining(SincTrainingConfig config, const DescribedMotions& data, TextStates states,
-                              const std::filesystem::path& statistics, const BodyPartTable* table)
-    : Base(std::move(config), data, std::move(states), detail::sinc_sentences(data), statistics) {
+                              const std::filesystem::path& statistics, const BodyPartTable* table,
+                              const LabelTags* tags)
+    : Base(std::move(config), data, std::move(states), detail::sinc_sentences(data), statistics), tags_(tags) {
   if ((table == nullptr) != (config_.data.proportion == 0))
     raise<config_error>(102, table == nullptr
                                  ? "data.proportion above 0 needs `body_parts`, a table of the body parts of "
                                    "labels; without one: data.proportion = 0"
                                  : "`body_parts` is for data.proportion above 0");
   if (table != nullptr) items_ = detail::sinc_training_items(data, *table);
+  if (tags == nullptr) return;
+  if (config_.network.texts != "joined")
+    raise<config_error>(102, "`tags` are for sentences; with network.texts = ", config_.network.texts,
+                        " labels are read apart");
+  tags->require(data.training);
 }
 
 template <AutodiffBackend A>
 LossTerms<A> SincTraining<A>::loss(Philox rng, Index step, const Context& context) const {
-  auto draws = rng.split("items"), conjunctions = rng.split("conjunctions");
+  auto draws = rng.split("items"), conjunctions = rng.split("conjunctions"), order = rng.split("order");
   const SincDrawOptions options{.proportion = config_.data.proportion,
                                 .random = config_.data.random,
                                 .window = {.request = config_.data.window, .shortest = config_.data.shortest}};
-  std::vector<std::string> texts;
+  LabelsOfMotions labels;
   MotionBatch<A> batch(learner_.model.motion_normalizer);
   for (const Index k : batches_(step, this->seed())) {
     const DescribedMotion& m = this->training_motion(k);
@@ -92,38 +105,53 @@ LossTerms<A> SincTraining<A>::loss(Philox rng, Index step, const Context& contex
       e.window = options.window.of(std::ssize(m.rows) / data_->width, [&](Index n) {
         return static_cast<Index>(draws.below(static_cast<std::uint32_t>(n)));
       });
-    texts.push_back(join_labels(e.labels, static_cast<Conjunction>(conjunctions.below(5))));
+    for (std::size_t i = config_.data.shuffle ? e.labels.size() : 0; i > 1; --i)
+      std::swap(e.labels[i - 1], e.labels[order.below(static_cast<std::uint32_t>(i))]);
+    labels.push_back(std::move(e.labels));
     if (e.partner)
       batch.add(detail::composed_rows(m.rows, e.parts[0], this->training_motion(*e.partner).rows, e.parts[1],
                                       config_.features == "smplvelp"));
     else
       batch.add(m.rows, e.window);
   }
-  return loss_of(learner_.model, texts, batch.normalized(), rng.split("noise"), context);
+  const auto sentence = [&](const std::vector<std::string>& of) {
+    const auto conjunction = static_cast<Conjunction>(conjunctions.below(5));
+    return tags_ == nullptr ? join_labels(of, conjunction) : tags_->join(of, conjunction);
+  };
+  return loss_of(learner_.model, labels, sentence, batch.normalized(), rng.split("noise"), context);
 }
 
 template <AutodiffBackend A>
 std::vector<Measure> SincTraining<A>::validate() {
   return {{"loss", Base::over_validation([&](std::span<const Index> which, const Philox& rng) {
-             std::vector<std::string> texts;
+             LabelsOfMotions labels;
              MotionBatch<B> batch(learner_.average.motion_normalizer);
              for (const Index i : which) {
                const DescribedMotion& m = this->validation_motion(i);
-               texts.push_back(join_labels(labels_of(m), Conjunction::same_time));
+               labels.push_back(labels_of(m));
                batch.add(m.rows);
              }
-             const auto terms = loss_of(learner_.average, texts, batch.normalized(), rng, {});
+             const auto sentence = [](const std::vector<std::string>& of) {
+               return join_labels(of, Conjunction::same_time);
+             };
+             const auto terms = loss_of(learner_.average, labels, sentence, batch.normalized(), rng, {});
              return static_cast<double>(terms.total().item());
            })}};
 }
 
 template <AutodiffBackend A>
-template <Backend T>
-LossTerms<T> SincTraining<A>::loss_of(const TextMotionModel<T, Sinc>& model, const std::vector<std::string>& texts,
-                                      const Sequences<T>& motions, const Philox& rng, const Context& context) const {
+template <Backend T, class Sentence>
+LossTerms<T> SincTraining<A>::loss_of(const TextMotionModel<T, Sinc>& model, const LabelsOfMotions& labels,
+                                      Sentence sentence, const Sequences<T>& motions, const Philox& rng,
+                                      const Context& context) const {
   const auto& l = config_.losses;
-  const SincTexts<T> states{Base::tokens(model, texts)};
-  const auto noise = TextMotionNoise<T>::draw(motions.count(), config_.network.latent_dim, rng);
+  const SincTexts<T> states =
+      sinc_texts<T>(model.system.config.mode, std::span<const std::vector<std::string>>(labels), sentence,
+                    [&](const std::vector<std::string>& texts) { return Base::tokens(model, texts); });
+  const Index width = config_.network.latent_dim;
+  auto noise = TextMotionNoise<T>::draw(motions.count(), width, rng);
+  if (const Index latents = model.system.latents(states).rows(); latents != motions.count())
+    noise.text = TextMotionNoise<T>::draw(latents, width, rng.split("labels")).text;
   auto options = sinc_loss_options();
   options.recons = l.recons, options.kl = l.kl, options.latent = l.latent;
   return model.system.losses(model.system.branches(states, motions, noise, context), states, motions, options);

@@ -19,12 +19,19 @@ struct SincNetworkConfig {
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
   std::string activation = "gelu";
+  std::string texts =
+      "joined";  // several labels are one sentence; "separate": texts of their own (SINC-STE); "latents": each its own
 
-  void require_sound() const { require_sizes(*this); }
+  void require_sound() const {
+    require_sizes(*this);
+    if (texts != "joined" && texts != "separate" && texts != "latents")
+      raise<config_error>(103, "texts '", texts, "' is not joined, separate or latents");
+  }
   static constexpr auto fields() {
     using C = SincNetworkConfig;
     return motionlang::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers,
-                              "num_heads", &C::num_heads, "dropout", &C::dropout, "activation", &C::activation);
+                              "num_heads", &C::num_heads, "dropout", &C::dropout, "activation", &C::activation, "texts",
+                              &C::texts);
   }
 };
 

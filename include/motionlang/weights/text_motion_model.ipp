@@ -66,7 +66,13 @@ MOTIONLANG_BODY TemosConfig TrainedSystem<Temos>::sizes(const TextMotionConfig& 
 }
 
 MOTIONLANG_BODY SincConfig TrainedSystem<Sinc>::sizes(const SincTrainingConfig& c, Index width) {
-  return detail::babel_sizes<SincConfig>(c.network, width, c.text.width);
+  auto out = detail::babel_sizes<SincConfig>(c.network, width, c.text.width);
+  const std::string& texts = c.network.texts;
+  out.mode = texts == "separate"  ? SincMode::separate_texts
+             : texts == "latents" ? SincMode::separate_latents
+                                  : SincMode::single;
+  out.legacy_ste_mask = false;  // it needs the states of a language model at places of padding
+  return out;
 }
 
 MOTIONLANG_BODY TeachConfig TrainedSystem<Teach>::sizes(const TeachTrainingConfig& c, Index width) {

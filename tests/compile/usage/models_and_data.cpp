@@ -9,6 +9,7 @@
 #include <motionlang/datasets/data_set_form.hpp>
 #include <motionlang/datasets/described_motions.hpp>
 #include <motionlang/datasets/humanml3d_clip.hpp>
+#include <motionlang/datasets/label_tags.hpp>
 #include <motionlang/datasets/segment_motion.hpp>
 #include <motionlang/features/feature_rows.hpp>
 #include <motionlang/file/fields_json.hpp>
@@ -45,6 +46,9 @@
 void require_() {
   const double lr = -1;
 #include "core/require_value.1.inc"
+}
+void label_tags() {
+#include "datasets/label_tags.1.inc"
 }
 void annotated() {
 #include "datasets/annotated_texts.1.inc"
