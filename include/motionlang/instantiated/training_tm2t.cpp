@@ -4,6 +4,7 @@
 #include <motionlang/backend/usual.hpp>
 #include <motionlang/train/tm2t_describer_training.hpp>
 #include <motionlang/train/tm2t_tokenizer_training.hpp>
+#include <motionlang/train/tm2t_transformer_training.hpp>
 #include <motionlang/train/tm2t_writer_training.hpp>
 
 namespace ml = motionlang;
@@ -13,5 +14,7 @@ template class ml::Tm2tTokenizerTraining<A>;
 template class ml::Trainer<ml::Tm2tTokenizerTraining<A>>;
 template class ml::Tm2tDescriberTraining<A>;
 template class ml::Trainer<ml::Tm2tDescriberTraining<A>>;
+template class ml::Tm2tTransformerTraining<A>;
+template class ml::Trainer<ml::Tm2tTransformerTraining<A>>;
 template class ml::Tm2tWriterTraining<A>;
 template class ml::Trainer<ml::Tm2tWriterTraining<A>>;

@@ -37,6 +37,21 @@ struct Description {
   double log_probability = 0;
 };
 
+/// Rows of four frames side by side. Frames after the last whole four are dropped. Throws shape_error 205 for fewer
+/// than four.
+template <Backend B>
+Sequences<B> four_frame_rows(const Sequences<B>& x) {
+  PoolVector<Index> pick, lengths;
+  for (Index s = 0; s < x.count(); ++s) {
+    const Index units = x.offsets.length(s) / 4;
+    if (units == 0) raise<shape_error>(205, "four_frame_rows: ", x.offsets.length(s), " frames");
+    for (Index i = 0; i < 4 * units; ++i) pick.push_back(x.offsets.begin(s) + i);
+    lengths.push_back(units);
+  }
+  const Offsets offsets{std::span<const Index>(lengths)};
+  return {reshape<2>(gather(x.rows, pick), {offsets.rows(), 4 * x.width()}), offsets};
+}
+
 /// The members of the published checkpoints, each from a file of its own.
 template <Backend B>
 struct Tm2t {
@@ -44,11 +59,12 @@ struct Tm2t {
   MotionTokenizer<B> tokenizer;
   Seq2SeqTransformer<B> m2t_transformer;
   Seq2SeqGru<B> t2m_model;
+  std::optional<Seq2SeqTransformer<B>> t2m_transformer{};  // writes motions instead: "baseline (T)" of the paper
 
   static constexpr auto fields() {
     using M = Tm2t;
     return motionlang::fields("statistics", &M::statistics, "tokenizer", &M::tokenizer, "m2t_transformer",
-                              &M::m2t_transformer, "t2m_model", &M::t2m_model);
+                              &M::m2t_transformer, "t2m_model", &M::t2m_model, "t2m_transformer", &M::t2m_transformer);
   }
   Tm2t() = default;
   Tm2t(const Tm2tConfig& c, Rng auto& rng)
@@ -88,6 +104,12 @@ struct Tm2t {
     }
     return IdSequences::from(lists);
   }
+  /// The motions as m2t_transformer remembers them: their codes, or without motion tokens ("w/o MT") their features.
+  Sequences<B> remembered(const Sequences<B>& features) const {
+    if (!m2t_transformer.encoder.emb) return m2t_transformer.encode(marked(tokens(features)));
+    return m2t_transformer.encode(four_frame_rows(features.with(statistics.normalize(features.rows))));
+  }
+
   /// A description of each motion, the best of several beams: lemmas with blanks between them.
   /// Differs from the published program, which removes the last word of a description without an end
   std::vector<std::string> describe(const Sequences<B>& features, const GloVe& glove, BeamOptions options = {}) const {
@@ -111,7 +133,7 @@ struct Tm2t {
   std::vector<std::string> describe_at_random(const Sequences<B>& features, const GloVe& glove, const Philox& rng,
                                               DecodingOptions options = {}) const {
     set_marks(options, glove);
-    const auto memory = m2t_transformer.encode(marked(tokens(features)));
+    const auto memory = remembered(features);
     const auto words =
         decode_batch(Seq2SeqWriter<B>(m2t_transformer, memory), memory.count(), options, uniform_of(rng)).written();
     std::vector<std::string> out;
@@ -123,7 +145,7 @@ struct Tm2t {
                                                                const Philox& rng, Index draws,
                                                                DecodingOptions options = {}) const {
     set_marks(options, glove);
-    const auto memory = m2t_transformer.encode(marked(tokens(features)));
+    const auto memory = remembered(features);
     std::vector<std::vector<Description>> out(static_cast<std::size_t>(memory.count()));
     for (Index k = 0; k < draws; ++k) {
       const auto uniform = uniform_of(k == 0 ? rng : rng.split(static_cast<std::uint64_t>(k)));
@@ -141,15 +163,17 @@ struct Tm2t {
 
   /// The codes of a motion for each text. text: from GloVe::encode; parts of speech are not read.
   IdSequences write_tokens(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
+    const DecodingOptions how{.begin = vocabulary().begin(),
+                              .end = vocabulary().end(),
+                              .pad = vocabulary().pad(),
+                              .max_steps = options.max_tokens,
+                              .top_k = options.top_k};
+    if (t2m_transformer) {
+      const auto memory = t2m_transformer->encode(word_vectors(text));
+      return decode_batch(Seq2SeqWriter<B>(*t2m_transformer, memory), text.count(), how, uniform_of(rng)).written();
+    }
     auto state = t2m_model.start(word_vectors(text));
-    return decode_batch(t2m_model.next(state), text.count(),
-                        {.begin = vocabulary().begin(),
-                         .end = vocabulary().end(),
-                         .pad = vocabulary().pad(),
-                         .max_steps = options.max_tokens,
-                         .top_k = options.top_k},
-                        uniform_of(rng))
-        .written();
+    return decode_batch(t2m_model.next(state), text.count(), how, uniform_of(rng)).written();
   }
   /// Their features. A text for which the model writes nothing gets no frames.
   Sequences<B> generate(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
@@ -157,7 +181,10 @@ struct Tm2t {
   }
 
   Sequences<B> word_vectors(const TextFeatures<B>& text) const {
-    return text.tokens.with(slice(text.tokens.rows, 1, 0, t2m_model.text_encoder.input_emb.in()));
+    const Index width = t2m_transformer
+                            ? detail::present(t2m_transformer->encoder.emb, "its source are symbols").weight.size(1)
+                            : t2m_model.text_encoder.input_emb.in();
+    return text.tokens.with(slice(text.tokens.rows, 1, 0, width));
   }
 
  private:
@@ -168,7 +195,7 @@ struct Tm2t {
   template <class F>
   void for_each_search(const Sequences<B>& features, const GloVe& glove, BeamOptions options, F f) const {
     set_marks(options, glove);
-    const auto memory = m2t_transformer.encode(marked(tokens(features)));
+    const auto memory = remembered(features);
     for (Index i = 0; i < memory.count(); ++i) {
       const Sequences<B> own{memory[i], Offsets{memory.offsets.length(i)}};
       f(beam_search(Seq2SeqWriter<B>(m2t_transformer, own), options), own);

@@ -20,7 +20,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// BERTScore by a language model of the BERT family: the mean of F over the descriptions, without a baseline.
+/// BERTScore by a language model of the BERT family: the mean over the descriptions.
 template <Backend B>
 class BertJudge {
  public:
@@ -46,20 +46,25 @@ class BertJudge {
   Index layers() const { return layers_; }
   Index all_layers() const { return all_layers_; }
 
-  double operator()(const std::vector<CaptionPair>& pairs) {
+  /// The mean of F, rescaled by a baseline: tm2t_bert_baseline, or what `mean` finds for random pairs.
+  double operator()(const std::vector<CaptionPair>& pairs, const BertScore& baseline = {}) {
+    return mean(pairs, baseline).f;
+  }
+  BertScore mean(const std::vector<CaptionPair>& pairs, const BertScore& baseline = {}) {
     BertWeights weights;
     for (const CaptionPair& pair : pairs) {
       for (const std::string& r : pair.references) weights.add(encoded(r).ids);
     }
-    double sum = 0;
+    BertScore sum;
     for (const CaptionPair& pair : pairs) {
       std::vector<BertSentence<typename B::scalar>> references;
       for (const std::string& r : pair.references) references.push_back(encoded(r).sentence());
-      sum += bert_score(encoded(pair.candidate).sentence(),
-                        std::span<const BertSentence<typename B::scalar>>(references), weights)
-                 .f;
+      const BertScore s = bert_score(encoded(pair.candidate).sentence(),
+                                     std::span<const BertSentence<typename B::scalar>>(references), weights, baseline);
+      sum = {sum.precision + s.precision, sum.recall + s.recall, sum.f + s.f};
     }
-    return sum / static_cast<double>(pairs.size());
+    const auto count = static_cast<double>(pairs.size());
+    return {sum.precision / count, sum.recall / count, sum.f / count};
   }
 
  private:

@@ -124,7 +124,13 @@ MOTIONLANG_BODY Tm2tTrainingConfig tm2t_preset(const std::string& name, Tm2tStag
   if (name == "small") {
     c.tokenizer = {.channels = {128, 128}, .codes = 128, .residual_blocks = 2, .adversarial = 0, .discriminator = 64};
     c.motion_to_text = {.latent_dim = 128, .ff_size = 256, .num_layers = 2, .num_heads = 4};
-    c.text_to_motion = {.text_hidden = 64, .motion_hidden = 128, .word_width = 64};
+    c.text_to_motion = {.latent_dim = 128,
+                        .ff_size = 256,
+                        .num_layers = 2,
+                        .num_heads = 4,
+                        .text_hidden = 64,
+                        .motion_hidden = 128,
+                        .word_width = 64};
     c.optimiser = {.lr = 5e-4,
                    .weight_decay = 0,
                    .clip_norm = 1,

@@ -51,6 +51,7 @@ struct Tm2tDescriberConfig {
         num_heads = 8;  // layers of the encoder, and of the decoder
   double dropout = 0.1;
   double smoothing = 0;  // of labels; the published program has 0.1, but switched off
+  bool tokens = true;    // false: it reads features, four frames side by side ("w/o MT")
 
   void require_sound() const {
     require_sizes(*this);
@@ -60,12 +61,16 @@ struct Tm2tDescriberConfig {
   static constexpr auto fields() {
     using C = Tm2tDescriberConfig;
     return motionlang::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers,
-                              "num_heads", &C::num_heads, "dropout", &C::dropout, "smoothing", &C::smoothing);
+                              "num_heads", &C::num_heads, "dropout", &C::dropout, "smoothing", &C::smoothing, "tokens",
+                              &C::tokens);
   }
 };
 
-/// The recurrent network.
+/// The recurrent network, or the transformer of the paper's baseline (T), which has no inverse alignment.
 struct Tm2tWriterConfig {
+  std::string network = "gru";  // or "transformer", which has the next five sizes
+  Index latent_dim = 512, ff_size = 2048, num_layers = 3, num_heads = 8;
+  double dropout = 0.1;
   Index text_hidden = 512, motion_hidden = 1024, layers = 1;
   Index word_width = 300;  // of random word vectors, where none are given
   bool late = false;       // attention after the recurrent network
@@ -75,7 +80,12 @@ struct Tm2tWriterConfig {
   bool alignment = true;     // inverse alignment: a second update, by the describer
   Index alignment_from = 0;  // epoch
 
+  bool aligned() const { return alignment && network == "gru"; }
   void require_sound() const {
+    if (network != "gru" && network != "transformer")
+      raise<config_error>(103, "network '", network, "' is not gru or transformer");
+    require_sizes(*this);
+    require_value("latent_dim", latent_dim, latent_dim % num_heads == 0, "a multiple of num_heads");
     for (const auto& [name, size] :
          {std::pair("text_hidden", text_hidden), {"motion_hidden", motion_hidden}, {"word_width", word_width}})
       require_value(name, size, size >= 1 && size <= 65'536, "1 to 65536");
@@ -86,7 +96,9 @@ struct Tm2tWriterConfig {
   }
   static constexpr auto fields() {
     using C = Tm2tWriterConfig;
-    return motionlang::fields("text_hidden", &C::text_hidden, "motion_hidden", &C::motion_hidden, "layers", &C::layers,
+    return motionlang::fields("network", &C::network, "latent_dim", &C::latent_dim, "ff_size", &C::ff_size,
+                              "num_layers", &C::num_layers, "num_heads", &C::num_heads, "dropout", &C::dropout,
+                              "text_hidden", &C::text_hidden, "motion_hidden", &C::motion_hidden, "layers", &C::layers,
                               "word_width", &C::word_width, "late", &C::late, "forced_first", &C::forced_first,
                               "forced_last", &C::forced_last, "forced_epochs", &C::forced_epochs, "alignment",
                               &C::alignment, "alignment_from", &C::alignment_from);

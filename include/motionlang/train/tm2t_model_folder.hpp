@@ -24,8 +24,9 @@ struct Tm2tParts {
   const MotionTokenizer<B>& tokenizer;
   const Normalizer<B>& statistics;
   const GloVe* words = nullptr;
-  const Seq2SeqTransformer<B>* describer = nullptr;  // from motions to texts
-  const Seq2SeqGru<B>* writer = nullptr;             // from texts to motions
+  const Seq2SeqTransformer<B>* describer = nullptr;           // from motions to texts
+  const Seq2SeqGru<B>* writer = nullptr;                      // from texts to motions
+  const Seq2SeqTransformer<B>* transformer_writer = nullptr;  // likewise, the baseline
 };
 
 /// Writes the folder over the existing one. Throws what overwrite_model throws.
@@ -37,12 +38,15 @@ void save_tm2t(const std::filesystem::path& folder, const Tm2tTrainingConfig& co
   store.add_module(m.statistics, "motion_normalizer.");
   if (m.describer != nullptr) store.add_module(*m.describer, "m2t_transformer.");
   if (m.writer != nullptr) store.add_module(*m.writer, "t2m_model.");
+  if (m.transformer_writer != nullptr) store.add_module(*m.transformer_writer, "t2m_transformer.");
   auto model = described_model("tm2t", about);
   model.features = "guoh3dfeats";
   model.fps = fps;
   model.text_encoder = m.words != nullptr ? "glove" : "";
   if (m.describer != nullptr)
     model.config["n_head"] = m.describer->encoder.layer_stack.at(0).slf_attn.heads;  // no tensor shows it
+  if (m.transformer_writer != nullptr)
+    model.config["n_head"] = m.transformer_writer->encoder.layer_stack.at(0).slf_attn.heads;
   model.others["training"] = config_json(config);
   if (m.words != nullptr) {
     std::filesystem::create_directories(folder / "text_encoder");

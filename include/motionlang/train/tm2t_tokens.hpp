@@ -89,6 +89,24 @@ struct TokenizedData {
   }
 };
 
+/// The vectors of all words, by id.
+inline std::vector<float> word_table(const GloVe& words) {
+  std::vector<float> out;
+  for (const std::string& word : words.words()) {
+    const auto row = words.vector(word);
+    out.insert(out.end(), row.begin(), row.end());
+  }
+  return out;
+}
+/// Those of sequences of words. width: of a vector.
+template <Backend T>
+Sequences<T> word_rows(const std::vector<float>& table, Index width, const IdSequences& words) {
+  std::vector<float> rows;
+  for (const Index id : words.ids)
+    rows.insert(rows.end(), table.begin() + id * width, table.begin() + (id + 1) * width);
+  return {Tensor<T, 2>::from(rows, {std::ssize(words.ids), width}), words.offsets};
+}
+
 /// The number of symbols to predict in sequences: all except the start marks.
 inline double written_symbols(const IdSequences& x) { return static_cast<double>(std::ssize(x.ids) - x.count()); }
 

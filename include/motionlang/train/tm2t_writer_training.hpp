@@ -47,17 +47,13 @@ class Tm2tWriterTraining : public TokenTask<Seq2SeqGru<A>, Seq2SeqGru<typename A
     const auto& known = tokens_->model;
     save_tm2t<B>(folder, config_, data_->fps, about,
                  {known.tokenizer, known.statistics, &tokens_->words,
-                  config_.text_to_motion.alignment ? &known.m2t_transformer : nullptr, &this->result()});
+                  config_.text_to_motion.aligned() ? &known.m2t_transformer : nullptr, &this->result()});
   }
 
  private:
   template <Backend T>
   Sequences<T> vectors_of(const IdSequences& words) const {
-    const Index width = tokens_->words.width();
-    std::vector<float> rows;
-    for (const Index id : words.ids)
-      rows.insert(rows.end(), vectors_.begin() + id * width, vectors_.begin() + (id + 1) * width);
-    return {Tensor<T, 2>::from(rows, {std::ssize(words.ids), width}), words.offsets};
+    return word_rows<T>(vectors_, tokens_->words.width(), words);
   }
   Index first_alignment() const {
     return describer_ ? config_.text_to_motion.alignment_from * batches_.per_epoch() : this->steps();
@@ -73,11 +69,8 @@ Tm2tWriterTraining<A>::Tm2tWriterTraining(const Tm2tTrainingConfig& config, cons
                                           const TokenizedData<B>& tokens)
     : Base("tm2t text-to-motion", config, data, tokens) {
   const auto& c = config_.text_to_motion;
-  for (const std::string& word : tokens.words.words()) {
-    const auto row = tokens.words.vector(word);
-    vectors_.insert(vectors_.end(), row.begin(), row.end());
-  }
-  if (c.alignment) describer_ = convert<A>(tokens.model.m2t_transformer);
+  vectors_ = word_table(tokens.words);
+  if (c.aligned()) describer_ = convert<A>(tokens.model.m2t_transformer);
   auto init = Philox{.seed = this->seed()}.split("init");
   this->begin(Seq2SeqGru<B>({.word = tokens.words.width(),
                              .text_hidden = c.text_hidden,

@@ -92,16 +92,40 @@ Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
 
 namespace detail {
 
-/// Everything except the folder's main model, which has this many motion symbols.
+/// Everything except the folder's main model, which has this many motion symbols; 0: it reads features.
 template <Backend B>
 Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index symbols, const Tm2tRunOptions& options) {
   const RunFolder tokenizer_run = tm2t_tokenizer_run(run, options);
   Tm2tRun<B> out{.model = load_tm2t_tokenizer<B>(tokenizer_run), .words = read_glove(tm2t_words(run, options))};
   if (out.width() == 251) out.fps = 12.5;
   const MotionVocabulary vocabulary = out.model.vocabulary();
-  if (symbols != vocabulary.size())
+  if (symbols != 0 && symbols != vocabulary.size())
     raise<config_error>(102, weights.name(), ": has ", counted(symbols, "motion symbol"), ", ",
                         tokenizer_run.weights.string(), " has ", counted(vocabulary.codes, "code"), " and three marks");
+  return out;
+}
+
+}  // namespace detail
+
+namespace detail {
+
+/// The transformer of the paper's baseline (T), from texts to motions.
+template <Backend B>
+Tm2tRun<B> load_tm2t_transformer(const RunFolder& run, const WeightFile& weights, const Tm2tRunOptions& options) {
+  const std::string prefix = "t2m_transformer.";
+  const RunReader r(run, weights, prefix);
+  if (r.has("encoder.src_word_emb.weight"))
+    raise<io_error>(404, weights.name(), ": a transformer that reads numbers of words (t2m_v2), not their vectors");
+  const Seq2SeqConfig config = tm2t_describer_config(r, weights);
+  auto out = tm2t_around<B>(run, weights, config.target_symbols, options);
+  if (config.source_width != out.words.width())
+    raise<config_error>(102, weights.name(), ": reads word vectors of ", counted(config.source_width, "number"),
+                        ", those found have ", out.words.width());
+  const auto room = room_of(weights);
+  NoInit zeros;
+  out.model.t2m_transformer.emplace(config, zeros);
+  load_run_module(
+      *out.model.t2m_transformer, weights, prefix, [](const std::string&) { return false; }, LoadFor::inference);
   return out;
 }
 
@@ -110,6 +134,8 @@ Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index sy
 template <Backend B>
 Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {}) {
   const WeightFile weights = detail::tm2t_weights(run);
+  if (weights.find("t2m_transformer.encoder.position_enc.positional_encoding") != nullptr)
+    return detail::load_tm2t_transformer<B>(run, weights, options);
   const std::string prefix = "t2m_model.";
   const detail::RunReader r(run, weights, prefix);
   if (!r.has("motion_decoder_step.input_emb.weight"))
@@ -132,10 +158,13 @@ Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& optio
   const WeightFile weights = detail::tm2t_weights(run);
   const std::string prefix = "m2t_transformer.";
   const detail::RunReader r(run, weights, prefix);
-  if (!r.has("encoder.src_word_emb.weight"))
+  if (!r.has("encoder.src_word_emb.weight") && !r.has("encoder.emb.weight"))
     raise<io_error>(404, weights.name(), ": not TM2T's transformer from motions to texts (m2t_transformer)");
   const Seq2SeqConfig config = detail::tm2t_describer_config(r, weights);
   auto out = detail::tm2t_around<B>(run, weights, config.source_symbols, options);
+  if (config.source_symbols == 0 && config.source_width != 4 * out.width())
+    raise<config_error>(102, weights.name(), ": reads four frames of ", counted(config.source_width, "number"),
+                        ", the motions have ", 4 * out.width());
   if (config.target_symbols != out.words.size() + 1)
     raise<config_error>(102, weights.name(), ": writes ", counted(config.target_symbols, "symbol"),
                         ", the words found are ", out.words.size(), " and one for padding");

@@ -97,9 +97,12 @@ MOTIONLANG_BODY Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
 MOTIONLANG_BODY Seq2SeqConfig tm2t_describer_config(const RunReader& r, const TensorSet& weights) {
   const std::string encoder = "encoder.layer_stack.", decoder = "decoder.layer_stack.",
                     target = "decoder.trg_word_emb.weight", projection = "trg_word_prj.weight";
-  Seq2SeqConfig c{.source_symbols = r.size("encoder.src_word_emb.weight", 0),
+  const bool symbols = r.has("encoder.src_word_emb.weight");  // or vectors
+  Seq2SeqConfig c{.source_symbols = symbols ? r.size("encoder.src_word_emb.weight", 0) : 0,
+                  .source_width = symbols ? 0 : r.size("encoder.emb.weight", 1),
                   .target_symbols = r.size(target, 0),
-                  .d_model = r.size("encoder.src_word_emb.weight", 1, {"d_model"}),
+                  .d_model = symbols ? r.size("encoder.src_word_emb.weight", 1, {"d_model"})
+                                     : r.size("encoder.emb.weight", 0, {"d_model"}),
                   .d_inner = r.size(encoder + "0.pos_ffn.w_1.weight", 0),
                   .heads = r.number({"n_head"}, 8, 4096),
                   .encoder_layers = r.count(encoder, ".slf_attn.w_qs.weight", {"n_enc_layers"}),
@@ -130,12 +133,13 @@ MOTIONLANG_BODY Seq2SeqConfig tm2t_describer_config(const RunReader& r, const Te
 
 MOTIONLANG_BODY bool is_tm2t_generator(const RunFolder& run) {
   return run.system == "tm2t" && !run.weights.empty() &&
-         detail::tm2t_weights(run).find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr;
+         (detail::tm2t_weights(run).find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr ||
+          detail::tm2t_weights(run).find("t2m_transformer.encoder.position_enc.positional_encoding") != nullptr);
 }
 
 MOTIONLANG_BODY bool is_tm2t_describer(const RunFolder& run) {
   return run.system == "tm2t" && !run.weights.empty() &&
-         detail::tm2t_weights(run).find("m2t_transformer.encoder.src_word_emb.weight") != nullptr;
+         detail::tm2t_weights(run).find("m2t_transformer.encoder.position_enc.positional_encoding") != nullptr;
 }
 
 MOTIONLANG_NAMESPACE_END
