@@ -30,12 +30,13 @@ void add_commands(CLI::App& app) {
   for (const auto add : {add_generate, add_check, add_mtt, add_info, add_train}) add(app);
 #ifdef MOTIONLANG_TRAINING
   for (const auto add : {add_train_tmr, add_train_temos, add_train_sinc, add_train_teach, add_train_actor,
-                         add_train_classifier, add_train_tm2t, add_train_mdm_smpl, add_train_mdm,
+                         add_train_classifier, add_train_tm2t, add_train_evaluator, add_train_mdm_smpl, add_train_mdm,
                          add_train_motiondiffuse, add_train_mdm_actions, add_evaluate})
     add(app);
 #endif
-  for (const auto add : {add_judge, add_gallery, add_convert, add_compose, add_join, add_doctor, add_index, add_search,
-                         add_embed, add_describe, add_pack, add_word_vectors, add_study, add_study_count, add_figure})
+  for (const auto add :
+       {add_judge, add_gallery, add_convert, add_body_parts, add_compose, add_join, add_doctor, add_index, add_search,
+        add_embed, add_describe, add_tokens, add_pack, add_word_vectors, add_study, add_study_count, add_figure})
     add(app);
 }
 

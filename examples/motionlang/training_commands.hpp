@@ -8,9 +8,10 @@
 
 namespace program {
 
-inline constexpr std::array<std::string_view, 12> training_commands{
-    "train-tmr",        "train-temos",    "train-sinc", "train-teach",         "train-tm2t",        "train-actor",
-    "train-classifier", "train-mdm-smpl", "train-mdm",  "train-motiondiffuse", "train-mdm-actions", "evaluate"};
+inline constexpr std::array<std::string_view, 13> training_commands{
+    "train-tmr",           "train-temos",       "train-sinc",      "train-teach",    "train-tm2t",
+    "train-actor",         "train-classifier",  "train-evaluator", "train-mdm-smpl", "train-mdm",
+    "train-motiondiffuse", "train-mdm-actions", "evaluate"};
 inline constexpr const char* build_with_training =
     "cmake --preset release -DMOTIONLANG_TRAINING=ON && cmake --build build/release --target motionlang_program";
 

@@ -193,6 +193,125 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
   counts("train-teach", {"--part", "all"}, "10 motions of babel.json");
 }
 
+TEST_CASE("SINC of separate texts (STE) is trained, generated and measured; -ing forms and shuffled labels") {
+  const Sequences w;
+  const auto ste =
+      w.train("train-sinc", "ste",
+              all + std::vector<std::string>{"--set", "network.texts=separate", "--set", "data.types=spatial_pairs",
+                                             "--set", "data.shuffle=true", "--set", "optimiser.epochs=40"});
+  REQUIRE_MESSAGE(ste.code == 0, ste.text);
+  const auto losses = w.losses("ste");
+  CHECK(mean(std::span(losses).last(8)) < 0.9 * mean(std::span(losses).first(8)));
+  const auto made = [&](const std::string& timeline) {
+    ml::write_file(w / "together.txt", timeline);
+    const auto out = run({"generate", "--model", "ste/model", "--timeline", "together.txt", "--out", "made"}, w.path);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    return ml::read_bvh_motion(w / "made/together.bvh");
+  };
+  const auto both = made("walk # 0 # 2 # legs\nwave # 0 # 2 # right arm\n");
+  CHECK(both.frames() == 60);
+  CHECK(made("wave # 0 # 2 # right arm\nwalk # 0 # 2 # legs\n").local != both.local);  // it reads them in order
+  const auto measured = run({"evaluate", "ste/model", "--data", ".", "--babel", "babel.json", "--spelling",
+                             "spelling.json", "--samples", "2", "--splits", "splits"},
+                            w.path);
+  REQUIRE_MESSAGE(measured.code == 0, measured.text);
+  CHECK_MESSAGE(contains(measured.text, "labels are read apart"), measured.text);
+  const auto short_ones = run({"evaluate", "ste/model", "--data", ".", "--babel", "babel.json", "--spelling",
+                               "spelling.json", "--samples", "2", "--splits", "splits", "--longest", "20"},
+                              w.path);
+  CHECK(short_ones.code == 1);  // the pair has 45 frames
+
+  const auto first_losses = [&](const std::vector<std::string>& more) {
+    const auto out = w.train("train-sinc", "out",
+                             all + std::vector<std::string>{"--set", "data.types=spatial_pairs", "--fresh"} + more);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    return w.losses("out");
+  };
+  ml::write_file(w / "tags.txt", std::string_view("walk#walk/VERB#0.0#0.0\nwave#wave/VERB#0.0#0.0\n"
+                                                  "turn#turn/VERB#0.0#0.0\nsit down#sit/VERB down/ADV#0.0#0.0\n"));
+  const auto plain = first_losses({}), ing = first_losses({"--tags", "tags.txt"}),
+             shuffled = first_losses({"--set", "data.shuffle=true"});
+  CHECK(plain != ing);
+  CHECK(plain != shuffled);
+  const auto refused = [&](const std::vector<std::string>& more, const char* message) {
+    const auto out = w.train("train-sinc", "refused", all + more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  refused({"--tags", "tags.txt"}, "no words of 1 label:\nstand still");
+  refused({"--tags", "tags.txt", "--set", "network.texts=separate"}, "--tags are for sentences");
+  refused({"--set", "network.texts=apart"}, "texts 'apart' is not joined, separate or latents");
+}
+
+TEST_CASE("body-parts: questions for labels without an answer, a table of the answers, table B.1") {
+  const Sequences w;
+  const auto did = [&](const std::vector<std::string>& arguments) {
+    const auto out = run(arguments, w.path);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    return out.text;
+  };
+  const std::string questions = did({"body-parts", "--babel", "babel.json", "--spelling", "spelling.json"});
+  for (const char* label : {"sit down", "stand still", "turn", "walk", "wave"})
+    CHECK_MESSAGE(contains(questions, std::string("{\"label\":\"") + label + "\",\"prompt\":\"Instructions: choose"),
+                  questions);
+  ml::write_file(w / "answers.jsonl", std::string_view("{\"label\": \"walk\", \"answer\": \"left leg\\nright leg\"}\n"
+                                                       "{\"label\": \"turn\", \"answer\": \"the whole body\"}\n"));
+  const std::string fewer = did({"body-parts", "--babel", "babel.json", "--spelling", "spelling.json", "--answers",
+                                 "answers.jsonl", "--form", "free", "--prompts", "prompts.jsonl"});
+  CHECK_MESSAGE(contains(fewer, "4 labels of 5 without an answer  prompts.jsonl"), fewer);  // turn's names no part
+  CHECK(contains(ml::read_file(w / "prompts.jsonl"), "List the body parts involved in this action: turn"));
+  did({"body-parts", "--answers", "answers.jsonl", "--table", "table.json"});
+  CHECK(contains(ml::read_file(w / "table.json"), "\"walk\""));
+
+  ml::write_file(w / "truth.tsv", std::string_view("walk\t1\t0\t0\t0\t1\t1\nwave\t0\t0\t0\t1\t0\t0\n"));
+  const std::string accuracies = did({"body-parts", "--truth", "truth.tsv", "--answers", "parts.json", "--babel",
+                                      "babel.json", "--data", ".", "--spelling", "spelling.json"});
+  for (const char* row : {"  velocities of motions", "  words of the label (lexicon)", "  answers "})
+    CHECK_MESSAGE(contains(accuracies, row), accuracies);
+  const auto answers = accuracies.find("  answers ");
+  CHECK_MESSAGE(contains(accuracies.substr(answers), "1.00       1.00       1.00       1.00       1.00       1.00"),
+                accuracies);
+  CHECK(run({"body-parts"}, w.path).code == 2);
+
+  // a timeline whose texts name no parts
+  ml::write_file(w / "open.txt", std::string_view("wave # 0 # 2\nwalk # 0 # 2 # legs\n"));
+  const auto guessed = did({"check", "open.txt", "--body-parts", "parts.json"});
+  CHECK_MESSAGE(contains(guessed, "'wave' moves right arm, by the answer of a language model"), guessed);
+  CHECK_MESSAGE(contains(did({"check", "open.txt", "--guess-parts"}), "'wave' moves "), guessed);
+  CHECK(!contains(did({"check", "open.txt"}), "'wave' moves right arm, "));
+}
+
+TEST_CASE("TMR finds the texts of BABEL's segments in its sequences; table 5.5") {
+  const Sequences w;
+  std::string captions;
+  for (int i = 1; i <= 6; ++i) {
+    ml::write_bvh(w / ("clip" + std::to_string(i) + ".bvh"), synthetic::walk({.frames = 60, .turn = 0.2 * i}));
+    captions += "clip" + std::to_string(i) + (i % 2 == 0 ? "\twalk | a walk\n" : "\tturn\n");
+  }
+  ml::write_file(w / "captions.tsv", captions);
+  std::vector<std::string> tmr{"train-tmr", "--data", ".",     "--captions", "captions.tsv",
+                               "--preset",  "small",  "--out", "tmr"};
+  for (const char* a :
+       {"optimiser.epochs=1", "optimiser.batch=2", "network.latent_dim=8", "network.ff_size=8", "network.num_layers=1",
+        "network.num_heads=2", "text.width=8", "data.min_seconds=0.5", "data.mirror=false"})
+    tmr.insert(tmr.end(), {"--set", a});
+  const auto trained = run(tmr, w.path);
+  REQUIRE_MESSAGE(trained.code == 0, trained.text);
+  const auto found = run({"evaluate", "tmr/model", "--data", ".", "--babel", "babel.json", "--spelling",
+                          "spelling.json", "--part", "all", "--stride", "0.5"},
+                         w.path);
+  REQUIRE_MESSAGE(found.code == 0, found.text);
+  CHECK_MESSAGE(contains(found.text, "20 texts in 5 sequences of BABEL, % found"), found.text);
+  for (const char* row : {"\n  1 s ", "\n  2 s ", "\n  3 s ", "\n  all lengths ", "\n  a random window "})
+    CHECK_MESSAGE(contains(found.text, row), found.text);
+  const auto shares =
+      run({"evaluate", "tmr/model", "--data", ".", "--captions", "captions.tsv", "--part", "training", "--filtered"},
+          w.path);
+  REQUIRE_MESSAGE(shares.code == 0, shares.text);
+  CHECK_MESSAGE(contains(shares.text, " pairs of texts ("), shares.text);
+  CHECK_MESSAGE(contains(shares.text, "negatives that training leaves out, %"), shares.text);
+}
+
 TEST_CASE("items of BABEL: types of data, val.json to validate with, combined actions") {
   const Sequences w;
   const auto counted = [&](const std::string& command, const std::vector<std::string>& more,

@@ -696,8 +696,12 @@ TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
   refused("T2M_Seq2Seq", {}, "--evaluator names their finest.tar");
-  refused("M2T_EL2_DL1_NH2_PS", {"--evaluator", runs + "text_mot_match"},
-          "not TM2T's recurrent model from texts to motions");
+  const Outcome described = evaluate("M2T_EL2_DL1_NH2_PS", {"--evaluator", runs + "text_mot_match"});
+  REQUIRE_MESSAGE(described.code == 0, described.text);
+  CHECK_MESSAGE(contains(described.text, "     R@1     R@2     R@3  MM-Dist  BLEU-1"), described.text);
+  const auto of_people = numbers_of_row(described.text, "the first text of people");
+  REQUIRE_MESSAGE(of_people.size() == 10, described.text);
+  CHECK(of_people[0] <= of_people[2]);
   refused("T2M_Seq2Seq", {"--evaluator", "splits"}, "[motionlang.io.401] --evaluator splits: no finest.tar");
   write_evaluator("of_kit", 251);
   refused("T2M_Seq2Seq", {"--evaluator", runs + "of_kit"}, "reads features of 251 numbers, the motions have 263");

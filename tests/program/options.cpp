@@ -84,7 +84,7 @@ TEST_CASE("the subcommands of training are there; an unknown one is reported") {
   const TemporaryFolder folder;  // examples/CMakeLists.txt tests the messages of a program without training
   for (const std::string command :
        {"train-tmr", "train-temos", "train-sinc", "train-teach", "train-tm2t", "train-actor", "train-classifier",
-        "train-mdm-smpl", "train-mdm", "train-motiondiffuse", "train-mdm-actions", "evaluate"})
+        "train-evaluator", "train-mdm-smpl", "train-mdm", "train-motiondiffuse", "train-mdm-actions", "evaluate"})
     CHECK_MESSAGE(run({command, "--help"}, folder.path).code == 0, command);
   CHECK(contains(run({"dance"}, folder.path).text, "there is no subcommand 'dance'"));
 }

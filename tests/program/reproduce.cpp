@@ -35,9 +35,9 @@ std::vector<std::string> code_of(const std::string& page) {
 TEST_CASE("every option of the page is one of its command") {
   const TemporaryFolder folder;
   const std::set<std::string> commands{
-      "mtt",      "evaluate",    "generate",         "check",          "search",    "compose",
-      "describe", "train-actor", "train-classifier", "train-mdm-smpl", "train-mdm", "train-motiondiffuse",
-      "study",    "study-count"};
+      "mtt",      "evaluate",    "generate",         "check",          "search",         "compose",
+      "describe", "train-actor", "train-classifier", "train-mdm-smpl", "train-mdm",      "train-motiondiffuse",
+      "study",    "study-count", "body-parts",       "tokens",         "train-evaluator"};
   std::map<std::string, std::string> help;
   std::map<std::string, int> seen;
   for (std::string code : code_of(ml::read_file(examples / "training/REPRODUCE.md"))) {

@@ -224,6 +224,43 @@ TEST_CASE(
   of_set("text-to-motion", {"--describer", "set_motion-to-text/model"});
   CHECK(contains(did({"info", "set_text-to-motion/model"}), "word vectors of 3 numbers"));
 
+  // the paper's baseline, a transformer that writes motions; and descriptions without motion tokens
+  std::vector<std::string> baseline{"--tokenizer", "tokenizer/model"};
+  for (const char* a :
+       {"text_to_motion.network=transformer", "text_to_motion.latent_dim=16", "text_to_motion.ff_size=16",
+        "text_to_motion.num_layers=1", "text_to_motion.num_heads=2", "optimiser.epochs=40"})
+    baseline.insert(baseline.end(), {"--set", a});
+  const auto transformer = train("text-to-motion", "transformer", baseline);
+  REQUIRE_MESSAGE(transformer.code == 0, transformer.text);
+  CHECK(clips.terms("transformer") == std::vector<std::string>{"tokens"});
+  const auto learnt = clips.losses("transformer");
+  CHECK(mean(std::span(learnt).last(8)) < 0.7 * mean(std::span(learnt).first(8)));
+  CHECK(contains(did({"info", "transformer/model"}), "from texts to motions, by transformers"));
+  did({"generate", "--model", "transformer/model", "--text", "a person turns left", "--out", "by_transformer"});
+  CHECK(ml::read_npy(clips / "by_transformer/a_person_turns_left.npy").shape[0] % 4 == 0);
+  const auto no_tokens =
+      train("motion-to-text", "no_tokens",
+            {"--tokenizer", "tokenizer/model", "--set", "motion_to_text.tokens=false", "--set", "optimiser.epochs=60"});
+  REQUIRE_MESSAGE(no_tokens.code == 0, no_tokens.text);
+  const auto of_features = clips.losses("no_tokens");
+  CHECK(mean(std::span(of_features).last(8)) < 0.7 * mean(std::span(of_features).first(8)));
+  const std::string featured =
+      did({"evaluate", "no_tokens/model", "--data", ".", "--captions", "captions.tsv", "--part", "training"});
+  CHECK_MESSAGE(contains(featured, "  described"), featured);
+  const std::string rescaled = did({"evaluate", "motion-to-text/model", "--data", ".", "--captions", "captions.tsv",
+                                    "--part", "training", "--bert", "bert", "--bert-baseline", "random"});
+  CHECK_MESSAGE(contains(rescaled, "of bert, with the baseline "), rescaled);
+  CHECK(std::abs(numbers(rescaled, "a random text of the training part")[6]) < 30);  // about 0 by its choice
+  CHECK(numbers(rescaled, "described")[6] == 100);
+
+  // tokens of motions, and what they stand for
+  const std::string codes =
+      did({"tokens", "clip0.bvh", "clip1.bvh", "--model", "tokenizer/model", "--page", "codes.html"});
+  CHECK_MESSAGE(contains(codes, "clip0.bvh "), codes);
+  CHECK_MESSAGE(contains(codes, " of 12 codes in use"), codes);
+  CHECK(contains(ml::read_file(clips / "codes.html"), "code "));
+  CHECK(run({"tokens", "--model", "tokenizer/model"}, clips.path).code == 2);
+
   // without inverse alignment; what is missing and what does not fit
   const auto alone = train(
       "text-to-motion", "alone",

@@ -15,14 +15,17 @@ namespace program {
 
 namespace {
 
-void run(const std::string& path, double fps, double overlap, const std::string& model, bool cut, bool in_turn) {
+void run(const std::string& path, double fps, double overlap, const std::string& model, bool cut, bool in_turn,
+         const MissingParts& missing) {
   ml::Index longest = 0;
   if (!model.empty()) {
     const auto config = ml::stmc_config(ml::SafetensorsFile::open(ml::stmc_model_file(model)));
     fps = config.fps;
     longest = config.denoiser.longest_crop();
   }
-  auto written = read_timelines(path, fps);
+  const std::string text = read_timeline_text(path);
+  auto written = ml::timelines_of_text(text, {.fps = fps, .name = timeline_source(path)});
+  missing.fill(written, text);
   if (in_turn) make_in_turn(written, fps);
   const std::string source = timeline_source(path);
   warn(ml::whole_body_warnings(written, {.source = source}));
@@ -52,6 +55,7 @@ void add_check(CLI::App& app) {
     std::string path, model;
     double fps = 20, overlap = 0.5;
     bool cut = true, in_turn = false;
+    MissingParts missing;
   };
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
@@ -64,7 +68,8 @@ void add_check(CLI::App& app) {
   c->add_flag("--cut-texts,!--no-cut-texts", o->cut,
               "Cut texts as generate does: where others borrow their body parts, and where they are too long");
   c->add_flag("--in-turn", o->in_turn, in_turn_help);
-  c->callback([o] { run(o->path, o->fps, o->overlap, o->model, o->cut, o->in_turn); });
+  o->missing.add_to(*c);
+  c->callback([o] { run(o->path, o->fps, o->overlap, o->model, o->cut, o->in_turn, o->missing); });
 }
 
 }  // namespace program

@@ -35,6 +35,7 @@ struct GenerateCommand {
   std::string timeline, text, towards, model = default_model().string(), out = "out", backend = "eigen";
   bool action = false;               // true if the text names one
   bool in_turn = false;              // the actions of a text follow each other
+  MissingParts missing;              // of texts of a timeline
   std::optional<double> seconds;     // of the text; default: what its action takes
   std::optional<ml::Index> samples;  // of each timeline; default 1, with `towards` 5
   ml::ModelSources sources;
@@ -66,6 +67,7 @@ class WantedTimelines {
   std::vector<ml::Timeline> of(const ml::MotionModel& model, const ml::GenerateOptions& settings) const {
     if (o_.text.empty()) {
       auto timelines = ml::timelines_of_text(text_, {.fps = model.fps(), .name = source_});
+      o_.missing.fill(timelines, text_);
       if (o_.in_turn) make_in_turn(timelines, model.fps());
       return timelines;
     }
@@ -370,6 +372,7 @@ void add_generate(CLI::App& app) {
       ->needs(keep);
   for (CLI::Option* option : {noise, reuse}) keep->excludes(option);
   c->add_flag("--in-turn", o->in_turn, in_turn_help);
+  o->missing.add_to(*c);
   const auto cut_texts =
       c->add_flag("--cut-texts,!--no-cut-texts", o->settings.cut_texts,
                   "Cut a text where another text takes body parts from it or gives them back, and where it lasts "

@@ -9,10 +9,13 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/compose/in_turn.hpp>
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/file/file.hpp>
+#include <motionlang/generate/missing_parts.hpp>
 #include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/generate/timelines_of_text.hpp>
 
@@ -42,6 +45,31 @@ inline std::vector<ml::Timeline> read_timelines(const std::string& path, double 
   const std::string text = read_timeline_text(path), name = timeline_source(path);
   return ml::timelines_of_text(text, {.fps = fps, .name = name});
 }
+
+/// Options about texts that name no body part.
+struct MissingParts {
+  bool guess = false;
+  std::filesystem::path answers;
+
+  void add_to(CLI::App& command) {
+    command.add_flag("--guess-parts", guess,
+                     "Texts of a timeline without body parts get those that their words mean, and the command says so. "
+                     "Otherwise they move the whole body");
+    command
+        .add_option("--body-parts", answers,
+                    "Answers of a language model about body parts (of the command body-parts, or SINC's table), for "
+                    "such texts; implies --guess-parts for the others")
+        ->check(CLI::ExistingFile);
+  }
+  /// file: the text of the timelines.
+  void fill(std::vector<ml::Timeline>& timelines, const std::string& file) const {
+    if (!guess && answers.empty()) return;
+    ml::BodyPartAnswers known;
+    if (!answers.empty()) known = ml::read_body_part_answers(answers);
+    for (const std::string& note : ml::fill_missing_parts(timelines, file, &known))
+      std::fprintf(stderr, "%s\n", ml::printable(note, "\n").c_str());
+  }
+};
 
 inline constexpr const char* in_turn_help =
     "Split a text with several actions ('walk forward, then sit down; wave') and give each action an equal share of "

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <map>
 
+#include <motionlang/weights/guo_evaluator_file.hpp>
 #include <motionlang/weights/model_system.hpp>
 #include <motionlang/weights/run_folder.hpp>
 
@@ -18,24 +19,33 @@ namespace {
 void run(const EvaluationOptions& o) {
   const auto begin = std::chrono::steady_clock::now();
   o.machine.apply();
-  const ml::ModelSystem model = ml::model_system(ml::FilePath(o.model));
+  const bool judge = ml::is_guo_evaluator(o.model);
+  const ml::ModelSystem model = judge ? ml::ModelSystem{"evaluator"} : ml::model_system(ml::FilePath(o.model));
   const std::string& system = model.name;
-  if (!model.is_diffusion() && o.data.empty())
+  if ((!model.is_diffusion() || !o.evaluator.empty()) && o.data.empty())
     ml::raise<usage_error>(102, o.model.string(), ": --data is needed to measure ", system);
-  if (system != "tmr" && o.synthesis)
+  if (system != "tmr" && !judge && o.synthesis)
     ml::raise<usage_error>(102, o.model.string(), ": --synthesis measures tmr, not ", system);
-  const std::map<std::string_view, void (*)(const EvaluationOptions&)> evaluations{
-      {"actor", evaluate_actor}, {"classifier", evaluate_classifier},
-      {"sinc", evaluate_sinc},   {"teach", evaluate_teach},
-      {"tm2t", evaluate_tm2t},   {"temos", evaluate_temos},
-      {"tmr", evaluate_tmr},     {"stmc", evaluate_stmc},
-      {"mdm", evaluate_stmc},    {"motiondiffuse", evaluate_stmc}};
+  const std::map<std::string_view, void (*)(const EvaluationOptions&)> evaluations{{"actor", evaluate_actor},
+                                                                                   {"classifier", evaluate_classifier},
+                                                                                   {"sinc", evaluate_sinc},
+                                                                                   {"teach", evaluate_teach},
+                                                                                   {"tm2t", evaluate_tm2t},
+                                                                                   {"temos", evaluate_temos},
+                                                                                   {"tmr", evaluate_tmr},
+                                                                                   {"stmc", evaluate_stmc},
+                                                                                   {"mdm", evaluate_stmc},
+                                                                                   {"motiondiffuse", evaluate_stmc},
+                                                                                   {"evaluator", evaluate_evaluator}};
   const auto found = evaluations.find(system);
   if (found == evaluations.end())
     ml::raise<ml::config_error>(103, o.model.string(), ": a model of '", system,
                                 "'; evaluate measures stmc, mdm, motiondiffuse, tmr, temos, actor, sinc, teach and "
                                 "tm2t, also as published, and classifier");
-  found->second(o);
+  if (!o.evaluator.empty() && system != "tm2t" && !judge)
+    evaluate_by_guo(o);
+  else
+    found->second(o);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
   std::printf("%.1f s\n", time.count());
 }
@@ -44,13 +54,14 @@ void run(const EvaluationOptions& o) {
 
 void add_evaluate(CLI::App& app) {
   const auto o = std::make_shared<EvaluationOptions>();
-  CLI::App* c = app.add_subcommand(
-      "evaluate",
-      "Measures a STMC (MDM, MotionDiffuse), TMR, TEMOS, ACTOR, SINC, TEACH, TM2T or classifier of actions, and prints "
-      "the tables of its paper");
-  path_option(*c, "model", o->model,
-              "Folder of the model: trained here, or published (STMC, MDM, MotionDiffuse, TMR, TEMOS, ACTOR, SINC, "
-              "TEACH, M2T_..., or T2M_... with --evaluator). STMC of ours: its .safetensors file, too")
+  CLI::App* c = app.add_subcommand("evaluate",
+                                   "Measures a STMC (MDM, MotionDiffuse), TMR, TEMOS, ACTOR, SINC, TEACH, TM2T, "
+                                   "classifier of actions or evaluator of "
+                                   "Guo et al., and prints the tables of its paper");
+  path_option(
+      *c, "model", o->model,
+      "Folder of the model: trained here, or published (STMC, MDM, MotionDiffuse, TMR, TEMOS, ACTOR, SINC, "
+      "TEACH, M2T_..., or T2M_... with --evaluator; text_mot_match itself). STMC of ours: its .safetensors file, too")
       ->required();
   folder_option(*c, "--data", o->data,
                 "Folder of the motions, as for training. STMC: folder of the motions that --recorded names");
@@ -66,8 +77,18 @@ void add_evaluate(CLI::App& app) {
   file_option(*c, "--joint-regressor", o->regressor, "File J_regressor_extra.npy of SPIN or VIBE, for ntu13_gru.tar");
   path_option(
       *c, "--evaluator", o->evaluator,
-      "TM2T text-to-motion: finest.tar of the networks of Guo et al. (text_mot_match), or its folder, which judges "
-      "the motions. Its words, glove/our_vab_data.npy, are in a folder above it or in --text-encoder");
+      "Any model of texts: finest.tar of the networks of Guo et al. (text_mot_match, or of train-evaluator), or its "
+      "folder, which judges the motions by R-precision, FID, distance, diversity and multimodality. TM2T "
+      "motion-to-text: R-precision and distance of the descriptions");
+  folder_option(
+      *c, "--evaluator-words", o->evaluator_words,
+      "Folder of the evaluator's words, our_vab_data.npy. The default is glove in a folder above it, for TM2T "
+      "also --text-encoder");
+  folder_option(*c, "--evaluator-statistics", o->evaluator_statistics,
+                "Folder with mean and std of the evaluator's training. The default is meta beside it, for TM2T also "
+                "--statistics, else those of TM2T");
+  checked_option(*c, "--repeats", o->repeats, in_range(0, 1000),
+                 "With --evaluator: number of motions of a text for multimodality, above 10; 0 leaves it out");
   CLI::Option* bert =
       folder_option(*c, "--bert", o->bert,
                     "TM2T motion-to-text: folder of a DistilBERT, BERT or MPNet (Hugging Face), for BERTScore");
@@ -75,16 +96,25 @@ void add_evaluate(CLI::App& app) {
       ->needs(bert)
       ->check(in_range(0, 1000))
       ->capture_default_str();
+  c->add_option("--bert-baseline", o->bert_baseline,
+                "Value of BERTScore that counts as 0. tm2t: the published one, for layer 17 of roberta-large; random: "
+                "that of random texts of the training part")
+      ->needs(bert)
+      ->check(CLI::IsMember({"none", "tm2t", "random"}))
+      ->capture_default_str();
   checked_option(*c, "--seeds", o->seeds, in_range(1, 1000),
-                 "ACTOR, classifier, TM2T with --evaluator: number of repetitions with new random numbers");
+                 "ACTOR, classifier, with --evaluator: number of repetitions with new random numbers");
   file_option(*c, "--annotations", o->annotations, "Unified annotation file, as for training");
   folder_option(*c, "--splits", o->splits, "Folder with train.txt, val.txt and test.txt, as for training");
-  file_option(*c, "--babel", o->babel, "SINC, TEACH: BABEL's JSON, as for training; or val.json with --part all");
+  file_option(
+      *c, "--babel", o->babel,
+      "SINC, TEACH: BABEL's JSON, as for training; or val.json with --part all. TMR: its sequences, in which each of "
+      "their texts is searched");
   file_option(*c, "--babel-validation", o->validation,
               "SINC, TEACH: as for training. --part validation then measures this file");
   file_option(*c, "--spelling", o->spelling, "SINC, TEACH: as for training");
   checked_option(*c, "--part", o->part, CLI::IsMember({"training", "validation", "test", "all"}),
-                 "Part of the data to measure. 'all' is for SINC and TEACH: all of --babel");
+                 "Part of the data to measure. 'all' is for SINC, TEACH and moments of TMR: all of --babel");
   path_option(*c, "--text-encoder", o->text_encoder,
               "Text encoder, as for training. Published TEMOS, SINC, TEACH: folder of the tokenizer "
               "(distilbert-base-uncased). Published TM2T: folder of the words");
@@ -99,9 +129,10 @@ void add_evaluate(CLI::App& app) {
   file_option(
       *c, "--nsim", o->nsim,
       "TMR: list of ids of dissimilar texts; for a table they are clip@start-end. The default is to choose them");
-  CLI::Option* synthesis =
-      c->add_flag("--synthesis", o->synthesis,
-                  "TMR: also search motions that were generated for the texts, with the lengths of the recorded ones");
+  CLI::Option* synthesis = c->add_flag(
+      "--synthesis", o->synthesis,
+      "TMR, evaluator: also search motions that were generated for the texts, with the lengths of the recorded "
+      "ones");
   c->add_option(
        "--generator", o->generator,
        "Model that generates these motions, as for generate; it shares --text-encoder. The default is the TMR itself")
@@ -109,20 +140,34 @@ void add_evaluate(CLI::App& app) {
       ->check(CLI::ExistingPath);
   c->add_option(
        "--moments", o->moments,
-       "TMR: build this many long motions of several clips, and measure how well the segment of each text is found")
+       "TMR: build this many long motions of several clips, and measure how well the segment of each text is found. "
+       "With --babel the motions are BABEL's sequences instead, which needs no --moments")
       ->excludes(synthesis)
       ->check(in_range(1, 1000000));
   checked_option(*c, "--joined", o->joined, in_range(2, 100),
                  "Number of clips in each long motion, with different texts");
-  c->add_option("--windows", o->windows, "Lengths in seconds of the windows that are compared with a text")
+  c->add_option(
+       "--windows", o->windows,
+       "Lengths in seconds of the windows that are compared with a text. The default is 1,2,3,4,6, and for BABEL "
+       "1,2,3 (20, 40 and 60 frames), as in the thesis")
       ->delimiter(',')
-      ->check(in_range(0.1, 10))
-      ->capture_default_str();
-  checked_option(*c, "--stride", o->stride, in_range(0.01, 10), "Seconds from one window to the next");
+      ->check(in_range(0.1, 10));
+  c->add_option("--stride", o->stride,
+                "Seconds from one window to the next. The default is 0.2, and for BABEL one frame (0.05)")
+      ->check(in_range(0.01, 10));
+  c->add_flag(
+      "--filtered", o->filtered,
+      "TMR: also print the share of negatives that the contrastive loss leaves out, by threshold and by size of "
+      "the batch (table 5.5)");
   checked_option(*c, "--samples", o->samples, in_range(1, 1000), "TEMOS, SINC, TEACH: number of motions for each text");
   checked_option(*c, "--items", o->items, CLI::IsMember({"pairs", "unseen", "single", "all"}),
                  "SINC: items to measure. pairs: two actions at the same time; unseen: pairs that the training part "
                  "lacks, without 'stand' (the published evaluation); single: single actions; all");
+  c->add_option(
+       "--longest", o->longest,
+       "SINC: the most frames of an item. The default is 600 for unseen, as in the thesis, and 800 for others, "
+       "as in the released program")
+      ->check(in_range(15, 100000));
   file_option(*c, "--keys", o->keys,
               "SINC, TEACH: list of items to measure, one per line, such as spatial_pairs-4242-0");
   const std::map<std::string, ml::Conjunction> conjunctions{{"while", ml::Conjunction::while_},

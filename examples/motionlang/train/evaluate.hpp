@@ -21,21 +21,26 @@ using EvaluationBackend = ml::EigenBackend<float>;
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
       strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts,
-      temos, independent, joint, keys, tags, evaluator, bert, texts, timelines, recorded, tmr, tmr_text_encoder;
+      temos, independent, joint, keys, tags, evaluator, evaluator_words, evaluator_statistics, bert, texts, timelines,
+      recorded, tmr, tmr_text_encoder;
   bool synthesis = false;  // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
-  double threshold = 0.95;                     // texts more similar than that count as the same
-  ml::Index samples = 10;                      // of TEMOS, SINC and TEACH, for each text
-  ml::Index count = 20;                        // film strips
-  ml::Index seeds = 20;                        // of ACTOR, and TM2T's motions
-  ml::Index moments = 0;                       // long motions in which TMR searches texts; 0: it searches whole clips
-  ml::Index joined = 5;                        // clips in each
-  std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches to compare
-  double stride = 0.2;                         // seconds between their starts
-  std::string items = "pairs";                 // of SINC: pairs, unseen, single or all
+  double threshold = 0.95;        // texts more similar than that count as the same
+  ml::Index samples = 10;         // of TEMOS, SINC and TEACH, for each text
+  ml::Index count = 20;           // film strips
+  ml::Index seeds = 20;           // of ACTOR, and TM2T's motions
+  ml::Index repeats = 30;         // motions of a text that multimodality compares
+  ml::Index moments = 0;          // long motions in which TMR searches texts; 0: it searches whole clips
+  ml::Index joined = 5;           // clips in each
+  std::vector<double> windows{};  // seconds of the stretches to compare; none: as --moments says
+  double stride = 0;              // seconds between their starts; 0: as --moments says
+  bool filtered = false;          // the share of negatives that TMR's training leaves out
+  std::string items = "pairs";    // of SINC: pairs, unseen, single or all
+  ml::Index longest = 0;          // frames of its items; 0: as --items says
   ml::Conjunction conjunction = ml::Conjunction::same_time;  // of the labels, of SINC
   ml::Alignment alignment = ml::Alignment::full;             // for the second action of TEACH
   ml::Index slerp_window = 8;                                // interpolated frames between both actions
+  std::string bert_baseline = "none";                        // none, tm2t or random
   ml::Index bert_layer = 0;                                  // of BERTScore; 0: the last one
   // These belong to STMC:
   std::optional<ml::Index> first{};  // timelines that are measured, from the first on
@@ -72,6 +77,10 @@ void evaluate_classifier(const EvaluationOptions& o);
 /// With an evaluator it measures motions from texts: R-precision, FID, distance from the texts, diversity and
 /// multimodality.
 void evaluate_tm2t(const EvaluationOptions& o);
+/// The five metrics of Guo et al. for any other model that makes motions of texts.
+void evaluate_by_guo(const EvaluationOptions& o);
+/// Retrieval by the networks of Guo et al. themselves.
+void evaluate_evaluator(const EvaluationOptions& o);
 /// Motions of timelines by STMC and its baselines, over any diffusion model of texts, judged by TMR.
 void evaluate_stmc(const EvaluationOptions& o);
 /// Where in long motions, made of several clips one after the other, a text happens: the share of stretches that TMR

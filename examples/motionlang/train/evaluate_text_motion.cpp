@@ -8,6 +8,7 @@
 #include <motionlang/file/id_list.hpp>
 #include <motionlang/generate/finish_motion.hpp>
 #include <motionlang/generate/synthesized_batch.hpp>
+#include <motionlang/train/filtered_negatives.hpp>
 #include <motionlang/train/presets.hpp>
 #include <motionlang/train/retrieval_evaluation.hpp>
 #include <motionlang/train/temos_evaluation.hpp>
@@ -19,6 +20,7 @@
 
 #include "../formatted.hpp"
 #include "../generate/generation.hpp"
+#include "evaluate_guo.hpp"
 #include "film_strips.hpp"
 #include "training_command.hpp"
 
@@ -65,14 +67,28 @@ struct Measured {
   const ml::EmbeddingCache* token_cache() const { return states ? &*states : nullptr; }
 };
 
+/// Table 5.5.
+void print_filtered(const ml::DescribedMotions& data, const ml::EmbeddingCache& sentences) {
+  std::printf("negatives that training leaves out, %%\n  threshold        ");
+  constexpr double thresholds[] = {0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95};
+  for (const double t : thresholds) std::printf("%8.2f", t);
+  std::printf("\n  batches of 32    ");
+  for (const double t : thresholds) std::printf("%8.2f", ml::filtered_negatives<B>(data.training, sentences, t, 32));
+  constexpr Index batches[] = {16, 32, 64, 128};
+  std::printf("\n  batch            ");
+  for (const Index b : batches) std::printf("%8td", b);
+  std::printf("\n  threshold 0.8    ");
+  for (const Index b : batches) std::printf("%8.2f", ml::filtered_negatives<B>(data.training, sentences, 0.8, b));
+  std::printf("\n");
+}
+
 }  // namespace
 
-void evaluate_tmr(const EvaluationOptions& o) {
-  if (o.moments > 0) return evaluate_moments(o);
-  const ml::TextMotionFile file = ml::read_text_motion_config(o.model);
-  const Measured m(o, file);
-  ml::RetrievalOptions options{.threshold = o.threshold};
-  for (const ml::DescribedMotion& d : *m.part) options.ids.push_back(d.id);
+void print_retrieval_tables(const EvaluationOptions& o, const std::vector<ml::DescribedMotion>& part,
+                            const ml::LatentTable& table, const std::optional<ml::LatentTable>& made,
+                            const ml::EmbeddingCache& sentences, bool euclidean) {
+  ml::RetrievalOptions options{.threshold = o.threshold, .ids = {}, .nsim_ids = {}, .euclidean = euclidean};
+  for (const ml::DescribedMotion& d : part) options.ids.push_back(d.id);
   if (!o.nsim.empty()) {
     options.nsim_ids = ml::read_ids(o.nsim);
     const auto measured = [&](const std::string& id) {
@@ -81,6 +97,18 @@ void evaluate_tmr(const EvaluationOptions& o) {
     if (std::ranges::none_of(options.nsim_ids, measured))
       ml::raise<ml::config_error>(102, "--nsim ", o.nsim.string(), " names no motion of the ", o.part, " part");
   }
+  const auto e = sentences.encode<B>(table.texts).tokens.rows;
+  const ml::Rows rows(e.span(), e.size(1));
+  const auto alike = ml::similar_pairs(rows, o.threshold);
+  std::printf("%td of %td pairs of texts (%.2f %%) are more similar than %.2f\n", alike.similar, alike.all,
+              alike.percent(), o.threshold);
+  print(ml::retrieval_results_table(ml::retrieval_results(table, made ? &*made : nullptr, rows, options)));
+}
+
+void evaluate_tmr(const EvaluationOptions& o) {
+  if (o.moments > 0 || !o.babel.empty()) return evaluate_moments(o);
+  const ml::TextMotionFile file = ml::read_text_motion_config(o.model);
+  const Measured m(o, file);
   const auto model = ml::load_text_motion<ml::Tmr, B>(o.model, file);
   const auto table = ml::latents_of(model, *m.part, m.token_cache());
   std::optional<ml::LatentTable> made;
@@ -98,10 +126,8 @@ void evaluate_tmr(const EvaluationOptions& o) {
           .front();
     });
   }
-  const auto e = m.sentences.encode<B>(table.texts).tokens.rows;
-  const ml::Rows sentences(e.span(), e.size(1));
-  const auto results = ml::retrieval_results(table, made ? &*made : nullptr, sentences, options);
-  print(ml::retrieval_results_table(results));
+  print_retrieval_tables(o, *m.part, table, made, m.sentences, /*euclidean=*/false);
+  if (o.filtered) print_filtered(m.data, m.sentences);
 }
 
 namespace {

@@ -5,6 +5,7 @@
 
 #include <motionlang/train/tm2t_describer_training.hpp>
 #include <motionlang/train/tm2t_tokenizer_training.hpp>
+#include <motionlang/train/tm2t_transformer_training.hpp>
 #include <motionlang/train/tm2t_writer_training.hpp>
 #include <motionlang/weights/tm2t_run.hpp>
 
@@ -35,7 +36,7 @@ std::optional<ml::TokenizedData<B>> models_before(const Options& o, const ml::Tm
   if (o.stage == ml::Tm2tStage::tokenizer) return std::nullopt;
   ml::GloVe words({"sos", "eos", "unk"}, std::vector<float>(3), 1);
   if (!o.words.empty()) words = ml::read_glove(o.words / "our_vab");
-  if (o.stage == ml::Tm2tStage::text_to_motion && config.text_to_motion.alignment) {
+  if (o.stage == ml::Tm2tStage::text_to_motion && config.text_to_motion.aligned()) {
     const auto& folder = needed(o.describer, "--describer",
                                 "a model from motions to texts, for inverse alignment "
                                 "(--set text_to_motion.alignment=false: without)");
@@ -74,6 +75,8 @@ void run(const Options& o) {
               ml::counted(before->model.vocabulary().codes, "motion token").c_str());
   if (o.stage == ml::Tm2tStage::motion_to_text)
     train(ml::Tm2tDescriberTraining<TrainingTape>(config, data, *before), o.common, data);
+  else if (config.text_to_motion.network == "transformer")
+    train(ml::Tm2tTransformerTraining<TrainingTape>(config, data, *before), o.common, data);
   else
     train(ml::Tm2tWriterTraining<TrainingTape>(config, data, *before), o.common, data);
 }

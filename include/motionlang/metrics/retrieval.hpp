@@ -133,6 +133,7 @@ struct RetrievalOptions {
   Index batch = 32;
   std::vector<std::string> ids{};       // of the pairs, for nsim and guo
   std::vector<std::string> nsim_ids{};  // those without a pair are skipped, as published
+  bool euclidean = false;               // the closest is the nearest, as for Guo's evaluator, not the most parallel
 };
 
 /// texts, motions  (n, latent); pair i belongs together
@@ -144,8 +145,13 @@ RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const 
                         const Rows<E>& sentences, const RetrievalOptions& options = {}) {
   const Index n = texts.size();
   detail::require_same_count("retrieve: texts against motions", n, motions.size());
-  auto table_of = [](const Rows<S>& x, const Rows<S>& y, std::span<const std::uint8_t> alike = {}) {
+  auto table_of = [&](const Rows<S>& x, const Rows<S>& y, std::span<const std::uint8_t> alike = {}) {
     if (x.size() == 0) raise<numeric_error>(302, "retrieve: no pairs");
+    if (options.euclidean) {
+      auto nearness = distances(x, y);
+      for (double& d : nearness) d = -d;
+      return retrieval_table(Rows(std::span<const double>(nearness), y.size()), alike);
+    }
     return retrieval_table(Rows(cosine_similarities(x, y), y.size()), alike);
   };
   auto table_at = [&](std::span<const Index> positions) {

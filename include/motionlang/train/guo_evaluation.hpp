@@ -4,8 +4,10 @@
 ///
 ///     const GuoJudge<B> judge({.evaluator = "text_mot_match"}, run.model.statistics);
 ///     const GuoItems<B> items(data.test, "test", data.width);
-///     const GuoFigures figures = guo_figures(run.model, run.words, judge, items, {.replications = 20});
+///     const GuoFigures figures = guo_figures(tm2t_maker(run.model, run.words), judge, items, {.replications = 20});
 ///     figures.values.at("generated").at("FID");               // of each replication
+///
+/// generate/guo_motions.hpp makes the motions of every other model of texts.
 ///
 /// Source   HumanML3D (Guo et al., CVPR 2022), section 5.2; TM2T (Guo et al., ECCV 2022), appendix C; text-to-motion
 ///          final_evaluations.py
@@ -14,7 +16,9 @@
 #include <algorithm>   // rotate
 #include <cstdint>     // seeds
 #include <filesystem>  // files
+#include <functional>  // makers
 #include <map>         // figures
+#include <optional>    // statistics
 #include <span>        // texts
 #include <string>      // texts
 #include <utility>     // move
@@ -30,6 +34,8 @@
 #include <motionlang/metrics/matching.hpp>
 #include <motionlang/systems/tm2t.hpp>
 #include <motionlang/train/feature_statistics.hpp>
+#include <motionlang/train/guo_matching_training.hpp>
+#include <motionlang/train/guo_model_folder.hpp>
 #include <motionlang/train/text_entries.hpp>
 #include <motionlang/weights/glove_file.hpp>
 #include <motionlang/weights/guo_evaluator_file.hpp>
@@ -38,7 +44,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// "": word vectors in a folder above the networks, and statistics of the model's own motions.
+/// "": word vectors in a folder above the networks, and the statistics beside them, else those of the model's motions.
 struct GuoJudgeFiles {
   std::filesystem::path evaluator{};  // finest.tar, or its folder
   std::filesystem::path words{}, statistics{};
@@ -64,14 +70,17 @@ struct GuoJudge {
   GuoEvaluator<B> networks;
   GloVe words;
   Normalizer<B> statistics;
+  std::string fingerprint;  // of the file of the networks
 
-  /// usual   statistics of the model's motions, which the published program uses for its own, too
+  Index width() const { return statistics.mean.size(0); }
+
+  /// usual   statistics of TM2T's motions, which the published program uses if the evaluator has none beside it
   /// Throws  io_error 401 for what is missing, 406, 407 for other networks; config_error 102 for other features, words
-  GuoJudge(const GuoJudgeFiles& files, Normalizer<B> usual)
-      : GuoJudge(files, file_of(files.evaluator), std::move(usual)) {}
+  explicit GuoJudge(const GuoJudgeFiles& files, const std::optional<Normalizer<B>>& usual = {})
+      : GuoJudge(files, guo_evaluator_path(files.evaluator), usual) {}
 
   Tensor<B, 2> texts(std::span<const std::string> of) const { return networks.embed_texts(words.encode<B>(of).tokens); }
-  /// Motions without a movement count as one movement of the mean pose.
+  /// Motions without a movement count as one movement of the mean pose. Frames after the 196th are cut.
   Tensor<B, 2> motions(const Sequences<B>& features) const {
     const Index width = statistics.mean.size(0);
     std::vector<typename B::scalar> values;
@@ -80,38 +89,39 @@ struct GuoJudge {
     const auto x = normalized.span();
     std::size_t at = 0;
     for (Index i = 0; i < features.count(); ++i) {
-      const Index length = features.offsets.length(i), seen = std::max<Index>(length, 4);
+      const Index all = features.offsets.length(i), length = std::min<Index>(all, 196),
+                  seen = std::max<Index>(length, 4);
       const auto own = x.subspan(at, static_cast<std::size_t>(length * width));
       values.insert(values.end(), own.begin(), own.end());
       values.resize(values.size() + static_cast<std::size_t>((seen - length) * width));
       frames.push_back(seen);
-      at += own.size();
+      at += static_cast<std::size_t>(all * width);
     }
     const Offsets offsets(frames);
     return networks.embed_motions({Tensor<B, 2>::from(values, {offsets.rows(), width}), offsets});
   }
 
  private:
-  static std::filesystem::path file_of(const std::filesystem::path& given) {
-    if (!std::filesystem::is_directory(given)) return given;
-    for (const char* name : {"finest.tar", "model/finest.tar"}) {
-      if (std::filesystem::exists(given / name)) return given / name;
-    }
-    raise<io_error>(401, "`evaluator` ", given.string(), ": no finest.tar and no model/finest.tar");
-  }
   static GloVe words_near(const std::filesystem::path& file, const std::filesystem::path& named) {
     RunFolder folder;
     folder.folder = file.parent_path();
     return read_glove(detail::tm2t_words(folder, {.words = named.string()}));
   }
 
-  GuoJudge(const GuoJudgeFiles& files, const std::filesystem::path& file, Normalizer<B> usual)
-      : words(words_near(file, files.words)),
-        statistics(files.statistics.empty() ? std::move(usual)
-                                            : statistics_of<B>(files.statistics, usual.mean.size(0))) {
-    statistics.eps = 0;
+  static Normalizer<B> statistics_for(const GuoJudgeFiles& files, const std::filesystem::path& file, Index width,
+                                      const std::optional<Normalizer<B>>& usual) {
+    if (!files.statistics.empty()) return statistics_of<B>(files.statistics, width);
+    if (auto beside = guo_statistics_near<B>(file, width)) return *std::move(beside);
+    if (usual) return *usual;
+    raise<io_error>(401, file.string(), ": no meta/mean.npy and meta/std.npy beside it: `statistics` names a folder");
+  }
+
+  GuoJudge(const GuoJudgeFiles& files, const std::filesystem::path& file, const std::optional<Normalizer<B>>& usual)
+      : words(words_near(file, files.words)), fingerprint(guo_fingerprint(file)) {
     const WeightFile weights = open_weights(file, {.path = ""});
     const GuoEvaluatorConfig sizes = guo_evaluator_config(weights);
+    statistics = statistics_for(files, file, usual ? usual->mean.size(0) : sizes.features, usual);
+    statistics.eps = 0;
     if (const Index width = statistics.mean.size(0); sizes.features != width)
       raise<config_error>(102, weights.name(), ": reads features of ", counted(sizes.features, "number"),
                           ", the motions have ", width);
@@ -123,10 +133,29 @@ struct GuoJudge {
   }
 };
 
-/// Texts as GloVe::encode reads them, with motions.
+/// A motion that a model should make.
+struct GuoWanted {
+  std::string text, caption;  // as GloVe::encode reads it, and in plain words
+  Index frames = 0;           // of the recorded motion
+};
+/// Makes a motion for each: features of the evaluator, not normalised.
+template <Backend B>
+using GuoMaker = std::function<Sequences<B>(std::span<const GuoWanted> wanted, const Philox& rng)>;
+
+/// Motions of TM2T, which decides their lengths. Both must outlive the maker.
+template <Backend B>
+GuoMaker<B> tm2t_maker(const Tm2t<B>& model, const GloVe& words) {
+  return [&](std::span<const GuoWanted> wanted, const Philox& rng) {
+    std::vector<std::string> texts;
+    for (const GuoWanted& w : wanted) texts.push_back(w.text);
+    return model.generate(words.encode<B>(std::span<const std::string>(texts)), rng);
+  };
+}
+
+/// Texts and motions of the loader, embedded.
 template <Backend B>
 struct DrawnItems {
-  std::vector<std::string> texts;
+  std::vector<GuoWanted> wanted;
   Embedded<B> text, motion;
 };
 
@@ -149,8 +178,6 @@ class GuoItems {
     count = std::ssize(kept_) / batch * batch;
   }
 
-  static constexpr Index repeats = 30;  // motions of a text for measuring multimodality
-
   Index batch = 0, count = 0;
   /// The number of texts for multimodality, and of pairs of motions for diversity.
   Index varied() const { return std::min<Index>(100, count); }
@@ -162,30 +189,26 @@ class GuoItems {
     for (Index at = 0; at < count; at += batch) {
       std::vector<typename B::scalar> values;
       std::vector<Index> frames;
+      std::vector<std::string> texts;
       for (Index i = at; i < at + batch; ++i) {
         const TextEntry& e =
             entries_[static_cast<std::size_t>(kept_[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])])];
         const DescribedText& t = *e.texts[static_cast<std::size_t>(python.randint(0, std::ssize(e.texts) - 1))];
-        out.texts.push_back(tagged(t));
         const FrameSlice part = guo_item(e.frames.length, numpy, python);
+        out.wanted.push_back({tagged_text(t), t.text, part.length});
+        texts.push_back(out.wanted.back().text);
         const auto rows = entry_rows(e, part.first, part.length, width_);
         values.insert(values.end(), rows.begin(), rows.end());
         frames.push_back(part.length);
       }
       const Offsets offsets(frames);
-      out.text.add(judge.texts(std::span(out.texts).last(static_cast<std::size_t>(batch))));
+      out.text.add(judge.texts(texts));
       out.motion.add(judge.motions({Tensor<B, 2>::from(values, {offsets.rows(), width_}), offsets}));
     }
     return out;
   }
 
  private:
-  static std::string tagged(const DescribedText& t) {
-    std::string out;
-    for (const TaggedWord& w : t.words) out += (out.empty() ? "" : " ") + w.word + "/" + w.tag;
-    return out.empty() ? t.text : out;
-  }
-
   std::vector<TextEntry> entries_;
   Index width_;
   std::vector<Index> kept_;
@@ -198,13 +221,19 @@ struct GuoFigures {
 };
 struct GuoFigureOptions {
   Index replications = 20;
+  Index repeats = 30;  // motions of a text for measuring multimodality; 0: it is not measured
   std::uint64_t seed = 0;
 };
-/// Columns: R@1, R@2, R@3, MM-Dist, FID, diversity, multimodality.
+/// Columns: R@1, R@2, R@3, MM-Dist, FID, diversity, multimodality. Throws config_error 101 for 1 to 10 repeats, because
+/// ten pairs of them are compared.
 template <Backend B>
-GuoFigures guo_figures(const Tm2t<B>& model, const GloVe& words, const GuoJudge<B>& judge, const GuoItems<B>& items,
+GuoFigures guo_figures(const GuoMaker<B>& make, const GuoJudge<B>& judge, const GuoItems<B>& items,
                        const GuoFigureOptions& options, Progress progress = {}) {
-  constexpr Index repeats = GuoItems<B>::repeats, compared = 10;  // motions of a text, and pairs of them
+  constexpr Index compared = 10;  // pairs of motions of a text
+  const Index repeats = options.repeats;
+  if (repeats != 0 && repeats <= compared)
+    raise<config_error>(101, "multimodality by ", repeats, " motions of a text: more than ", compared,
+                        " are needed, or `repeats` 0");
   const Index batch = items.batch, count = items.count, varied = items.varied(), pairs = items.pairs();
   GuoFigures figures;
   Index steps = 0;
@@ -217,12 +246,12 @@ GuoFigures guo_figures(const Tm2t<B>& model, const GloVe& words, const GuoJudge<
     NumpyRandom numpy(seed);
     PythonRandom python(static_cast<std::uint64_t>(seed));
     const DrawnItems<B> real = items.draw(judge, numpy, python), reference = items.draw(judge, numpy, python);
-    const auto made = [&](std::span<const std::string> texts, const Philox& rng) {
+    const auto made = [&](std::span<const GuoWanted> wanted, const Philox& rng) {
       Embedded<B> out;
-      for (Index at = 0; at < std::ssize(texts); at += batch) {
-        const auto some = texts.subspan(static_cast<std::size_t>(at),
-                                        static_cast<std::size_t>(std::min(batch, std::ssize(texts) - at)));
-        const auto motions = model.generate(words.encode<B>(some), rng.split(static_cast<std::uint64_t>(at)));
+      for (Index at = 0; at < std::ssize(wanted); at += batch) {
+        const auto some = wanted.subspan(static_cast<std::size_t>(at),
+                                         static_cast<std::size_t>(std::min(batch, std::ssize(wanted) - at)));
+        const auto motions = make(some, rng.split(static_cast<std::uint64_t>(at)));
         for (Index i = 0; i < motions.count(); ++i) figures.empty += motions.offsets.length(i) == 0 ? 1 : 0;
         out.add(judge.motions(motions));
       }
@@ -244,11 +273,12 @@ GuoFigures guo_figures(const Tm2t<B>& model, const GloVe& words, const GuoJudge<
     Embedded<B> others = real.motion;
     std::rotate(others.values.begin(), others.values.begin() + others.width, others.values.end());
     measure("recorded, of other texts", others, false);
-    measure("generated", made(real.texts, noise.split("one")), true);
+    measure("generated", made(real.wanted, noise.split("one")), true);
 
+    if (repeats == 0) continue;
     std::vector<Embedded<B>> of_repeat;
     for (Index k = 0; k < repeats; ++k)
-      of_repeat.push_back(made(std::span(real.texts).first(static_cast<std::size_t>(varied)),
+      of_repeat.push_back(made(std::span<const GuoWanted>(real.wanted).first(static_cast<std::size_t>(varied)),
                                noise.split("several").split(static_cast<std::uint64_t>(k))));
     std::vector<typename B::scalar> by_text;
     for (Index i = 0; i < varied; ++i) {

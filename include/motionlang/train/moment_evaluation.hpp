@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// Measures how well TMR finds moments. Long motions are made of clips of different texts, and TMR finds the place of
-/// each text in them.
+/// Measures how well TMR finds moments: the place of each text in long motions. These are sequences of BABEL, as in the
+/// thesis, or are made of clips of different texts.
 ///
 ///     const MomentFigures f = moment_figures(tmr, data.width, data.test, {.motions = 100});
 ///     for (const MomentAnswers& a : f.answers) use(a.windows, localisation_accuracy(a.found, f.wanted, 0.4));
 ///
-/// The clips follow each other as features, which describe the movement from frame to frame and no absolute place. So
-/// paths join, but the pose jumps. A window is a range of these frames around a middle (metrics/retrieval.hpp). The
+/// Joined clips follow each other as features, which describe the movement from frame to frame and no absolute place.
+/// So paths join, but the pose jumps. A window is a range of these frames around a middle (metrics/retrieval.hpp). The
 /// answer is the window whose latent is most similar to that of the text.
 ///
-/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.4; the lengths and the stride are choices made here
+/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.4; thesis 5.3.6 with windows of 20, 40 and 60 frames.
+///         The other lengths and the stride are choices made here
 #pragma once
 
 #include <algorithm>  // max
@@ -38,6 +39,9 @@ struct JoinedClips {
 /// width  values of a frame
 JoinedClips join_random_clips(const std::vector<DescribedMotion>& motions, Index width, Index clips, Philox rng);
 
+/// A sequence with its texts in the same form.
+JoinedClips as_joined(const DescribedMotion& sequence);
+
 struct MomentEvaluationOptions {
   Index motions = 100;                         // to make
   Index joined = 5;                            // clips in each
@@ -55,21 +59,19 @@ struct MomentFigures {
   std::vector<MomentAnswers> answers;
 };
 
-/// part    motions, of which only the first text counts; in the model's features, not normalised
-/// width   values of a frame
-/// Throws  config_error 101 for fewer than two different texts; cancelled
-template <Backend B>
-MomentFigures moment_figures(const TmrSearchEncoder<B>& tmr, Index width, const std::vector<DescribedMotion>& part,
-                             const MomentEvaluationOptions& options, Progress progress = {}) {
+/// motion(k, rng)   the k-th long motion, in the model's features, not normalised
+/// Throws           cancelled
+template <Backend B, class Make>
+MomentFigures moment_figures_of(const TmrSearchEncoder<B>& tmr, Index motions, Make motion_of,
+                                const MomentEvaluationOptions& options, Progress progress = {}) {
   const auto frames_of = [&](double seconds) { return std::max<Index>(1, std::lround(seconds * tmr.model().fps)); };
   MomentFigures out;
   for (const double seconds : options.windows) out.answers.push_back({concat_text(seconds, " s"), {}});
   out.answers.push_back({"all lengths", {}});
   MomentAnswers chance{"a random window", {}};
-  for (Index k = 0; k < options.motions; ++k) {
+  for (Index k = 0; k < motions; ++k) {
     auto rng = Philox{.seed = options.seed}.split("moments").split(static_cast<std::uint64_t>(k));
-    const JoinedClips motion = join_random_clips(part, width, options.joined, rng.split("clips"));
-    if (std::ssize(motion.texts) < 2) raise<config_error>(101, "moment_figures: fewer than two different texts");
+    const JoinedClips motion = motion_of(k, rng);
     const auto rows = tmr.normalised(motion.rows);
     std::vector<FrameSlice> windows;
     std::vector<std::size_t> ends;  // of the windows of each length
@@ -97,13 +99,39 @@ MomentFigures moment_figures(const TmrSearchEncoder<B>& tmr, Index width, const 
       out.answers.back().found.push_back(best(0, windows.size()));
       chance.found.push_back(windows[rng.below(static_cast<std::uint32_t>(windows.size()))]);
     }
-    progress(k + 1, options.motions);
+    progress(k + 1, motions);
   }
   out.answers.push_back(std::move(chance));
   return out;
 }
 
-/// Percent of the texts whose answer overlaps the right place by at least 0.3, 0.4, 0.5, 0.6 and 0.7 (intersection over
+/// Joined clips. part: motions, of which only the first text counts; in the model's features, not normalised
+/// width   values of a frame
+/// Throws  config_error 101 for fewer than two different texts; cancelled
+template <Backend B>
+MomentFigures moment_figures(const TmrSearchEncoder<B>& tmr, Index width, const std::vector<DescribedMotion>& part,
+                             const MomentEvaluationOptions& options, Progress progress = {}) {
+  return moment_figures_of(
+      tmr, options.motions,
+      [&](Index, const Philox& rng) {
+        auto motion = join_random_clips(part, width, options.joined, rng.split("clips"));
+        if (std::ssize(motion.texts) < 2) raise<config_error>(101, "moment_figures: fewer than two different texts");
+        return motion;
+      },
+      options, progress);
+}
+
+/// Sequences, each with several texts about some of its frames: read_babel_sequences. Every text is a query in its own
+/// sequence. Throws cancelled.
+template <Backend B>
+MomentFigures sequence_moment_figures(const TmrSearchEncoder<B>& tmr, const std::vector<DescribedMotion>& sequences,
+                                      const MomentEvaluationOptions& options, Progress progress = {}) {
+  return moment_figures_of(
+      tmr, std::ssize(sequences),
+      [&](Index k, const Philox&) { return as_joined(sequences[static_cast<std::size_t>(k)]); }, options, progress);
+}
+
+/// Percent of the texts whose answer overlaps the right place by at least 0.1, 0.2, ... 0.7 (intersection over
 /// union), for each length of windows, below a header.
 std::string moments_table(const MomentFigures& figures);
 

@@ -23,8 +23,14 @@ MOTIONLANG_BODY JoinedClips join_random_clips(const std::vector<DescribedMotion>
   return out;
 }
 
+MOTIONLANG_BODY JoinedClips as_joined(const DescribedMotion& sequence) {
+  JoinedClips out{sequence.rows, {}, {}};
+  for (const DescribedText& t : sequence.texts) out.stretches.push_back(t.frames), out.texts.push_back(t.text);
+  return out;
+}
+
 MOTIONLANG_BODY std::string moments_table(const MomentFigures& figures) {
-  constexpr double overlaps[] = {0.3, 0.4, 0.5, 0.6, 0.7};
+  constexpr double overlaps[] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7};
   std::string out = formatted("  %-22s", "windows");
   for (const double least : overlaps) out += formatted(" %7.1f", least);
   for (const MomentAnswers& a : figures.answers) {

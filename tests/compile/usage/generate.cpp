@@ -10,16 +10,19 @@
 #include <motionlang/generate/describe_files.hpp>
 #include <motionlang/generate/finish_motion.hpp>
 #include <motionlang/generate/gallery_prompts.hpp>
+#include <motionlang/generate/guo_motions.hpp>
 #include <motionlang/generate/judged_clips.hpp>
 #include <motionlang/generate/judged_prompts.hpp>
 #include <motionlang/generate/kept_clip_text.hpp>
 #include <motionlang/generate/latent_motion_model.hpp>
 #include <motionlang/generate/load_trained_motion_model.hpp>
+#include <motionlang/generate/missing_parts.hpp>
 #include <motionlang/generate/reuse_notes.hpp>
 #include <motionlang/generate/samples.hpp>
 #include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/generate/timeline_tracks.hpp>
 #include <motionlang/generate/timelines_of_text.hpp>
+#include <motionlang/generate/token_clips.hpp>
 #include <motionlang/search/text_similarity.hpp>
 #include <motionlang/stmc.hpp>
 #include <motionlang/systems/sinc_baseline.hpp>
@@ -47,6 +50,15 @@ void overlay(Motion motion, const Motion& alone, const Timeline& timeline) {
 }
 void finish(const Stmc<B>& stmc, const std::vector<double>& rows) {
 #include "generate/finish_motion.1.inc"
+}
+void guo_motions(const GuoJudge<B>& judge, const GuoItems<B>& items) {
+#include "generate/guo_motions.1.inc"
+}
+void missing_parts(const std::string& file, const BodyPartAnswers& answers) {
+#include "generate/missing_parts.1.inc"
+}
+void token_clips_(const std::vector<Index>& codes) {
+#include "generate/token_clips.1.inc"
 }
 void generate() {
 #include "generate/generate_motion.1.inc"

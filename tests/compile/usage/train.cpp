@@ -6,8 +6,15 @@
 #include <motionlang/metrics/sampled_errors.hpp>
 #include <motionlang/train/actor_training.hpp>
 #include <motionlang/train/bert_judge.hpp>
+#include <motionlang/train/body_part_evaluation.hpp>
+#include <motionlang/train/description_evaluation.hpp>
 #include <motionlang/train/epoch_batches.hpp>
+#include <motionlang/train/filtered_negatives.hpp>
+#include <motionlang/train/guo_config.hpp>
 #include <motionlang/train/guo_evaluation.hpp>
+#include <motionlang/train/guo_matching_training.hpp>
+#include <motionlang/train/guo_movement_training.hpp>
+#include <motionlang/train/guo_retrieval.hpp>
 #include <motionlang/train/presets.hpp>
 #include <motionlang/train/recognition.hpp>
 #include <motionlang/train/retrieval_evaluation.hpp>
@@ -38,6 +45,30 @@ void guo_evaluation(const Tm2tRun<B>& run, const DescribedMotions& data) {
 }
 void learned(const TrainingSet& data, const Stmc<B>& stmc, const StmcModelConfig& config) {
 #include "train/learned_captions.1.inc"
+}
+void body_part_evaluation(const BodyPartTruth& truth, const BodyPartTable& table) {
+#include "train/body_part_evaluation.1.inc"
+}
+void description_evaluation(const GuoJudge<B>& judge, const std::vector<TextEntry>& entries,
+                            const DescribedMotions& data, const std::vector<std::string>& said) {
+#include "train/description_evaluation.1.inc"
+}
+void filtered(const DescribedMotions& data, const EmbeddingCache& sentences, const Tensor<B, 2>& e) {
+#include "train/filtered_negatives.1.inc"
+}
+void guo_config_() {
+#include "train/guo_config.1.inc"
+}
+void guo_movement(const DescribedMotions& data, const About& about) {
+#include "train/guo_movement_training.1.inc"
+}
+void guo_matching(const DescribedMotions& data, const Normalizer<B>& statistics, const GloVe& words,
+                  const About& about) {
+#include "train/guo_matching_training.1.inc"
+}
+void guo_retrieval(const GuoJudge<B>& judge, const DescribedMotions& data, const Rows<float>& sentences,
+                   const std::vector<std::string>& ids) {
+#include "train/guo_retrieval.1.inc"
 }
 void stmc_notes(Trainer<StmcTraining<A>>& trainer, const TrainingSet& data) {
 #include "train/stmc_training_notes.1.inc"

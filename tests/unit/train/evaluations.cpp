@@ -75,9 +75,9 @@ TEST_CASE("tables have a column for each measure, and '-' for what is not measur
   const ml::MomentFigures moments{{{0, 10}, {10, 10}},
                                   {{"1 s", {{0, 10}, {14, 10}}}, {"a random window", {{5, 10}, {0, 10}}}}};
   CHECK(ml::moments_table(moments) ==
-        "  windows                    0.3     0.4     0.5     0.6     0.7\n"
-        "  1 s                     100.00  100.00   50.00   50.00   50.00\n"
-        "  a random window          50.00    0.00    0.00    0.00    0.00\n");
+        "  windows                    0.1     0.2     0.3     0.4     0.5     0.6     0.7\n"
+        "  1 s                     100.00  100.00  100.00  100.00   50.00   50.00   50.00\n"
+        "  a random window          50.00   50.00   50.00    0.00    0.00    0.00    0.00\n");
 
   const std::string recognised =
       ml::recognition_table({{"accuracy_gt", {0.9, 0.92}}, {"fid_gen", {1.5, 1.5}}, {"diversity_gt", {7, 7}}});
@@ -96,4 +96,12 @@ TEST_CASE("tables have a column for each measure, and '-' for what is not measur
         std::string::npos);
   CHECK(judged.find("\n  recorded                 0.500 +-0.000     -                 -                 - ") !=
         std::string::npos);
+}
+
+TEST_CASE("a sequence with several texts: each is a stretch of it") {
+  const auto sequence = described("s", {{"walk", {0, 6}}, {"wave", {4, 3}}}, 10, 1);
+  const auto joined = ml::as_joined(sequence);
+  CHECK(joined.rows == sequence.rows);
+  CHECK(joined.texts == std::vector<std::string>{"walk", "wave"});
+  CHECK(joined.stretches[1] == ml::FrameSlice{4, 3});
 }

@@ -1,0 +1,130 @@
+// The command train-evaluator, motions judged by its networks, and these networks as a model that retrieves.
+#include <doctest/doctest.h>
+
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/file/id_list.hpp>
+#include <motionlang/weights/guo_evaluator_file.hpp>
+
+#include "training_clips.hpp"
+
+namespace {
+
+constexpr const char* ways[] = {"slowly", "quickly", "left", "right", "forward", "backward"};
+
+/// Six walks that differ by speed and turn, and their texts by a word, in the form of HumanML3D.
+void write_walks(const std::string& set) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < 6; ++i) {
+    const std::string id = "00000" + std::to_string(i);
+    add_walk(set, id, 60, "guoh3d", ml::humanml3d_form,
+             {.steps_per_second = 0.8 + 0.3 * (i % 3), .turn = i < 3 ? 0.9 : -0.9});
+    auto clip = ml::HumanMl3dFolder(set).load(id);
+    clip.captions.at(0).text = std::string("a person walks ") + ways[i];
+    clip.captions.at(0).words = {{"person", "NOUN"}, {"walk", "VERB"}, {ways[i], "ADV"}};
+    ml::write_humanml3d_clip(set, clip);
+    ids.push_back(id);
+  }
+  for (const char* list : {"train", "val", "test"}) ml::write_ids(set + "/" + list + ".txt", ids);
+}
+
+}  // namespace
+
+TEST_CASE("train-evaluator: both stages learn and go on with the same numbers; the networks judge, and retrieve") {
+  const TemporaryFolder place;
+  write_walks((place / "h3d").string());
+  const auto train = [&](const std::string& stage, const std::string& out, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"train-evaluator", "--stage", stage,   "--data", "h3d",
+                                       "--preset",        "small",   "--out", out};
+    for (const char* a :
+         {"optimiser.schedule=constant", "optimiser.warmup=0", "optimiser.lr=0.003", "movement.hidden=16",
+          "movement.latent=16", "matching.text_hidden=16", "matching.motion_hidden=24", "matching.embedding=16",
+          "matching.word_width=8", "validation.every=5"})
+      arguments.insert(arguments.end(), {"--set", a});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments, place.path);
+  };
+  const auto checkpoint = [&](const std::string& out) {
+    return ml::SafetensorsFile::open(place / (out + "/checkpoint.safetensors"));
+  };
+  struct Stage {
+    std::string name, file;
+    std::vector<std::string> sources;
+    int half, whole;  // epochs
+  };
+  const std::vector<Stage> stages{
+      {"movement", "latest.tar", {"--set", "optimiser.batch=64"}, 3, 8},
+      {"matching", "finest.tar", {"--movement", "movement/model", "--set", "optimiser.batch=4"}, 20, 120}};
+  for (const Stage& s : stages) {
+    CAPTURE(s.name);
+    const auto with = [&](int epochs) {
+      auto more = s.sources;
+      more.insert(more.end(), {"--set", "optimiser.epochs=" + std::to_string(epochs)});
+      return more;
+    };
+    const auto done = train(s.name, s.name, with(s.whole));
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    const auto losses = ml::values_of<float>(checkpoint(s.name).tensor("losses"));
+    const std::size_t part = losses.size() / 8;
+    CHECK(mean(std::span(losses).last(part)) < 0.8 * mean(std::span(losses).first(part)));
+    REQUIRE(train(s.name, "halves", with(s.half)).code == 0);
+    const auto rest = train(s.name, "halves", with(s.whole));
+    REQUIRE_MESSAGE(rest.code == 0, rest.text);
+    CHECK(contains(rest.text, "continuing at step "));
+    CHECK(ml::values_of<float>(checkpoint("halves").tensor("losses")) == losses);
+    CHECK(ml::read_file(place / ("halves/model/" + s.file)) == ml::read_file(place / (s.name + "/model/" + s.file)));
+    std::filesystem::remove_all(place / "halves");
+  }
+  for (const char* name : {"finest.tar", "meta/mean.npy", "meta/std.npy", "glove/our_vab_data.npy", "config.json"})
+    CHECK_MESSAGE(std::filesystem::exists(place / "matching/model" / name), name);
+  CHECK(contains(run({"info", "matching/model"}, place.path).text, "guo evaluator"));
+
+  // what it has learnt by heart it finds
+  const auto found = run({"evaluate", "matching/model", "--data", "h3d", "--part", "training"}, place.path);
+  REQUIRE_MESSAGE(found.code == 0, found.text);
+  CHECK(contains(found.text, "6 motions of the training part, by the nearest vectors of matching/model ("));
+  CHECK_MESSAGE(contains(found.text, "  all                     100.00 100.00"), found.text);
+
+  // motions of another system
+  const auto made = train_tiny("train-temos", place.path, {"--data", "h3d"});
+  REQUIRE_MESSAGE(made.code == 0, made.text);
+  const std::vector<std::string> judge{"evaluate", "out/model", "--data",    "h3d", "--part",      "training",
+                                       "--seeds",  "2",         "--repeats", "0",   "--evaluator", "matching/model"};
+  const auto judged = run(judge, place.path);
+  REQUIRE_MESSAGE(judged.code == 0, judged.text);
+  CHECK_MESSAGE(contains(judged.text, "6 motions of the training part in batches of 6, drawn 2 times"), judged.text);
+  const std::string fingerprint = ml::guo_fingerprint(place / "matching/model/finest.tar");
+  CHECK_MESSAGE(contains(judged.text, "judged by matching/model (" + fingerprint + ")"), judged.text);
+  CHECK_MESSAGE(contains(judged.text, "  recorded                 1.000 +-0.000"), judged.text);
+  const auto generated = judged.text.find("\n  generated");
+  REQUIRE_MESSAGE(generated != judged.text.npos, judged.text);
+  CHECK(contains(judged.text.substr(generated), " -"));  // no multimodality
+  CHECK(run(judge, place.path).text.substr(0, generated) == judged.text.substr(0, generated));
+  auto varied = judge;
+  varied[9] = "11", varied[7] = "1";
+  const auto all = run(varied, place.path);
+  REQUIRE_MESSAGE(all.code == 0, all.text);
+  CHECK(contains(all.text, "multimodality of 6 texts"));
+
+  // its rows in TMR's table of generated motions
+  const auto searched = run(
+      {"evaluate", "matching/model", "--data", "h3d", "--part", "training", "--synthesis", "--generator", "out/model"},
+      place.path);
+  REQUIRE_MESSAGE(searched.code == 0, searched.text);
+  CHECK(contains(searched.text, "\n    generated"));
+
+  const auto refused = [&](const std::vector<std::string>& arguments, int code, const char* message) {
+    const auto out = run(arguments, place.path);
+    CHECK(out.code == code);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  varied[9] = "5";
+  refused(varied, 1, "[motionlang.config.101] multimodality by 5 motions of a text: more than 10 are needed");
+  refused({"evaluate", "matching/model"}, 2, "--data is needed");
+  refused({"evaluate", "matching/model", "--data", "h3d", "--synthesis"}, 2, "needs --generator");
+  refused({"train-evaluator", "--stage", "matching", "--data", "h3d", "--preset", "small"}, 2,
+          "--movement is required");
+  refused(
+      {"train-evaluator", "--stage", "movement", "--data", "h3d", "--preset", "small", "--set", "movement.window=10"},
+      1, "window is 10, expected a multiple of 4");
+  refused({"train-evaluator", "--stage", "movement", "--print-config"}, 0, "\"window\": 24");
+}
