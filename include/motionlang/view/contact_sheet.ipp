@@ -5,6 +5,8 @@
 #include <algorithm>  // max, min, sort
 #include <cmath>      // ceil
 #include <limits>     // infinity
+#include <string>     // captions
+#include <vector>     // lines
 
 #include <motionlang/view/contact_sheet.hpp>
 #include <motionlang/view/detail/figure_drawing.hpp>
@@ -24,12 +26,26 @@ inline std::vector<Vec3<double>> positions_from_root(const Motion& motion) {
   return out;
 }
 
+/// A text in lines of at most `letters`, where its words allow that.
+inline std::vector<std::string> lines_of_text(const std::string& text, std::size_t letters) {
+  std::vector<std::string> lines(1);
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > letters) lines.emplace_back();
+    lines.back() += (lines.back().empty() ? "" : " ") + word;
+    at = end + 1;
+  }
+  return lines;
+}
+
 /// Lays the cells out and draws them.
 class ContactSheet {
  public:
   ContactSheet(std::span<const SheetEntry> entries, const ContactSheetOptions& options)
       : entries_(entries), o_(options), cell_((options.width - 2 * margin) / options.columns) {
     rows_ = (static_cast<int>(entries.size()) + o_.columns - 1) / o_.columns;
+    for (const SheetEntry& e : entries) lines_ = std::max(lines_, caption_lines(e).size());
   }
   double height() const { return top() + rows_ * cell_height() + margin; }
 
@@ -43,11 +59,14 @@ class ContactSheet {
   }
 
  private:
-  static constexpr double margin = 16, caption_height = 20;
+  static constexpr double margin = 16, line_height = 15, letter_width = 7;
   double top() const { return o_.title.empty() ? margin : 44; }
   /// A person of 1.6 m is half as high as a cell is wide.
   double figure_height() const { return 0.5 * cell_; }
-  double cell_height() const { return 1.45 * figure_height() + caption_height + 8; }
+  double cell_height() const { return 1.45 * figure_height() + static_cast<double>(lines_) * line_height + 13; }
+  std::vector<std::string> caption_lines(const SheetEntry& entry) const {
+    return lines_of_text(entry.caption, static_cast<std::size_t>(cell_ / letter_width));
+  }
 
   template <class Surface>
   void cell(Surface& on, const SheetEntry& entry, Point2 corner) const {
@@ -61,13 +80,18 @@ class ContactSheet {
       const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(frames.size());
       figure.pose(on, frames[i], {corner.x + 0.08 * cell_ + 0.84 * share * cell_, floor}, scale);
     }
-    on.text({corner.x + cell_ / 2, corner.y + cell_height() - 12}, entry.caption, TextRole::usual, TextAnchor::middle);
+    double y = corner.y + 1.45 * figure_height() + line_height;
+    for (const std::string& line : caption_lines(entry)) {
+      on.text({corner.x + cell_ / 2, y}, line, TextRole::usual, TextAnchor::middle);
+      y += line_height;
+    }
   }
 
   std::span<const SheetEntry> entries_;
   const ContactSheetOptions& o_;
   double cell_;
   int rows_ = 0;
+  std::size_t lines_ = 1;  // of the longest caption
 };
 
 inline ContactSheet contact_sheet(std::span<const SheetEntry> entries, const ContactSheetOptions& o) {
