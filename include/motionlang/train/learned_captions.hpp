@@ -7,7 +7,7 @@
 ///
 /// Repeats    an action in cycles, one that is still all the time, and one that was cut out of a longer motion: it does
 ///            not come to rest at its end, and nothing was put after it
-/// Follows    a caption of the still segment whose pose is nearest to the last pose of the action
+/// Follows    a caption of the still segment whose pose is nearest to the last pose of the action: "stand still", "sit"
 /// Nearness   divides captions from texts of other words. A caption is compared with those of segments that it is not
 ///            about. Texts of other words are captions whose words were replaced by words drawn from the vectors, or
 ///            spelled backwards if there are none

@@ -56,13 +56,20 @@ inline bool comes_to_rest(const Motion& motion) {
   return path / static_cast<double>(joints) / seconds < 0.25;
 }
 
-/// A command among the captions, that of the most segments; of several the shortest. "" if none of them commands.
-inline std::string commonest_command(const CaptionedSegment& segment, const SegmentsOfCaption& segments_of) {
+/// True for commands to be in a pose. "nod" and "fire a shot" may be still as well, but begin something.
+inline bool commands_pose(const std::string& caption) {
+  static const std::set<std::string> verbs{"be",     "crouch", "freeze", "hold",  "keep",  "kneel", "lean", "lie",
+                                           "remain", "rest",   "sit",    "squat", "stand", "stay",  "wait"};
+  return verbs.contains(commanded_verb(caption));
+}
+
+/// A command to be in a pose among the captions, that of the most segments; of several the shortest. "" if there is none.
+inline std::string commonest_pose(const CaptionedSegment& segment, const SegmentsOfCaption& segments_of) {
   std::string best;
   std::size_t most = 0;
   for (const std::string& c : segment.captions) {
     const std::size_t count = segments_of.at(c).size();
-    if (commanded_verb(c).empty() || count < most || (count == most && c.size() >= best.size())) continue;
+    if (!commands_pose(c) || count < most || (count == most && c.size() >= best.size())) continue;
     best = c, most = count;
   }
   return best;
@@ -79,7 +86,7 @@ inline std::vector<StillPose> still_poses(const std::vector<CaptionedSegment>& s
   std::vector<StillPose> out;
   for (const CaptionedSegment& s : segments) {
     if (!is_still(s.motion)) continue;
-    if (std::string text = commonest_command(s, segments_of); !text.empty())
+    if (std::string text = commonest_pose(s, segments_of); !text.empty())
       out.push_back({poses_in_place(crop(s.motion, 0, 1)), std::move(text)});
   }
   return out;

@@ -48,7 +48,7 @@ TEST_CASE("an action that comes to rest ends, and the still segment like its las
   auto held = segment(synthetic::walk({.frames = 40}), {"walk and stop"});
   held.rest = ml::Loop{20, 39}, held.action = 20;
   const auto actions = ml::segment_actions(
-      {segment(raising(40, 0, 0), {"standing", "stand quietly for long", "stand"}),
+      {segment(raising(40, 0, 0), {"standing", "nod", "stand quietly for long", "stand"}),
        segment(raising(40, 1, 1), {"keep the arm up"}), segment(raising(40, 0, 1), {"raise the arm"}),
        segment(raising(40, 1, 0), {"lower the arm"}), segment(synthetic::walk({.frames = 40}), {"walk"}), cycle, held});
   REQUIRE(actions.size() == 7);
@@ -58,7 +58,7 @@ TEST_CASE("an action that comes to rest ends, and the still segment like its las
   CHECK(actions[2].then == "keep the arm up");
   CHECK(actions[2].seconds == 2);
   CHECK_FALSE(actions[3].repeats);
-  CHECK(actions[3].then == "stand");  // the shortest command
+  CHECK(actions[3].then == "stand");  // the shortest command of a pose
   CHECK(actions[4].repeats);          // cut out of a longer walk
   CHECK(actions[5].repeats);
   CHECK_FALSE(actions[6].repeats);  // the table lets something follow
