@@ -5,7 +5,7 @@
 ///     const auto config = mdm_action_preset("small");
 ///     const auto data = read_described_motions({.data = "clips", .labels = "labels.tsv", .actions = true},
 ///                                              config.data, actor_row_maker(config.clips));
-///     train(MdmActionTraining<A>(config, data), {.out = "run"}, {{"license", "MIT"}, {"provenance", "own recordings"}});
+///     train(MdmActionTraining<A>(config, data), {.out = "run"}, {{"license", "MIT"}, {"provenance", "own"}});
 ///
 /// `motionlang train-mdm-actions` calls it.
 /// Source   Tevet et al. (ICLR 2023), section 4.2; GuyTevet/motion-diffusion-model train/train_mdm.py

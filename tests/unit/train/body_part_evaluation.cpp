@@ -1,6 +1,7 @@
 // Labellers of body parts against people; filtered negatives; tags of descriptions.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/features/motion_features.hpp>
+#include <motionlang/kinematics/sinc_part_motion.hpp>
 #include <motionlang/train/body_part_evaluation.hpp>
 #include <motionlang/train/description_evaluation.hpp>
 #include <motionlang/train/filtered_negatives.hpp>

@@ -2,6 +2,7 @@
 #include <set>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/train/guo_config.hpp>
 #include <motionlang/train/guo_evaluation.hpp>
 #include <motionlang/train/guo_matching_training.hpp>
