@@ -2183,6 +2183,38 @@ Index count_leaves(const M& module) {
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_CORE_FORMATTED_HPP  // <motionlang/core/formatted.hpp>
+#define MOTIONLANG_HAS_CORE_FORMATTED_HPP
+/// std::printf into a string, for lines in columns that people read. Error messages use concat_text of core/error.hpp,
+/// which does not depend on the locale.
+
+#include <cstdarg>  // values
+
+#if defined(__MINGW_PRINTF_FORMAT)
+#define MOTIONLANG_PRINTF_FORMAT \
+  __MINGW_PRINTF_FORMAT  // of the printf that MinGW has chosen, its own or that of Windows
+#else
+#define MOTIONLANG_PRINTF_FORMAT printf
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+__attribute__((format(MOTIONLANG_PRINTF_FORMAT, 1, 2))) inline std::string formatted(const char* form, ...) {
+  std::va_list values, again;
+  va_start(values, form);
+  va_copy(again, values);
+  std::string text(static_cast<std::size_t>(std::vsnprintf(nullptr, 0, form, values)), ' ');
+  std::vsnprintf(text.data(), text.size() + 1, form, again);
+  va_end(again);
+  va_end(values);
+  return text;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#undef MOTIONLANG_PRINTF_FORMAT
+#endif
+
 #ifndef MOTIONLANG_HAS_CORE_HALF_HPP  // <motionlang/core/half.hpp>
 #define MOTIONLANG_HAS_CORE_HALF_HPP
 /// The two 16-bit floating-point formats in which weights are stored: IEEE half (F16) and bfloat16 (BF16). Conversions
@@ -10382,477 +10414,26 @@ std::vector<Vec3<S>> chain_forward_kinematics(const ChainSkeleton& skeleton, std
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_HPP  // <motionlang/kinematics/edit_motion.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_HPP
-/// Several edits of a clip, applied in a useful order. Each is also a function of its own.
+#ifndef MOTIONLANG_HAS_KINEMATICS_CURVED_PATH_HPP  // <motionlang/kinematics/curved_path.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_CURVED_PATH_HPP
+/// Bends the path of a clip. Y up, metres.
 ///
-///     const Motion loop = edit_motion(motion, {.mirror = true, .in_place = true, .loop = 0.5});
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP  // <motionlang/kinematics/on_smpl.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP
-/// A motion on SMPL's 24 joints, from any skeleton. Models, AMASS files and joint arrays need these joints.
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP  // <motionlang/kinematics/retarget.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP
-/// Retargeting: the same movement on another skeleton, from and to every kind in skeleton_tables.hpp.
-///
-///     G_t(f) = G_s(f) C_s^-1 C_t
-/// G_s, G_t: world rotations of a joint s of the source, and of the joint t of the target that follows it. C_t: the
-/// world rotation of t while the target stands in its T-pose, facing +Z. C_s: the world rotation of s while the source
-/// stands in the same pose, with its limbs along the target's. So a source in that pose gives the target's T-pose, for
-/// any local axes and rest poses (T, A, any quarter turn). Chains may have different numbers of joints. Joints that no
-/// table knows follow those of the same name, and fingers those of the same finger. Bones keep the target's lengths;
-/// the path is scaled by the ratio of the legs.
+///     Motion circle = curved_path(walk, 1 / 1.5);   // to the left, on a circle of 1.5 m
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-class StandingSkeleton;
-}
+/// The clip, turned by `curvature` radians for every metre of its path over the floor: to the left if it is above 0.
+/// Standing feet stay where they are. Throws config_error 103 if the skeleton lacks SMPL's legs.
+Motion curved_path(const Motion& motion, double curvature);
 
-/// The report of a map about the joints that it matched.
-struct RetargetReport {
-  std::string table, target_table;                          // the kinds of source and target
-  std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
-  std::vector<std::string> unmapped;                        // joints of the target that stay at rest
-  std::vector<std::string> unused;                          // joints of the source without a follower
-  double leg_ratio = 1, arm_ratio = 1;  // target / source, 0 without arms; the path is scaled by leg_ratio
-};
-std::string to_string(const RetargetReport& r);
-
-/// A map from one skeleton to another. Make it once and use it for every clip. A mirror image, whose left side has the
-/// names of the right one, is mapped by its appearance.
-class SkeletonMap {
- public:
-  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks, for unknown
-  /// axes, for missing hips, and if a skeleton is not in the rest pose of its table. Throws 101 if the legs of a
-  /// skeleton have no length.
-  SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
-              const SkeletonTable& target_table);
-  /// For a target with SMPL's names.
-  SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& source_table)
-      : SkeletonMap(source, source_table, target, skeleton_table("SMPL")) {}
-  /// With the built-in tables that fit.
-  explicit SkeletonMap(const Skeleton& source, const Skeleton& target = smpl24_skeleton())
-      : SkeletonMap(source, detect_skeleton_table(source), target, detect_skeleton_table(target)) {}
-
-  const Skeleton& source() const { return source_; }
-  const Skeleton& target() const { return target_; }
-  const RetargetReport& report() const { return report_; }
-
-  /// Converts one frame: world transforms of the source to root position and local rotations of the target.
-  void apply(const JointTransforms<double>& from, Vec3<double>& root, std::span<Quaternion<double>> local) const;
-
- private:
-  struct Link {
-    int source = -1, second = -1;
-    Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1 C_t
-    Quaternion<double> at_rest{1, 0, 0, 0};  // of a joint that follows none, relative to its parent
-    double share = 0;
-  };
-
-  static Quaternion<double> turned(const JointTransforms<double>& from, int joint, const Quaternion<double>& undo) {
-    return to_quaternion(from.rotation[static_cast<std::size_t>(joint)]) * undo;
-  }
-  static const Vec3<double>& position(const JointTransforms<double>& from, int joint) {
-    return from.position[static_cast<std::size_t>(joint)];
-  }
-  /// A joint of the target relative to its root.
-  Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const;
-
-  /// For joints that no table knows: the joint of the same name, or the same joint of the same finger. -1 if none.
-  int namesake(const std::string& name) const;
-  void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
-
-  /// The rotation of a joint of the source from its T-pose to the target's pose. Limbs are turned joint by joint. Feet
-  /// only roll with their shins, unless a table says that their soles are level. The trunk stays as it is.
-  static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
-                                      const detail::StandingSkeleton& to, const Quaternion<double>& up);
-
-  /// Measures the lengths of legs and arms, and the places of the hips.
-  void measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
-
-  Skeleton source_, target_;
-  RetargetReport report_;
-  std::vector<Link> links_;  // of the target's joints
-  int left_hip_ = -1, right_hip_ = -1, target_left_hip_ = -1, target_right_hip_ = -1;
-};
-
-/// Moves a clip up or down so that its feet stand on y = 0, as in the rest pose. In all frames except the lowest 5 %,
-/// the lowest joint is then not below the lowest joint at rest. A rest pose below the floor says nothing about the
-/// floor (the root of many BVH files has OFFSET 0); then that joint itself is at y = 0. Returns the distance by which
-/// the clip was moved.
-double place_on_floor(Motion& motion);
-
-struct RetargetOptions {
-  bool floor = true;  // place_on_floor
-};
-
-/// The clip on the target of the map. Throws config_error 106 if its skeleton is not the source of the map.
-Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options = {});
-/// Uses the built-in tables that fit the clip and the target. A motion on the target's skeleton is not changed. Throws
-/// config_error 103 with the missing joint.
-Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(), const RetargetOptions& options = {});
+/// The length of the path of the root over the floor, in metres.
+double path_length(const Motion& motion);
 
 MOTIONLANG_NAMESPACE_END
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP  // <motionlang/kinematics/retarget.ipp>
-#define MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP
-// Bodies of retarget.hpp.
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP  // <motionlang/kinematics/finger_names.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP
-/// Recognises joints of fingers by their names, which every program forms in its own way. No table lists them, because
-/// hands may have any number of fingers.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. It knows
-/// "LeftHandIndex1" (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal"
-/// (VRM, whose thumbs begin with leftThumbMetacarpal) and similar names. "" for other joints, and for tips and other
-/// metacarpals.
-std::string finger_of(std::string_view joint);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_IPP  // <motionlang/kinematics/finger_names.ipp>
-#define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_IPP
-// Bodies of finger_names.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::string finger_of(std::string_view joint) {
-  const Side side = detail::side_of_name(joint);
-  if (side == Side::middle) return "";
-  const std::string_view own = side == Side::left ? "left" : "right", opposite = side == Side::left ? "right" : "left";
-  std::string name(joint);
-  for (char& c : name) c = detail::lower(c);
-  const auto has = [&](std::string_view part) { return name.find(part) != name.npos; };
-  if (has(opposite)) return "";
-  if (joint == concat_text(own, "ThumbMetacarpal")) return concat_text(own, "_thumb1");
-  if (joint == concat_text(own, "ThumbProximal")) return concat_text(own, "_thumb2");
-  for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {
-    if (has(other)) return "";
-  }
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> fingers{{{"thumb", "thumb"},
-                                                                                  {"index", "index"},
-                                                                                  {"mid", "middle"},
-                                                                                  {"ring", "ring"},
-                                                                                  {"pinky", "pinky"},
-                                                                                  {"little", "pinky"}}};
-  constexpr std::array<std::string_view, 3> phalanges{"proximal", "intermediate", "distal"};
-  for (const auto& [part, finger] : fingers) {
-    const std::size_t at = name.find(part);
-    if (at == name.npos) continue;
-    std::size_t number = 0;
-    for (std::size_t i = name.find_first_of("0123456789", at);
-         i < name.size() && '0' <= name[i] && name[i] <= '9' && number < 10; ++i)
-      number = 10 * number + static_cast<std::size_t>(name[i] - '0');
-    for (std::size_t i = 0; i < phalanges.size() && number == 0; ++i) number = has(phalanges[i]) ? i + 1 : 0;
-    if (number < 1 || number > 3) return "";
-    return std::string(own) + "_" + std::string(finger) + static_cast<char>('0' + number);
-  }
-  return "";
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::string to_string(const RetargetReport& r) {
-  auto list = [](const std::vector<std::string>& names) {
-    return names.empty() ? std::string("none") : join_text(names);
-  };
-  auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
-  std::vector<std::string> pairs;
-  pairs.reserve(r.mapped.size());
-  for (const auto& [to, from] : r.mapped) pairs.push_back(from + " -> " + to);
-  return concat_text(r.table, " -> ", r.target_table, ": ", r.mapped.size(), " of ",
-                     r.mapped.size() + r.unmapped.size(), " joints follow, legs x ", rounded(r.leg_ratio), ", arms x ",
-                     rounded(r.arm_ratio), "\n  mapped: ", list(pairs), "\n  target joints at rest: ", list(r.unmapped),
-                     "\n  source joints not used: ", list(r.unused));
-}
-
-namespace detail {
-
-/// The limb joints whose bones are turned to the target's direction in the rest pose.
-inline constexpr std::array<LimbBone, 4> leg_bones{{{"left_hip", "left_knee"},
-                                                    {"left_knee", "left_ankle"},
-                                                    {"right_hip", "right_knee"},
-                                                    {"right_knee", "right_ankle"}}};
-
-inline constexpr std::array<LimbBone, 4> arm_bones{{{"left_shoulder", "left_elbow"},
-                                                    {"left_elbow", "left_wrist"},
-                                                    {"right_shoulder", "right_elbow"},
-                                                    {"right_elbow", "right_wrist"}}};
-
-inline constexpr std::array<LimbBone, 2> hand_bones{{{"left_wrist", "left_hand"}, {"right_wrist", "right_hand"}}};
-
-inline const LimbBone* find_limb_bone(std::string_view joint) {
-  for (const std::span<const LimbBone> bones : {std::span<const LimbBone>(leg_bones), {arm_bones}, {hand_bones}}) {
-    for (const LimbBone& bone : bones) {
-      if (bone.joint == joint) return &bone;
-    }
-  }
-  return nullptr;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonTable& source_table,
-                                         const Skeleton& target, const SkeletonTable& target_table)
-    : source_(source), target_(target) {
-  const std::string missing = source_table.missing(source);
-  if (!missing.empty()) raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
-  const auto from = detail::StandingSkeleton::of(source, source_table),
-             to = detail::StandingSkeleton::of(target, target_table);
-  report_.table = from.table.name;
-  report_.target_table = to.table.name;
-  for (const detail::StandingSkeleton* s : {&from, &to}) {
-    const std::string lies = s->lies();
-    if (!lies.empty())
-      raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
-                          s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies, "; ",
-                          detail::own_table_hint, "; option `up` turns another axis up");
-  }
-  connect(from, to);
-  measure(from, to);
-}
-
-MOTIONLANG_BODY void SkeletonMap::apply(const JointTransforms<double>& from, Vec3<double>& root,
-                                        std::span<Quaternion<double>> local) const {
-  std::vector<Quaternion<double>> world(links_.size());
-  for (std::size_t t = 0; t < links_.size(); ++t) {
-    const Link& link = links_[t];
-    const int parent = target_.parents[t];
-    const auto up = parent < 0 ? Quaternion<double>::identity() : world[static_cast<std::size_t>(parent)];
-    world[t] = up * link.at_rest;
-    if (link.source >= 0) world[t] = turned(from, link.source, link.undo);
-    if (link.second >= 0) world[t] = slerp(world[t], turned(from, link.second, link.undo_second), link.share);
-    local[t] = inverse(up) * world[t];
-  }
-  const Vec3<double> middle = 0.5 * (position(from, left_hip_) + position(from, right_hip_));
-  root = report_.leg_ratio * middle - 0.5 * (from_root(target_left_hip_, world) + from_root(target_right_hip_, world));
-}
-
-MOTIONLANG_BODY Vec3<double> SkeletonMap::from_root(int joint, const std::vector<Quaternion<double>>& world) const {
-  Vec3<double> p{};
-  for (; target_.parent(joint) >= 0; joint = target_.parent(joint)) {
-    p = p + rotate(world[static_cast<std::size_t>(target_.parent(joint))], target_.offset(joint));
-  }
-  return p;
-}
-
-MOTIONLANG_BODY int SkeletonMap::namesake(const std::string& name) const {
-  int s = source_.find(name);
-  const std::string finger = finger_of(bare_joint_name(name));
-  for (int k = 0; k < source_.size() && s < 0 && !finger.empty(); ++k) {
-    if (finger_of(bare_joint_name(source_.name(k))) == finger) s = k;
-  }
-  return s;
-}
-
-MOTIONLANG_BODY void SkeletonMap::connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
-  links_.resize(static_cast<std::size_t>(target_.size()));
-  std::vector<bool> used(static_cast<std::size_t>(source_.size()), false);
-  // of the bones of the source, from its T-pose to the target's
-  std::vector<Quaternion<double>> turn(links_.size(), Quaternion<double>::identity());
-  for (std::size_t t = 0; t < links_.size(); ++t) {
-    Link& link = links_[t];
-    const int parent = target_.parents[t];
-    const auto up = parent < 0 ? Quaternion<double>::identity() : turn[static_cast<std::size_t>(parent)];
-    const std::string role = to.role(static_cast<int>(t));
-    turn[t] = bone_turn(role, from, to, up);
-    if (parent >= 0) link.at_rest = inverse(to.rotation[static_cast<std::size_t>(parent)]) * to.rotation[t];
-    auto follow = [&](int s) {
-      used[static_cast<std::size_t>(s)] = true;
-      return inverse(turn[t] * from.rotation[static_cast<std::size_t>(s)]) * to.rotation[t];
-    };
-    const MappedJoint* row = role.empty() ? nullptr : from.table.find(role);
-    link.source = row != nullptr ? find_joint(source_, row->source) : role.empty() ? namesake(target_.names[t]) : -1;
-    if (link.source < 0) {
-      report_.unmapped.push_back(target_.names[t]);
-      continue;
-    }
-    link.undo = follow(link.source);
-    std::string name = source_.name(link.source);
-    if (row != nullptr && !row->second.empty()) {
-      link.second = find_joint(source_, row->second);
-      link.undo_second = follow(link.second);
-      link.share = row->share;
-      name += " + " + source_.name(link.second);
-    }
-    report_.mapped.emplace_back(target_.names[t], std::move(name));
-  }
-  for (std::size_t s = 0; s < used.size(); ++s) {
-    if (!used[s]) report_.unused.push_back(source_.names[s]);
-  }
-}
-
-MOTIONLANG_BODY Quaternion<double> SkeletonMap::bone_turn(std::string_view role, const detail::StandingSkeleton& from,
-                                                          const detail::StandingSkeleton& to,
-                                                          const Quaternion<double>& up) {
-  if (const detail::LimbBone* limb = detail::find_limb_bone(role)) {
-    const Vec3<double> bone = from.bone(*limb), wanted = to.bone(*limb);
-    if (norm(bone) < 1e-9 || norm(wanted) < 1e-9) return up;
-    return rotation_between(rotate(up, bone), wanted) * up;
-  }
-  if (role == "left_ankle" || role == "right_ankle") {
-    const detail::LimbBone shin{role == "left_ankle" ? "left_knee" : "right_knee", role};
-    auto roll = [&](const detail::StandingSkeleton& s) {
-      const Vec3<double> bone = s.bone(shin);
-      return s.table.level_soles ? 0 : std::atan2(bone.x, -bone.y);
-    };
-    return from_axis_angle(Vec3<double>{0, 0, 1}, roll(to) - roll(from));
-  }
-  const bool follows = role.empty() || role.ends_with("_foot") || role.ends_with("_hand");
-  return follows ? up : Quaternion<double>::identity();
-}
-
-MOTIONLANG_BODY void SkeletonMap::measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
-  auto hip = [](const detail::StandingSkeleton& s, std::string_view role) {
-    const int j = s.joint(role);
-    if (j < 0) raise<config_error>(103, "SkeletonMap: ", s.table.name, " has no '", role, "'");
-    return j;
-  };
-  left_hip_ = hip(from, "left_hip");
-  right_hip_ = hip(from, "right_hip");
-  target_left_hip_ = hip(to, "left_hip");
-  target_right_hip_ = hip(to, "right_hip");
-  auto ratio = [&](std::span<const detail::LimbBone> bones) {  // over the bones that both skeletons have
-    double here = 0, there = 0;
-    for (const detail::LimbBone& bone : bones) {
-      const double length = from.length(bone), wanted = to.length(bone);
-      if (length > 0 && wanted > 0) here += wanted, there += length;
-    }
-    return there > 0 ? here / there : 0;
-  };
-  report_.leg_ratio = ratio(detail::leg_bones);
-  report_.arm_ratio = ratio(detail::arm_bones);
-  if (!(report_.leg_ratio > 0) || !std::isfinite(report_.leg_ratio)) {
-    raise<config_error>(101, "SkeletonMap: legs of no length (target / source = ", report_.leg_ratio, ")");
-  }
-}
-
-MOTIONLANG_BODY double place_on_floor(Motion& motion) {
-  if (motion.frames() == 0) return 0;
-  auto lowest = [](std::span<const Vec3<double>> joints) {
-    return std::min_element(joints.begin(), joints.end(), [](auto& a, auto& b) { return a.y < b.y; })->y;
-  };
-  const auto rest = motion.skeleton.rest_positions(), positions = motion.positions();
-  std::vector<double> heights;
-  for (std::size_t at = 0; at < positions.size(); at += rest.size()) {
-    heights.push_back(lowest(std::span(positions).subspan(at, rest.size())));
-  }
-  const std::size_t lowest_frames = heights.size() / 20;
-  const double shift = std::max(lowest(rest), 0.0) - nth_smallest(std::move(heights), lowest_frames);
-  for (Vec3<double>& r : motion.root) r.y += shift;
-  return shift;
-}
-
-MOTIONLANG_BODY Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options) {
-  if (motion.skeleton.names != map.source().names || motion.skeleton.parents != map.source().parents) {
-    raise<config_error>(106, "retarget: '", motion.name, "' has another skeleton than the map was made for");
-  }
-  Motion out{map.target(), motion.fps, {}, {}, motion.name};
-  out.root.resize(motion.root.size());
-  out.local.resize(motion.root.size() * static_cast<std::size_t>(out.skeleton.size()));
-  JointTransforms<double> world;
-  for (Index f = 0; f < motion.frames(); ++f) {
-    motion.world(f, world);
-    map.apply(world, out.root[static_cast<std::size_t>(f)], out.rotations(f));
-  }
-  if (options.floor) place_on_floor(out);
-  return out;
-}
-
-MOTIONLANG_BODY Motion retarget(const Motion& motion, const Skeleton& target, const RetargetOptions& options) {
-  if (motion.skeleton == target) {
-    Motion out = motion;
-    if (options.floor) place_on_floor(out);
-    return out;
-  }
-  return retarget(motion, SkeletonMap(motion.skeleton, target), options);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The motion on SMPL's 24 joints. If it has them already, in any order (a BVH file is depth first), they are only put
-/// in SMPL's order and the bones keep their lengths. Otherwise it is retargeted.
-/// report  is set only if the motion is retargeted
-/// Throws  config_error 103 with the missing joint, like retarget
-Motion on_smpl(const Motion& motion, RetargetReport* report = nullptr);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_ON_SMPL_IPP  // <motionlang/kinematics/on_smpl.ipp>
-#define MOTIONLANG_HAS_KINEMATICS_ON_SMPL_IPP
-// Bodies of on_smpl.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY Motion on_smpl(const Motion& motion, RetargetReport* report) {
-  const Skeleton &own = motion.skeleton, &smpl = smpl24_skeleton();
-  std::vector<std::size_t> from;  // our joint for each of SMPL's
-  for (int j = 0; j < smpl.size(); ++j) {
-    const int k = own.find(smpl.name(j));
-    const bool same = k >= 0 && own.size() == smpl.size() && (j == 0) == (own.parent(k) < 0) &&
-                      (j == 0 || own.name(own.parent(k)) == smpl.name(smpl.parent(j)));
-    if (!same) {
-      const SkeletonMap map(own);
-      if (report != nullptr) *report = map.report();
-      return retarget(motion, map);
-    }
-    from.push_back(static_cast<std::size_t>(k));
-  }
-  Motion out{smpl, motion.fps, motion.root, {}, motion.name};
-  for (std::size_t j = 0; j < from.size(); ++j) out.skeleton.offsets[j] = own.offsets[from[j]];
-  for (Index f = 0; f < motion.frames(); ++f) {
-    for (const std::size_t k : from) out.local.push_back(motion.rotations(f)[k]);
-  }
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Edits of a clip's time, which come first.
-struct TimeEdits {
-  double from = 0, to = 0;  // seconds; to = 0: to the end
-  double speed = 1;         // factor by which it becomes faster
-  double fps = 0;           // 0: unchanged
-};
-/// The frames [first, last) of a clip from a time to a time, seconds, each rounded; to = 0: to the end.
-std::pair<Index, Index> frames_between(const Motion& motion, double from, double to);
-/// Throws option_error 101 if nothing of the clip is between `from` and `to`, and what change_speed and resample throw.
-Motion edit_time(Motion motion, const TimeEdits& edits);
-
-/// In this order.
-struct MotionEdits {
-  bool smpl = false;      // retarget to SMPL's 24 joints
-  bool mirror = false;    // exchange left and right
-  bool smooth = false;    // removes jitter
-  bool fix_feet = false;  // put it on the floor and keep standing feet from sliding; on SMPL's 24 joints
-  bool in_place = false;  // keep the root over the origin
-  double loop = 0;        // blend this many seconds at the end into the start; 0: no loop
-};
-/// report  is set if the joints were not SMPL's and were retargeted. Throws what the single edits throw.
-Motion edit_motion(Motion motion, const MotionEdits& edits, RetargetReport* report = nullptr);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_IPP  // <motionlang/kinematics/edit_motion.ipp>
-#define MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_IPP
-// Bodies of edit_motion.hpp.
+#ifndef MOTIONLANG_HAS_KINEMATICS_CURVED_PATH_IPP  // <motionlang/kinematics/curved_path.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_CURVED_PATH_IPP
+// Bodies of curved_path.hpp.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP  // <motionlang/kinematics/foot_lock.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP
@@ -11331,6 +10912,658 @@ MOTIONLANG_BODY Motion raise_swings(const Motion& motion, std::span<const Leg> l
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_LOOPS_HPP  // <motionlang/kinematics/loops.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_LOOPS_HPP
+/// Finds cycles in a clip (steps, waving, breathing), and makes clips longer by repeating them.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Frames first and last look alike, so that after `last - 1` the clip may continue at `first`.
+struct Loop {
+  Index first = 0, last = 0;
+  double cost = 0;  // mean distance of joints, metres, velocities included
+};
+
+namespace detail {
+
+/// The rotation about the vertical in a quaternion.
+inline double heading(const Quaternion<double>& q) { return 2 * std::atan2(q.y, q.w); }
+inline Quaternion<double> turn(double angle) { return from_axis_angle(Vec3<double>{0, 1, 0}, angle); }
+
+/// Joint positions with the root's place and heading removed, (frames, joints).
+std::vector<Vec3<double>> poses_in_place(const Motion& motion);
+
+}  // namespace detail
+
+/// The best cycle of at least `least` frames, if its cost is below `most` metres.
+///     cost(a, b) = mean over joints of |p_a - p_b| + 0.1 s |v_a - v_b|
+/// Throws config_error 101 unless least >= 1.
+std::optional<Loop> find_loop(const Motion& motion, Index least, double most = 0.08);
+
+/// The clip up to loop.last, then repetitions of the loop until there are `frames` frames. Each round continues at the
+/// end of the one before, in its direction. The remaining difference between the ends fades out over `blend` frames.
+Motion go_round(const Motion& motion, const Loop& loop, Index frames, Index blend = 8);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_LOOPS_IPP  // <motionlang/kinematics/loops.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_LOOPS_IPP
+// Bodies of loops.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::vector<Vec3<double>> poses_in_place(const Motion& motion) {
+  std::vector<Vec3<double>> out;
+  JointTransforms<double> world;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    motion.world(f, world);
+    const auto back = turn(-heading(motion.rotations(f)[0]));
+    const Vec3<double> place{motion.root_at(f).x, 0, motion.root_at(f).z};
+    for (const auto& p : world.position) out.push_back(rotate(back, p - place));
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::optional<Loop> find_loop(const Motion& motion, Index least, double most) {
+  if (least < 1) raise<config_error>(101, "find_loop: a cycle of ", least, " frames");
+  const auto poses = detail::poses_in_place(motion);
+  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
+  auto at = [&](Index frame, std::size_t joint) { return poses[static_cast<std::size_t>(frame) * joints + joint]; };
+  std::optional<Loop> best;
+  for (Index a = 0; a + least + 1 < motion.frames(); ++a) {
+    for (Index b = a + least; b + 1 < motion.frames(); ++b) {
+      double cost = 0;
+      for (std::size_t j = 0; j < joints; ++j) {
+        cost +=
+            norm(at(a, j) - at(b, j)) + 0.1 * motion.fps * norm((at(a + 1, j) - at(a, j)) - (at(b + 1, j) - at(b, j)));
+      }
+      cost /= static_cast<double>(joints);
+      if (cost < (best ? best->cost : most)) best = Loop{a, b, cost};
+    }
+  }
+  return best;
+}
+
+MOTIONLANG_BODY Motion go_round(const Motion& motion, const Loop& loop, Index frames, Index blend) {
+  if (loop.first < 0 || loop.last <= loop.first || loop.last >= motion.frames()) {
+    raise<config_error>(101, "go_round: loop ", loop.first, " ... ", loop.last, " in ", motion.frames(), " frames");
+  }
+  Motion out{motion.skeleton, motion.fps, {}, {}, motion.name};
+  Quaternion<double> turned = Quaternion<double>::identity();  // of the present round in the world
+  Vec3<double> place{};
+  std::vector<Quaternion<double>> difference(static_cast<std::size_t>(motion.skeleton.size()),
+                                             Quaternion<double>::identity());
+  double height = 0;
+  Index since = blend;  // frames since the last seam
+  for (Index from = 0; out.frames() < frames; ++from, ++since) {
+    if (from == loop.last) {
+      // The frame that is due (last, in the present round) and the frame that replaces it (first).
+      const auto due = motion.rotations(loop.last), comes = motion.rotations(loop.first);
+      const Vec3<double> at = place + rotate(turned, motion.root_at(loop.last));
+      const auto spin = detail::turn(detail::heading(due[0]) - detail::heading(comes[0]));
+      turned = turned * spin;
+      const Vec3<double> start = rotate(turned, motion.root_at(loop.first));
+      place = {at.x - start.x, 0, at.z - start.z};
+      height = motion.root_at(loop.last).y - motion.root_at(loop.first).y;
+      for (std::size_t j = 0; j < difference.size(); ++j) difference[j] = due[j] * inverse(comes[j]);
+      difference[0] = inverse(spin) * difference[0];
+      from = loop.first;
+      since = 0;
+    }
+    const double left =
+        since >= blend
+            ? 0
+            : 0.5 * (1 + std::cos(std::numbers::pi * static_cast<double>(since) / static_cast<double>(blend)));
+    Vec3<double> root = place + rotate(turned, motion.root_at(from));
+    root.y = motion.root_at(from).y + left * height;
+    out.root.push_back(root);
+    const auto pose = motion.rotations(from);
+    for (std::size_t j = 0; j < pose.size(); ++j) {
+      const auto faded = slerp(Quaternion<double>::identity(), difference[j], left) * pose[j];
+      out.local.push_back(j == 0 ? turned * faded : faded);
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY double path_length(const Motion& motion) {
+  double length = 0;
+  for (Index f = 1; f < motion.frames(); ++f) {
+    const Vec3<double> step = motion.root_at(f) - motion.root_at(f - 1);
+    length += std::hypot(step.x, step.z);
+  }
+  return length;
+}
+
+MOTIONLANG_BODY Motion curved_path(const Motion& motion, double curvature) {
+  Motion out = motion;
+  double angle = 0;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    if (f > 0) {
+      const Vec3<double> step = motion.root_at(f) - motion.root_at(f - 1);
+      angle += curvature * std::hypot(step.x, step.z);
+      out.root[static_cast<std::size_t>(f)] = out.root_at(f - 1) + rotate(detail::turn(angle), step);
+    }
+    out.rotations(f)[0] = detail::turn(angle) * motion.rotations(f)[0];
+  }
+  return lock_feet(out, smpl_legs, {.speed = 1.2});  // m/s; the turn adds to the speed of a standing foot
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_DESCRIBE_SKELETON_HPP  // <motionlang/kinematics/describe_skeleton.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_DESCRIBE_SKELETON_HPP
+/// A skeleton as text, for programs that show what a file holds.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A line for each joint: its number, its name and its parent.
+std::string describe_skeleton(const Skeleton& skeleton);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_DESCRIBE_SKELETON_IPP  // <motionlang/kinematics/describe_skeleton.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_DESCRIBE_SKELETON_IPP
+// Bodies of describe_skeleton.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string describe_skeleton(const Skeleton& skeleton) {
+  std::string out;
+  for (int j = 0; j < skeleton.size(); ++j)
+    out += formatted("  %3d %-24s %s\n", j, printable(skeleton.name(j)).c_str(),
+                     j == 0 ? "" : printable(skeleton.name(skeleton.parent(j))).c_str());
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_HPP  // <motionlang/kinematics/edit_motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_HPP
+/// Several edits of a clip, applied in a useful order. Each is also a function of its own.
+///
+///     const Motion loop = edit_motion(motion, {.mirror = true, .in_place = true, .loop = 0.5});
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP  // <motionlang/kinematics/on_smpl.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP
+/// A motion on SMPL's 24 joints, from any skeleton. Models, AMASS files and joint arrays need these joints.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP  // <motionlang/kinematics/retarget.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP
+/// Retargeting: the same movement on another skeleton, from and to every kind in skeleton_tables.hpp.
+///
+///     G_t(f) = G_s(f) C_s^-1 C_t
+/// G_s, G_t: world rotations of a joint s of the source, and of the joint t of the target that follows it. C_t: the
+/// world rotation of t while the target stands in its T-pose, facing +Z. C_s: the world rotation of s while the source
+/// stands in the same pose, with its limbs along the target's. So a source in that pose gives the target's T-pose, for
+/// any local axes and rest poses (T, A, any quarter turn). Chains may have different numbers of joints. Joints that no
+/// table knows follow those of the same name, and fingers those of the same finger. Bones keep the target's lengths;
+/// the path is scaled by the ratio of the legs.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+class StandingSkeleton;
+}
+
+/// The report of a map about the joints that it matched.
+struct RetargetReport {
+  std::string table, target_table;                          // the kinds of source and target
+  std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
+  std::vector<std::string> unmapped;                        // joints of the target that stay at rest
+  std::vector<std::string> unused;                          // joints of the source without a follower
+  double leg_ratio = 1, arm_ratio = 1;  // target / source, 0 without arms; the path is scaled by leg_ratio
+};
+std::string to_string(const RetargetReport& r);
+
+/// A map from one skeleton to another. Make it once and use it for every clip. A mirror image, whose left side has the
+/// names of the right one, is mapped by its appearance.
+class SkeletonMap {
+ public:
+  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks, for unknown
+  /// axes, for missing hips, and if a skeleton is not in the rest pose of its table. Throws 101 if the legs of a
+  /// skeleton have no length.
+  SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
+              const SkeletonTable& target_table);
+  /// For a target with SMPL's names.
+  SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& source_table)
+      : SkeletonMap(source, source_table, target, skeleton_table("SMPL")) {}
+  /// With the built-in tables that fit.
+  explicit SkeletonMap(const Skeleton& source, const Skeleton& target = smpl24_skeleton())
+      : SkeletonMap(source, detect_skeleton_table(source), target, detect_skeleton_table(target)) {}
+
+  const Skeleton& source() const { return source_; }
+  const Skeleton& target() const { return target_; }
+  const RetargetReport& report() const { return report_; }
+
+  /// Converts one frame: world transforms of the source to root position and local rotations of the target.
+  void apply(const JointTransforms<double>& from, Vec3<double>& root, std::span<Quaternion<double>> local) const;
+
+ private:
+  struct Link {
+    int source = -1, second = -1;
+    Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1 C_t
+    Quaternion<double> at_rest{1, 0, 0, 0};  // of a joint that follows none, relative to its parent
+    double share = 0;
+  };
+
+  static Quaternion<double> turned(const JointTransforms<double>& from, int joint, const Quaternion<double>& undo) {
+    return to_quaternion(from.rotation[static_cast<std::size_t>(joint)]) * undo;
+  }
+  static const Vec3<double>& position(const JointTransforms<double>& from, int joint) {
+    return from.position[static_cast<std::size_t>(joint)];
+  }
+  /// A joint of the target relative to its root.
+  Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const;
+
+  /// For joints that no table knows: the joint of the same name, or the same joint of the same finger. -1 if none.
+  int namesake(const std::string& name) const;
+  void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
+
+  /// The rotation of a joint of the source from its T-pose to the target's pose. Limbs are turned joint by joint. Feet
+  /// only roll with their shins, unless a table says that their soles are level. The trunk stays as it is.
+  static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
+                                      const detail::StandingSkeleton& to, const Quaternion<double>& up);
+
+  /// Measures the lengths of legs and arms, and the places of the hips.
+  void measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
+
+  Skeleton source_, target_;
+  RetargetReport report_;
+  std::vector<Link> links_;  // of the target's joints
+  int left_hip_ = -1, right_hip_ = -1, target_left_hip_ = -1, target_right_hip_ = -1;
+};
+
+/// Moves a clip up or down so that its feet stand on y = 0, as in the rest pose. In all frames except the lowest 5 %,
+/// the lowest joint is then not below the lowest joint at rest. A rest pose below the floor says nothing about the
+/// floor (the root of many BVH files has OFFSET 0); then that joint itself is at y = 0. Returns the distance by which
+/// the clip was moved.
+double place_on_floor(Motion& motion);
+
+struct RetargetOptions {
+  bool floor = true;  // place_on_floor
+};
+
+/// The clip on the target of the map. Throws config_error 106 if its skeleton is not the source of the map.
+Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options = {});
+/// Uses the built-in tables that fit the clip and the target. A motion on the target's skeleton is not changed. Throws
+/// config_error 103 with the missing joint.
+Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(), const RetargetOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP  // <motionlang/kinematics/retarget.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP
+// Bodies of retarget.hpp.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP  // <motionlang/kinematics/finger_names.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP
+/// Recognises joints of fingers by their names, which every program forms in its own way. No table lists them, because
+/// hands may have any number of fingers.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. It knows
+/// "LeftHandIndex1" (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal"
+/// (VRM, whose thumbs begin with leftThumbMetacarpal) and similar names. "" for other joints, and for tips and other
+/// metacarpals.
+std::string finger_of(std::string_view joint);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_IPP  // <motionlang/kinematics/finger_names.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_IPP
+// Bodies of finger_names.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string finger_of(std::string_view joint) {
+  const Side side = detail::side_of_name(joint);
+  if (side == Side::middle) return "";
+  const std::string_view own = side == Side::left ? "left" : "right", opposite = side == Side::left ? "right" : "left";
+  std::string name(joint);
+  for (char& c : name) c = detail::lower(c);
+  const auto has = [&](std::string_view part) { return name.find(part) != name.npos; };
+  if (has(opposite)) return "";
+  if (joint == concat_text(own, "ThumbMetacarpal")) return concat_text(own, "_thumb1");
+  if (joint == concat_text(own, "ThumbProximal")) return concat_text(own, "_thumb2");
+  for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {
+    if (has(other)) return "";
+  }
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> fingers{{{"thumb", "thumb"},
+                                                                                  {"index", "index"},
+                                                                                  {"mid", "middle"},
+                                                                                  {"ring", "ring"},
+                                                                                  {"pinky", "pinky"},
+                                                                                  {"little", "pinky"}}};
+  constexpr std::array<std::string_view, 3> phalanges{"proximal", "intermediate", "distal"};
+  for (const auto& [part, finger] : fingers) {
+    const std::size_t at = name.find(part);
+    if (at == name.npos) continue;
+    std::size_t number = 0;
+    for (std::size_t i = name.find_first_of("0123456789", at);
+         i < name.size() && '0' <= name[i] && name[i] <= '9' && number < 10; ++i)
+      number = 10 * number + static_cast<std::size_t>(name[i] - '0');
+    for (std::size_t i = 0; i < phalanges.size() && number == 0; ++i) number = has(phalanges[i]) ? i + 1 : 0;
+    if (number < 1 || number > 3) return "";
+    return std::string(own) + "_" + std::string(finger) + static_cast<char>('0' + number);
+  }
+  return "";
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string to_string(const RetargetReport& r) {
+  auto list = [](const std::vector<std::string>& names) {
+    return names.empty() ? std::string("none") : join_text(names);
+  };
+  auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
+  std::vector<std::string> pairs;
+  pairs.reserve(r.mapped.size());
+  for (const auto& [to, from] : r.mapped) pairs.push_back(from + " -> " + to);
+  return concat_text(r.table, " -> ", r.target_table, ": ", r.mapped.size(), " of ",
+                     r.mapped.size() + r.unmapped.size(), " joints follow, legs x ", rounded(r.leg_ratio), ", arms x ",
+                     rounded(r.arm_ratio), "\n  mapped: ", list(pairs), "\n  target joints at rest: ", list(r.unmapped),
+                     "\n  source joints not used: ", list(r.unused));
+}
+
+namespace detail {
+
+/// The limb joints whose bones are turned to the target's direction in the rest pose.
+inline constexpr std::array<LimbBone, 4> leg_bones{{{"left_hip", "left_knee"},
+                                                    {"left_knee", "left_ankle"},
+                                                    {"right_hip", "right_knee"},
+                                                    {"right_knee", "right_ankle"}}};
+
+inline constexpr std::array<LimbBone, 4> arm_bones{{{"left_shoulder", "left_elbow"},
+                                                    {"left_elbow", "left_wrist"},
+                                                    {"right_shoulder", "right_elbow"},
+                                                    {"right_elbow", "right_wrist"}}};
+
+inline constexpr std::array<LimbBone, 2> hand_bones{{{"left_wrist", "left_hand"}, {"right_wrist", "right_hand"}}};
+
+inline const LimbBone* find_limb_bone(std::string_view joint) {
+  for (const std::span<const LimbBone> bones : {std::span<const LimbBone>(leg_bones), {arm_bones}, {hand_bones}}) {
+    for (const LimbBone& bone : bones) {
+      if (bone.joint == joint) return &bone;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonTable& source_table,
+                                         const Skeleton& target, const SkeletonTable& target_table)
+    : source_(source), target_(target) {
+  const std::string missing = source_table.missing(source);
+  if (!missing.empty()) raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
+  const auto from = detail::StandingSkeleton::of(source, source_table),
+             to = detail::StandingSkeleton::of(target, target_table);
+  report_.table = from.table.name;
+  report_.target_table = to.table.name;
+  for (const detail::StandingSkeleton* s : {&from, &to}) {
+    const std::string lies = s->lies();
+    if (!lies.empty())
+      raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
+                          s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies, "; ",
+                          detail::own_table_hint, "; option `up` turns another axis up");
+  }
+  connect(from, to);
+  measure(from, to);
+}
+
+MOTIONLANG_BODY void SkeletonMap::apply(const JointTransforms<double>& from, Vec3<double>& root,
+                                        std::span<Quaternion<double>> local) const {
+  std::vector<Quaternion<double>> world(links_.size());
+  for (std::size_t t = 0; t < links_.size(); ++t) {
+    const Link& link = links_[t];
+    const int parent = target_.parents[t];
+    const auto up = parent < 0 ? Quaternion<double>::identity() : world[static_cast<std::size_t>(parent)];
+    world[t] = up * link.at_rest;
+    if (link.source >= 0) world[t] = turned(from, link.source, link.undo);
+    if (link.second >= 0) world[t] = slerp(world[t], turned(from, link.second, link.undo_second), link.share);
+    local[t] = inverse(up) * world[t];
+  }
+  const Vec3<double> middle = 0.5 * (position(from, left_hip_) + position(from, right_hip_));
+  root = report_.leg_ratio * middle - 0.5 * (from_root(target_left_hip_, world) + from_root(target_right_hip_, world));
+}
+
+MOTIONLANG_BODY Vec3<double> SkeletonMap::from_root(int joint, const std::vector<Quaternion<double>>& world) const {
+  Vec3<double> p{};
+  for (; target_.parent(joint) >= 0; joint = target_.parent(joint)) {
+    p = p + rotate(world[static_cast<std::size_t>(target_.parent(joint))], target_.offset(joint));
+  }
+  return p;
+}
+
+MOTIONLANG_BODY int SkeletonMap::namesake(const std::string& name) const {
+  int s = source_.find(name);
+  const std::string finger = finger_of(bare_joint_name(name));
+  for (int k = 0; k < source_.size() && s < 0 && !finger.empty(); ++k) {
+    if (finger_of(bare_joint_name(source_.name(k))) == finger) s = k;
+  }
+  return s;
+}
+
+MOTIONLANG_BODY void SkeletonMap::connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
+  links_.resize(static_cast<std::size_t>(target_.size()));
+  std::vector<bool> used(static_cast<std::size_t>(source_.size()), false);
+  // of the bones of the source, from its T-pose to the target's
+  std::vector<Quaternion<double>> turn(links_.size(), Quaternion<double>::identity());
+  for (std::size_t t = 0; t < links_.size(); ++t) {
+    Link& link = links_[t];
+    const int parent = target_.parents[t];
+    const auto up = parent < 0 ? Quaternion<double>::identity() : turn[static_cast<std::size_t>(parent)];
+    const std::string role = to.role(static_cast<int>(t));
+    turn[t] = bone_turn(role, from, to, up);
+    if (parent >= 0) link.at_rest = inverse(to.rotation[static_cast<std::size_t>(parent)]) * to.rotation[t];
+    auto follow = [&](int s) {
+      used[static_cast<std::size_t>(s)] = true;
+      return inverse(turn[t] * from.rotation[static_cast<std::size_t>(s)]) * to.rotation[t];
+    };
+    const MappedJoint* row = role.empty() ? nullptr : from.table.find(role);
+    link.source = row != nullptr ? find_joint(source_, row->source) : role.empty() ? namesake(target_.names[t]) : -1;
+    if (link.source < 0) {
+      report_.unmapped.push_back(target_.names[t]);
+      continue;
+    }
+    link.undo = follow(link.source);
+    std::string name = source_.name(link.source);
+    if (row != nullptr && !row->second.empty()) {
+      link.second = find_joint(source_, row->second);
+      link.undo_second = follow(link.second);
+      link.share = row->share;
+      name += " + " + source_.name(link.second);
+    }
+    report_.mapped.emplace_back(target_.names[t], std::move(name));
+  }
+  for (std::size_t s = 0; s < used.size(); ++s) {
+    if (!used[s]) report_.unused.push_back(source_.names[s]);
+  }
+}
+
+MOTIONLANG_BODY Quaternion<double> SkeletonMap::bone_turn(std::string_view role, const detail::StandingSkeleton& from,
+                                                          const detail::StandingSkeleton& to,
+                                                          const Quaternion<double>& up) {
+  if (const detail::LimbBone* limb = detail::find_limb_bone(role)) {
+    const Vec3<double> bone = from.bone(*limb), wanted = to.bone(*limb);
+    if (norm(bone) < 1e-9 || norm(wanted) < 1e-9) return up;
+    return rotation_between(rotate(up, bone), wanted) * up;
+  }
+  if (role == "left_ankle" || role == "right_ankle") {
+    const detail::LimbBone shin{role == "left_ankle" ? "left_knee" : "right_knee", role};
+    auto roll = [&](const detail::StandingSkeleton& s) {
+      const Vec3<double> bone = s.bone(shin);
+      return s.table.level_soles ? 0 : std::atan2(bone.x, -bone.y);
+    };
+    return from_axis_angle(Vec3<double>{0, 0, 1}, roll(to) - roll(from));
+  }
+  const bool follows = role.empty() || role.ends_with("_foot") || role.ends_with("_hand");
+  return follows ? up : Quaternion<double>::identity();
+}
+
+MOTIONLANG_BODY void SkeletonMap::measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
+  auto hip = [](const detail::StandingSkeleton& s, std::string_view role) {
+    const int j = s.joint(role);
+    if (j < 0) raise<config_error>(103, "SkeletonMap: ", s.table.name, " has no '", role, "'");
+    return j;
+  };
+  left_hip_ = hip(from, "left_hip");
+  right_hip_ = hip(from, "right_hip");
+  target_left_hip_ = hip(to, "left_hip");
+  target_right_hip_ = hip(to, "right_hip");
+  auto ratio = [&](std::span<const detail::LimbBone> bones) {  // over the bones that both skeletons have
+    double here = 0, there = 0;
+    for (const detail::LimbBone& bone : bones) {
+      const double length = from.length(bone), wanted = to.length(bone);
+      if (length > 0 && wanted > 0) here += wanted, there += length;
+    }
+    return there > 0 ? here / there : 0;
+  };
+  report_.leg_ratio = ratio(detail::leg_bones);
+  report_.arm_ratio = ratio(detail::arm_bones);
+  if (!(report_.leg_ratio > 0) || !std::isfinite(report_.leg_ratio)) {
+    raise<config_error>(101, "SkeletonMap: legs of no length (target / source = ", report_.leg_ratio, ")");
+  }
+}
+
+MOTIONLANG_BODY double place_on_floor(Motion& motion) {
+  if (motion.frames() == 0) return 0;
+  auto lowest = [](std::span<const Vec3<double>> joints) {
+    return std::min_element(joints.begin(), joints.end(), [](auto& a, auto& b) { return a.y < b.y; })->y;
+  };
+  const auto rest = motion.skeleton.rest_positions(), positions = motion.positions();
+  std::vector<double> heights;
+  for (std::size_t at = 0; at < positions.size(); at += rest.size()) {
+    heights.push_back(lowest(std::span(positions).subspan(at, rest.size())));
+  }
+  const std::size_t lowest_frames = heights.size() / 20;
+  const double shift = std::max(lowest(rest), 0.0) - nth_smallest(std::move(heights), lowest_frames);
+  for (Vec3<double>& r : motion.root) r.y += shift;
+  return shift;
+}
+
+MOTIONLANG_BODY Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options) {
+  if (motion.skeleton.names != map.source().names || motion.skeleton.parents != map.source().parents) {
+    raise<config_error>(106, "retarget: '", motion.name, "' has another skeleton than the map was made for");
+  }
+  Motion out{map.target(), motion.fps, {}, {}, motion.name};
+  out.root.resize(motion.root.size());
+  out.local.resize(motion.root.size() * static_cast<std::size_t>(out.skeleton.size()));
+  JointTransforms<double> world;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    motion.world(f, world);
+    map.apply(world, out.root[static_cast<std::size_t>(f)], out.rotations(f));
+  }
+  if (options.floor) place_on_floor(out);
+  return out;
+}
+
+MOTIONLANG_BODY Motion retarget(const Motion& motion, const Skeleton& target, const RetargetOptions& options) {
+  if (motion.skeleton == target) {
+    Motion out = motion;
+    if (options.floor) place_on_floor(out);
+    return out;
+  }
+  return retarget(motion, SkeletonMap(motion.skeleton, target), options);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The motion on SMPL's 24 joints. If it has them already, in any order (a BVH file is depth first), they are only put
+/// in SMPL's order and the bones keep their lengths. Otherwise it is retargeted.
+/// report  is set only if the motion is retargeted
+/// Throws  config_error 103 with the missing joint, like retarget
+Motion on_smpl(const Motion& motion, RetargetReport* report = nullptr);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_ON_SMPL_IPP  // <motionlang/kinematics/on_smpl.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_ON_SMPL_IPP
+// Bodies of on_smpl.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Motion on_smpl(const Motion& motion, RetargetReport* report) {
+  const Skeleton &own = motion.skeleton, &smpl = smpl24_skeleton();
+  std::vector<std::size_t> from;  // our joint for each of SMPL's
+  for (int j = 0; j < smpl.size(); ++j) {
+    const int k = own.find(smpl.name(j));
+    const bool same = k >= 0 && own.size() == smpl.size() && (j == 0) == (own.parent(k) < 0) &&
+                      (j == 0 || own.name(own.parent(k)) == smpl.name(smpl.parent(j)));
+    if (!same) {
+      const SkeletonMap map(own);
+      if (report != nullptr) *report = map.report();
+      return retarget(motion, map);
+    }
+    from.push_back(static_cast<std::size_t>(k));
+  }
+  Motion out{smpl, motion.fps, motion.root, {}, motion.name};
+  for (std::size_t j = 0; j < from.size(); ++j) out.skeleton.offsets[j] = own.offsets[from[j]];
+  for (Index f = 0; f < motion.frames(); ++f) {
+    for (const std::size_t k : from) out.local.push_back(motion.rotations(f)[k]);
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Edits of a clip's time, which come first.
+struct TimeEdits {
+  double from = 0, to = 0;  // seconds; to = 0: to the end
+  double speed = 1;         // factor by which it becomes faster
+  double fps = 0;           // 0: unchanged
+};
+/// The frames [first, last) of a clip from a time to a time, seconds, each rounded; to = 0: to the end.
+std::pair<Index, Index> frames_between(const Motion& motion, double from, double to);
+/// Throws option_error 101 if nothing of the clip is between `from` and `to`, and what change_speed and resample throw.
+Motion edit_time(Motion motion, const TimeEdits& edits);
+
+/// In this order.
+struct MotionEdits {
+  bool smpl = false;      // retarget to SMPL's 24 joints
+  bool mirror = false;    // exchange left and right
+  bool smooth = false;    // removes jitter
+  bool fix_feet = false;  // put it on the floor and keep standing feet from sliding; on SMPL's 24 joints
+  bool in_place = false;  // keep the root over the origin
+  double loop = 0;        // blend this many seconds at the end into the start; 0: no loop
+};
+/// report  is set if the joints were not SMPL's and were retargeted. Throws what the single edits throw.
+Motion edit_motion(Motion motion, const MotionEdits& edits, RetargetReport* report = nullptr);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_IPP  // <motionlang/kinematics/edit_motion.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_IPP
+// Bodies of edit_motion.hpp.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP  // <motionlang/kinematics/smooth_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP
@@ -11948,128 +12181,6 @@ MOTIONLANG_BODY Motion join_motions(const Motion& first, Motion second, double b
     raise<option_error>(101, "join: '", shorter.name, "' has ", counted(shorter.frames(), "frame"), " at ", shorter.fps,
                         " per second, `blend` ", blend, " takes ", frames);
   return blend_into(first, second, static_cast<Index>(frames));
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_LOOPS_HPP  // <motionlang/kinematics/loops.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_LOOPS_HPP
-/// Finds cycles in a clip (steps, waving, breathing), and makes clips longer by repeating them.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Frames first and last look alike, so that after `last - 1` the clip may continue at `first`.
-struct Loop {
-  Index first = 0, last = 0;
-  double cost = 0;  // mean distance of joints, metres, velocities included
-};
-
-namespace detail {
-
-/// The rotation about the vertical in a quaternion.
-inline double heading(const Quaternion<double>& q) { return 2 * std::atan2(q.y, q.w); }
-inline Quaternion<double> turn(double angle) { return from_axis_angle(Vec3<double>{0, 1, 0}, angle); }
-
-/// Joint positions with the root's place and heading removed, (frames, joints).
-std::vector<Vec3<double>> poses_in_place(const Motion& motion);
-
-}  // namespace detail
-
-/// The best cycle of at least `least` frames, if its cost is below `most` metres.
-///     cost(a, b) = mean over joints of |p_a - p_b| + 0.1 s |v_a - v_b|
-/// Throws config_error 101 unless least >= 1.
-std::optional<Loop> find_loop(const Motion& motion, Index least, double most = 0.08);
-
-/// The clip up to loop.last, then repetitions of the loop until there are `frames` frames. Each round continues at the
-/// end of the one before, in its direction. The remaining difference between the ends fades out over `blend` frames.
-Motion go_round(const Motion& motion, const Loop& loop, Index frames, Index blend = 8);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_LOOPS_IPP  // <motionlang/kinematics/loops.ipp>
-#define MOTIONLANG_HAS_KINEMATICS_LOOPS_IPP
-// Bodies of loops.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-MOTIONLANG_BODY std::vector<Vec3<double>> poses_in_place(const Motion& motion) {
-  std::vector<Vec3<double>> out;
-  JointTransforms<double> world;
-  for (Index f = 0; f < motion.frames(); ++f) {
-    motion.world(f, world);
-    const auto back = turn(-heading(motion.rotations(f)[0]));
-    const Vec3<double> place{motion.root_at(f).x, 0, motion.root_at(f).z};
-    for (const auto& p : world.position) out.push_back(rotate(back, p - place));
-  }
-  return out;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY std::optional<Loop> find_loop(const Motion& motion, Index least, double most) {
-  if (least < 1) raise<config_error>(101, "find_loop: a cycle of ", least, " frames");
-  const auto poses = detail::poses_in_place(motion);
-  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  auto at = [&](Index frame, std::size_t joint) { return poses[static_cast<std::size_t>(frame) * joints + joint]; };
-  std::optional<Loop> best;
-  for (Index a = 0; a + least + 1 < motion.frames(); ++a) {
-    for (Index b = a + least; b + 1 < motion.frames(); ++b) {
-      double cost = 0;
-      for (std::size_t j = 0; j < joints; ++j) {
-        cost +=
-            norm(at(a, j) - at(b, j)) + 0.1 * motion.fps * norm((at(a + 1, j) - at(a, j)) - (at(b + 1, j) - at(b, j)));
-      }
-      cost /= static_cast<double>(joints);
-      if (cost < (best ? best->cost : most)) best = Loop{a, b, cost};
-    }
-  }
-  return best;
-}
-
-MOTIONLANG_BODY Motion go_round(const Motion& motion, const Loop& loop, Index frames, Index blend) {
-  if (loop.first < 0 || loop.last <= loop.first || loop.last >= motion.frames()) {
-    raise<config_error>(101, "go_round: loop ", loop.first, " ... ", loop.last, " in ", motion.frames(), " frames");
-  }
-  Motion out{motion.skeleton, motion.fps, {}, {}, motion.name};
-  Quaternion<double> turned = Quaternion<double>::identity();  // of the present round in the world
-  Vec3<double> place{};
-  std::vector<Quaternion<double>> difference(static_cast<std::size_t>(motion.skeleton.size()),
-                                             Quaternion<double>::identity());
-  double height = 0;
-  Index since = blend;  // frames since the last seam
-  for (Index from = 0; out.frames() < frames; ++from, ++since) {
-    if (from == loop.last) {
-      // The frame that is due (last, in the present round) and the frame that replaces it (first).
-      const auto due = motion.rotations(loop.last), comes = motion.rotations(loop.first);
-      const Vec3<double> at = place + rotate(turned, motion.root_at(loop.last));
-      const auto spin = detail::turn(detail::heading(due[0]) - detail::heading(comes[0]));
-      turned = turned * spin;
-      const Vec3<double> start = rotate(turned, motion.root_at(loop.first));
-      place = {at.x - start.x, 0, at.z - start.z};
-      height = motion.root_at(loop.last).y - motion.root_at(loop.first).y;
-      for (std::size_t j = 0; j < difference.size(); ++j) difference[j] = due[j] * inverse(comes[j]);
-      difference[0] = inverse(spin) * difference[0];
-      from = loop.first;
-      since = 0;
-    }
-    const double left =
-        since >= blend
-            ? 0
-            : 0.5 * (1 + std::cos(std::numbers::pi * static_cast<double>(since) / static_cast<double>(blend)));
-    Vec3<double> root = place + rotate(turned, motion.root_at(from));
-    root.y = motion.root_at(from).y + left * height;
-    out.root.push_back(root);
-    const auto pose = motion.rotations(from);
-    for (std::size_t j = 0; j < pose.size(); ++j) {
-      const auto faded = slerp(Quaternion<double>::identity(), difference[j], left) * pose[j];
-      out.local.push_back(j == 0 ? turned * faded : faded);
-    }
-  }
-  return out;
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -16299,6 +16410,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 ///     info_nce(z_text, z_motion, 0.1, false_negatives(sentences, 0.8))
 ///     info_nce(z_text, z_motion, exp(log_temperature))                    // the temperature is learned
+///     info_nce(z_text, z_motion, 0.1, {}, &z_strangers)                   // with texts that no motion shows
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -16307,7 +16419,7 @@ namespace detail {
 /// The loss for 1 / tau.
 template <Backend B>
 Tensor<B, 0> scaled_info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const Tensor<B, 0>& scale,
-                             std::span<const unsigned char> filtered) {
+                             std::span<const unsigned char> filtered, const Tensor<B, 2>* strangers) {
   const Index n = x.size(0);
   if (y.size(0) != n) raise<shape_error>(204, "info_nce: batches of ", x.shape(), ", ", y.shape());
   if (!filtered.empty() && static_cast<Index>(filtered.size()) != n * n)
@@ -16324,7 +16436,10 @@ Tensor<B, 0> scaled_info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const
   PoolVector<Index> own;
   for (Index i = 0; i < n; ++i) own.push_back(i);
   // thesis eq. 5.1 = TMR eq. 1
-  return (cross_entropy(s, own) + cross_entropy(transpose(s), own)) * 0.5;
+  const auto of_x = cross_entropy(s, own);
+  if (strangers == nullptr) return (of_x + cross_entropy(transpose(s), own)) * 0.5;
+  const auto with_strangers = concat(1, transpose(s), cosine_similarity(y, *strangers) * scale);
+  return (of_x + cross_entropy(with_strangers, own)) * 0.5;
 }
 
 }  // namespace detail
@@ -16333,22 +16448,24 @@ Tensor<B, 0> scaled_info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const
 ///     loss = (CE(S) + CE(S^T)) / 2,   CE(S) = mean_i (log sum_j exp(S_ij) - S_ii)
 /// Source    TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2, TMR eq. 1; thesis 5.2.2, thesis eq. 5.1;
 ///           van den Oord et al. (2018); a learned temperature: CLIP (Radford et al., ICML 2021), section 2.3
-/// Differs   from TMR eq. 1 by the filter of section 3.3, which removes pairs from both sums
+/// Differs   from TMR eq. 1 by the filter of section 3.3, which removes pairs from both sums; and, if there are
+///           strangers, by their terms exp(cos(y_j, stranger_k) / tau) in the sums of CE(S^T): no y_j may be near them
 /// Notation  motion -> x, text -> y, temperature -> tau
-/// Shapes    x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none -> ()
+/// Shapes    x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none; strangers (any, latent),
+///           null: none -> ()
 /// Throws    shape_error 204 if the sizes of the batches differ, 205 for a filter of another size, config_error 101
 ///           unless temperature > 0
 template <Backend B>
 Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double temperature,
-                      std::span<const unsigned char> filtered = {}) {
+                      std::span<const unsigned char> filtered = {}, const Tensor<B, 2>* strangers = nullptr) {
   if (!(temperature > 0)) raise<config_error>(101, "info_nce: temperature ", temperature);
-  return detail::scaled_info_nce(x, y, Tensor<B, 0>(1 / temperature), filtered);
+  return detail::scaled_info_nce(x, y, Tensor<B, 0>(1 / temperature), filtered, strangers);
 }
 template <Backend B>
 Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const Tensor<B, 0>& temperature,
-                      std::span<const unsigned char> filtered = {}) {
+                      std::span<const unsigned char> filtered = {}, const Tensor<B, 2>* strangers = nullptr) {
   if (!(temperature.item() > 0)) raise<config_error>(101, "info_nce: temperature ", temperature.item());
-  return detail::scaled_info_nce(x, y, 1.0 / temperature, filtered);
+  return detail::scaled_info_nce(x, y, 1.0 / temperature, filtered, strangers);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -17501,11 +17618,9 @@ struct AmassSequence {
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_HPP  // <motionlang/features/feature_rows.hpp>
-#define MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_HPP
-/// From a motion on any joints to the rows of named features.
-///
-///     const auto rows = rows_of_motion(motion_features("guoh3d"), read_motion("dance.bvh"), 20);
+#ifndef MOTIONLANG_HAS_FEATURES_DESCRIBE_FEATURES_HPP  // <motionlang/features/describe_features.hpp>
+#define MOTIONLANG_HAS_FEATURES_DESCRIBE_FEATURES_HPP
+/// The meaning of the values of a feature vector as text: what each value is, its unit, and its body part.
 
 #ifndef MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP  // <motionlang/features/motion_features.hpp>
 #define MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP
@@ -18519,6 +18634,61 @@ MOTIONLANG_BODY const MotionFeatures& motion_features(std::string_view name) {
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// "guoh3d: 263 numbers in a frame, 20 frames per second, skeleton of 24 joints", and the end of the line.
+std::string line_about_features(const MotionFeatures& features);
+/// The same, then the values in order, those of each body part, and the joints.
+std::string describe_features(const MotionFeatures& features);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_DESCRIBE_FEATURES_IPP  // <motionlang/features/describe_features.ipp>
+#define MOTIONLANG_HAS_FEATURES_DESCRIBE_FEATURES_IPP
+// Bodies of describe_features.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// "4-66", or "0" for a single value.
+inline std::string range_text(const IndexRange& r) {
+  return r.size() == 1 ? concat_text(r.begin) : concat_text(r.begin, "-", r.end - 1);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string line_about_features(const MotionFeatures& f) {
+  return concat_text(f.name, ": ", f.width, " numbers in a frame, ", f.fps, " frames per second, skeleton of ",
+                     f.skeleton().size(), " joints\n");
+}
+
+MOTIONLANG_BODY std::string describe_features(const MotionFeatures& f) {
+  std::string out = line_about_features(f) + "values, from 0 on; their units; their meaning\n";
+  for (const FeatureRange& r : f.ranges) {
+    const Index joints = r.joints.size();
+    const char* const of = joints == 1 ? "joint " : "each of joints ";
+    out += formatted("  %-8s %-12s ", detail::range_text(r.numbers).c_str(), std::string(r.unit).c_str());
+    out += concat_text(joints == 0 ? "" : of + detail::range_text(r.joints) + ": ", r.meaning, "\n");
+  }
+  out += "values of the body parts\n";
+  const FeatureLayout layout = f.layout();
+  for (const std::string_view part : body_part_names)
+    out += formatted("  %-10s %s\n", std::string(part).c_str(),
+                     join_text(layout.ranges(*parse_body_part(part)), ", ", detail::range_text).c_str());
+  return out + "joints and their parents\n" + describe_skeleton(f.skeleton());
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_HPP  // <motionlang/features/feature_rows.hpp>
+#define MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_HPP
+/// From a motion on any joints to the rows of named features.
+///
+///     const auto rows = rows_of_motion(motion_features("guoh3d"), read_motion("dance.bvh"), 20);
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -19898,12 +20068,13 @@ struct TmrLossOptions {
 /// recons and kl (the sums of TEMOS' terms), latent, contrastive: only those that the model and the options have.
 /// sentences    (batch, width), rows of length 1, to find texts with the same meaning. Null: nothing is filtered
 /// temperature  a learned one for InfoNCE, instead of that of the options. Null: that of the options
+/// strangers    (any, latent): for InfoNCE, texts that no motion shows (text/stranger_texts.hpp). Null: none
 /// Throws config_error 101 for a contrastive loss without a motion encoder.
 /// Source     TMR, section 3.2; thesis 5.2.2; TMR src/model/tmr.py compute_loss
 template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                         const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {},
-                        const Tensor<B, 0>* temperature = nullptr) {
+                        const Tensor<B, 0>* temperature = nullptr, const Tensor<B, 2>* strangers = nullptr) {
   const auto parts = temos_losses(branches, motion,
                                   TemosLossOptions{.cross_modal_kl = options.cross_modal_kl,
                                                    .gaussian_kl = options.gaussian_kl,
@@ -19919,8 +20090,8 @@ LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B
       sentences == nullptr ? std::vector<unsigned char>() : false_negatives(*sentences, options.threshold);
   out.add("contrastive", options.contrastive,
           options.contrastive_loss == ContrastiveLoss::margin ? margin_loss(x, y, options.margin, filtered)
-          : temperature != nullptr                            ? info_nce(x, y, *temperature, filtered)
-                                                              : info_nce(x, y, options.temperature, filtered));
+          : temperature != nullptr                            ? info_nce(x, y, *temperature, filtered, strangers)
+                                   : info_nce(x, y, options.temperature, filtered, strangers));
   return out;
 }
 
@@ -21560,10 +21731,14 @@ struct AnyDenoiser {
     std::optional<typename MdmSmplDenoiser<B>::EncodedText> mdm_smpl{};
     std::optional<typename MotionDiffuseDenoiser<B>::EncodedText> motiondiffuse{};
   };
+  /// If the encoder of a text marks no end, MotionDiffuse takes its last token as the end.
   EncodedText encode(const TextFeatures<B>& text) const {
     EncodedText out{text};
+    if (motiondiffuse && text.end_position.empty()) {
+      for (Index i = 0; i < text.count(); ++i) out.text.end_position.push_back(text.tokens.offsets.length(i) - 1);
+    }
     if (mdm_smpl) out.mdm_smpl = mdm_smpl->encode(text);
-    if (motiondiffuse) out.motiondiffuse = motiondiffuse->encode(text);
+    if (motiondiffuse) out.motiondiffuse = motiondiffuse->encode(out.text);
     return out;
   }
 
@@ -26060,188 +26235,395 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_TEXT_KNOWN_WORDS_HPP  // <motionlang/text/known_words.hpp>
-#define MOTIONLANG_HAS_TEXT_KNOWN_WORDS_HPP
-/// The words of a model's training texts, and the words of a text that are not among them. A motion for unknown words
-/// looks as good as others, but does not show those words.
+#ifndef MOTIONLANG_HAS_TEXT_KNOWN_CAPTIONS_HPP  // <motionlang/text/known_captions.hpp>
+#define MOTIONLANG_HAS_TEXT_KNOWN_CAPTIONS_HPP
+/// The captions that a motion model learned from, with the times that their actions take. They tell if a model can know
+/// what a text means, which texts it knows instead, and how long the text should last.
 ///
-///     const auto known = known_words(SafetensorsFile::open("stmc_free.safetensors").metadata());
-///     for (const UnknownWord& w : unknown_words("Walk forwad", known))
-///       std::cout << w.word << ", like " << w.like << '\n';                           // forwad, like forward
+///     const auto captions = load_known_captions(path, stmc.text_encoder);     // weights/known_caption_file.hpp
+///     if (!captions.knows("do a moonwalk")) show(captions.nearest("do a moonwalk", 3));
+///     const auto action = captions.action("have a seat");                     // 2.4 s, then "sit quietly"
+///
+/// The captions of mirrored motions are known as well, but not stored: a text and its mirror image are looked up.
+/// Texts that were tried with the model can be added, so that it also tells at what it often fails.
+
+#ifndef MOTIONLANG_HAS_TEXT_TEXT_TABLE_HPP  // <motionlang/text/text_table.hpp>
+#define MOTIONLANG_HAS_TEXT_TEXT_TABLE_HPP
+/// A table of texts that finds those nearest in meaning to another text.
+///
+///     const auto table = TextTable::encoded(captions, text_vectors(encoder));   // any encoder with a vector per text
+///     for (const NearText& near : table.nearest("have a seat", 3))
+///       std::cout << near.text << ' ' << near.likeness << '\n';                 // sit down 0.8
+///
+/// Two things make texts alike. Their vectors point in the same direction from the mean of the table, and the table's
+/// text says the words of the other, or words like them. A rare word counts more than a common one. So a text with a
+/// word that nobody knows is far from every text, although an encoder puts its vector somewhere.
+///
+///     likeness = max(0, cos(vector - mean, vector' - mean)) (0.01 + 0.99 words)
+///     words    = sum_w rarity_w max_v alike(w, v) / sum_w rarity_w
+///     rarity_w = log((1 + texts) / (1 + texts with w))
+///     alike    = 1 for the same word, else the cosine between the words' vectors, and 0 without these
+
+#include <functional>   // encoders
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The entry of the words in the metadata of weights.
-inline constexpr const char* known_words_entry = "text.words";
+/// Gives the vectors of texts, (texts, width), one after the other.
+using TextVectors = std::function<std::vector<float>(std::span<const std::string>)>;
 
-/// All words of the captions for the metadata: without duplicates, in alphabetical order, one on each line.
-std::string listed_words(std::span<const std::string> captions);
-
-/// The words in the metadata of weights. None if they are not listed.
-std::vector<std::string> known_words(const std::map<std::string, std::string>& metadata);
-
-/// A word that a model does not know.
-struct UnknownWord {
-  std::string word{}, like{};  // like: a known word that differs in at most a third of its letters, or ""
-};
-/// All of them without duplicates, in the order of the text. None if no words are known.
-std::vector<UnknownWord> unknown_words(std::string_view text, const std::vector<std::string>& known);
-
-/// The words of a text with letters or digits beyond a-z and 0-9, which our tokenizer skips.
-std::vector<std::string> unreadable_words(std::string_view text);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_TEXT_KNOWN_WORDS_IPP  // <motionlang/text/known_words.ipp>
-#define MOTIONLANG_HAS_TEXT_KNOWN_WORDS_IPP
-// Bodies of known_words.hpp.
-
-#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_HPP  // <motionlang/file/key_report.hpp>
-#define MOTIONLANG_HAS_FILE_KEY_REPORT_HPP
-/// Names of tensors that do not match between a file and a model, as a list that tells a person what to do.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Names that a file lacks, and names that the model does not use.
-struct KeyReport {
-  std::vector<std::string> missing, unexpected;
-};
-
-/// The number of characters to insert, remove or exchange to turn a into b (Levenshtein), but at most `limit`.
-std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
-
-/// The name that is most similar to `name`; empty if none shares half of it. Only the first 2,000 names of a long list
-/// are compared.
-std::string nearest_name(std::string_view name, const std::vector<std::string>& among);
-
-/// A line for each name, with the most similar name of the other list.
-std::string to_string(const KeyReport& report);
-
-namespace detail {
-
-[[noreturn]] void raise_key_mismatch(std::string_view file, const KeyReport& report);
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_IPP  // <motionlang/file/key_report.ipp>
-#define MOTIONLANG_HAS_FILE_KEY_REPORT_IPP
-// Bodies of key_report.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
-  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t k = 0; k < b.size(); ++k) {
-      const std::size_t exchanged = diagonal + (a[i] == b[k] ? 0 : 1);
-      diagonal = row[k + 1];
-      row[k + 1] = std::min(exchanged, std::min(diagonal, row[k]) + 1);
-    }
-  }
-  return std::min(row.back(), limit);
-}
-
-MOTIONLANG_BODY std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
-  constexpr std::size_t longest = 256;
-  std::string_view best;
-  std::size_t distance = std::min(name.size(), longest) / 2 + 1;
-  for (const std::string& candidate : std::span(among).first(std::min<std::size_t>(among.size(), 2000))) {
-    if (name.size() > longest || candidate.size() > longest) continue;
-    const std::size_t d = edit_distance(name, candidate, distance);
-    if (d < distance) distance = d, best = candidate;
-  }
-  return std::string(best);
-}
-
-MOTIONLANG_BODY std::string to_string(const KeyReport& report) {
-  constexpr std::size_t most = 20;  // lines of a list
-  std::string text;
-  const auto list = [&](const char* what, const std::vector<std::string>& names, const std::vector<std::string>& others,
-                        const char* has) {
-    for (std::size_t i = 0; i < names.size() && i < most; ++i) {
-      const std::string like = nearest_name(names[i], others);
-      text += concat_text("\n  ", what, " ", names[i]);
-      if (!like.empty()) text += concat_text("  (", has, " ", like, ")");
-    }
-    if (names.size() > most) text += concat_text("\n  ", what, " ", names.size() - most, " more");
+/// The same by a network that maps texts to a tensor (texts, width), such as CaptionEncoder. The function keeps it.
+template <class Encoder>
+TextVectors text_vectors(Encoder encoder) {
+  return [encoder = std::move(encoder)](std::span<const std::string> texts) {
+    const auto rows = encoder(texts);
+    return std::vector<float>(rows.span().begin(), rows.span().end());
   };
-  list("missing   ", report.missing, report.unexpected, "the file has");
-  list("unexpected", report.unexpected, report.missing, "the model has");
-  return text;
 }
+
+/// A text of a table, and how alike it is to another: 1 for the same, 0 for one that has nothing in common with it.
+struct NearText {
+  Index row = 0;
+  std::string text{};
+  double likeness = 0;
+};
 
 namespace detail {
 
-MOTIONLANG_BODY void raise_key_mismatch(std::string_view file, const KeyReport& report) {
-  raise<io_error>(406, file, ": ", counted(report.missing.size(), "tensor is missing", "tensors are missing"), ", ",
-                  counted(report.unexpected.size(), "is", "are"), " not expected:", report);
-}
+/// True for words that say nothing about a motion: "the", "your", "person".
+bool is_function_word(const std::string& word);
 
 }  // namespace detail
 
+class TextTable {
+ public:
+  /// No texts.
+  TextTable() = default;
+  /// From what `codes` and `mean` gave. codes: (texts, width). `source` stands in messages. Throws shape_error 205 for
+  /// another number of codes.
+  TextTable(std::vector<std::string> texts, std::vector<std::int8_t> codes, std::vector<float> mean, TextVectors encode,
+            WordVectors words = {}, std::string_view source = "TextTable");
+  /// Encodes the texts now. words: vectors of words, which tell how alike two words are; none: only the same are.
+  /// Throws what `encode` throws.
+  static TextTable encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words = {});
+
+  /// The table with more texts at its end, which are encoded now. The mean stays. An empty table stays empty. Throws
+  /// what `encode` throws.
+  TextTable with(const std::vector<std::string>& more) const;
+  /// The first texts alone. Throws shape_error 203 if there are fewer.
+  TextTable first(Index count) const;
+
+  bool empty() const { return size() == 0; }
+  Index size() const { return table_ ? static_cast<Index>(table_->texts.size()) : 0; }
+  const std::vector<std::string>& texts() const { return table().texts; }
+  /// The directions of the texts from their mean, in 8 bits a number: the largest number of a text is 127.
+  std::span<const std::int8_t> codes() const { return table().codes; }
+  std::span<const float> mean() const { return table().mean; }
+  const WordVectors& words() const { return table().words; }
+
+  /// At most `count` texts, the nearest first.
+  /// wanted  rows that may be found; none: all
+  std::vector<NearText> nearest(const std::string& text, Index count,
+                                const std::function<bool(Index)>& wanted = {}) const;
+  /// The nearest of several texts each, which are encoded together.
+  std::vector<std::vector<NearText>> nearest(std::span<const std::string> texts, Index count,
+                                             const std::function<bool(Index text, Index row)>& wanted = {}) const;
+
+ private:
+  struct Words;
+  struct Table {
+    std::vector<std::string> texts{};
+    std::vector<std::int8_t> codes{};
+    std::vector<float> mean{};
+    TextVectors encode{};
+    WordVectors words{};
+    std::shared_ptr<const Words> said{};  // in the texts
+  };
+  const Table& table() const;
+  std::vector<double> likeness(const std::string& text, std::span<const float> vector) const;
+
+  std::shared_ptr<const Table> table_;
+};
+
 MOTIONLANG_NAMESPACE_END
-#endif
-#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_TEXT_TABLE_IPP  // <motionlang/text/text_table.ipp>
+#define MOTIONLANG_HAS_TEXT_TEXT_TABLE_IPP
+// Bodies of text_table.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// A known word that differs in a third of its letters at most; "" if there is none.
-inline std::string near_word(const std::string& word, const std::vector<std::string>& known) {
-  const std::string like = nearest_name(word, known);
-  return 3 * edit_distance(word, like, word.size()) <= word.size() ? like : "";
+MOTIONLANG_BODY bool is_function_word(const std::string& word) {
+  static const std::set<std::string> words{
+      "a",      "an",      "and",      "are",     "as",      "at",     "be",     "been",  "being", "both",     "by",
+      "can",    "do",      "does",     "doing",   "for",     "from",   "he",     "her",   "hers",  "him",      "his",
+      "i",      "in",      "is",       "it",      "its",     "just",   "like",   "man",   "me",    "my",       "of",
+      "on",     "one",     "or",       "our",     "ourself", "person", "please", "she",   "so",    "some",     "that",
+      "the",    "their",   "them",     "there",   "these",   "they",   "this",   "those", "to",    "us",       "very",
+      "was",    "we",      "were",     "while",   "who",     "with",   "woman",  "you",   "your",  "yourself", "human",
+      "figure", "someone", "somebody", "himself", "herself", "itself"};
+  return words.contains(word);
 }
 
 }  // namespace detail
 
-MOTIONLANG_BODY std::string listed_words(std::span<const std::string> captions) {
-  std::set<std::string> words;
-  for (const std::string& c : captions) {
-    for (std::string& w : WordPiece::words(c)) words.insert(std::move(w));
+/// The words of the texts by number.
+struct TextTable::Words {
+  std::vector<std::string> words{};            // in alphabetical order
+  std::vector<double> rarity{};                // of each
+  std::vector<std::vector<float>> vectors{};   // of each; empty: it has none
+  std::vector<std::uint32_t> said{}, first{};  // word numbers of all texts; where each text begins
+  double rarest = 0;                           // of a word that no text says
+
+  std::optional<std::size_t> find(const std::string& word) const {
+    const auto exact = [&](const std::string& w) { return std::binary_search(words.begin(), words.end(), w); };
+    const std::string form = known_form(word, exact);
+    const auto found = std::lower_bound(words.begin(), words.end(), form);
+    if (found == words.end() || *found != form) return std::nullopt;
+    return static_cast<std::size_t>(found - words.begin());
   }
-  std::string out;
-  for (const std::string& w : words) out += (out.empty() ? "" : "\n") + w;
+};
+
+MOTIONLANG_BODY TextTable::TextTable(std::vector<std::string> texts, std::vector<std::int8_t> codes,
+                                     std::vector<float> mean, TextVectors encode, WordVectors words,
+                                     std::string_view source) {
+  if (codes.size() != texts.size() * mean.size())
+    raise<shape_error>(205, source, ": ", counted(codes.size(), "number"), " for ", counted(texts.size(), "text"),
+                       " of ", mean.size());
+  auto said = std::make_shared<Words>();
+  std::map<std::string, double> texts_with;
+  std::vector<std::vector<std::string>> words_of;
+  for (const std::string& text : texts) {
+    words_of.push_back(WordPiece::words(text));
+    std::erase_if(words_of.back(), detail::is_function_word);
+    for (const std::string& word : std::set<std::string>(words_of.back().begin(), words_of.back().end()))
+      ++texts_with[word];
+  }
+  const double all = 1 + static_cast<double>(texts.size());
+  for (const auto& [word, count] : texts_with) {
+    said->words.push_back(word);
+    said->rarity.push_back(std::log(all / (1 + count)));
+    const auto row = words.find(word);
+    said->vectors.push_back(row ? words.vector(*row) : std::vector<float>());
+  }
+  said->rarest = std::log(all);
+  for (const auto& list : words_of) {
+    said->first.push_back(static_cast<std::uint32_t>(said->said.size()));
+    for (const std::string& word : list)
+      said->said.push_back(static_cast<std::uint32_t>(std::lower_bound(said->words.begin(), said->words.end(), word) -
+                                                      said->words.begin()));
+  }
+  said->first.push_back(static_cast<std::uint32_t>(said->said.size()));
+  table_ = std::make_shared<const Table>(
+      Table{std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words), std::move(said)});
+}
+
+namespace detail {
+
+/// The vectors of texts, some at a time.
+inline std::vector<float> vectors_in_parts(std::span<const std::string> texts, const TextVectors& encode) {
+  constexpr std::size_t at_once = 256;
+  std::vector<float> out;
+  for (std::size_t first = 0; first < texts.size(); first += at_once) {
+    const auto some = encode(texts.subspan(first, std::min(at_once, texts.size() - first)));
+    out.insert(out.end(), some.begin(), some.end());
+  }
   return out;
 }
 
-MOTIONLANG_BODY std::vector<std::string> known_words(const std::map<std::string, std::string>& metadata) {
-  const auto found = metadata.find(known_words_entry);
-  return found == metadata.end() ? std::vector<std::string>() : WordPiece::words(found->second);
+/// The directions of vectors from a mean, in 8 bits a number.
+inline std::vector<std::int8_t> direction_codes(std::span<const float> vectors, std::span<const float> mean) {
+  std::vector<std::int8_t> codes;
+  for (std::size_t first = 0; first < vectors.size(); first += mean.size()) {
+    float largest = 0;
+    for (std::size_t k = 0; k < mean.size(); ++k) largest = std::max(largest, std::abs(vectors[first + k] - mean[k]));
+    for (std::size_t k = 0; k < mean.size(); ++k)
+      codes.push_back(
+          static_cast<std::int8_t>(largest > 0 ? std::round((vectors[first + k] - mean[k]) / largest * 127) : 0));
+  }
+  return codes;
 }
 
-MOTIONLANG_BODY std::vector<UnknownWord> unknown_words(std::string_view text, const std::vector<std::string>& known) {
-  std::vector<UnknownWord> out;
-  if (known.empty()) return out;
+}  // namespace detail
+
+MOTIONLANG_BODY TextTable TextTable::encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words) {
+  const auto vectors = detail::vectors_in_parts(texts, encode);
+  std::vector<double> sum(texts.empty() ? 0 : vectors.size() / texts.size());
+  for (std::size_t i = 0; i < vectors.size(); ++i) sum[i % sum.size()] += static_cast<double>(vectors[i]);
+  std::vector<float> mean;
+  for (const double s : sum) mean.push_back(static_cast<float>(s / static_cast<double>(texts.size())));
+  auto codes = detail::direction_codes(vectors, mean);
+  return {std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words)};
+}
+
+MOTIONLANG_BODY TextTable TextTable::with(const std::vector<std::string>& more) const {
+  if (empty()) return {};
+  Table all = table();
+  all.texts.insert(all.texts.end(), more.begin(), more.end());
+  const auto codes = detail::direction_codes(detail::vectors_in_parts(more, all.encode), all.mean);
+  all.codes.insert(all.codes.end(), codes.begin(), codes.end());
+  return {std::move(all.texts), std::move(all.codes), std::move(all.mean), std::move(all.encode), std::move(all.words)};
+}
+
+MOTIONLANG_BODY TextTable TextTable::first(Index count) const {
+  if (count < 0 || count > size()) raise<shape_error>(203, "TextTable: the first ", count, " of ", size());
+  if (empty()) return {};
+  Table some = table();
+  some.texts.resize(static_cast<std::size_t>(count));
+  some.codes.resize(static_cast<std::size_t>(count) * some.mean.size());
+  return {std::move(some.texts), std::move(some.codes), std::move(some.mean), std::move(some.encode),
+          std::move(some.words)};
+}
+
+MOTIONLANG_BODY const TextTable::Table& TextTable::table() const {
+  static const Table none{.said = std::make_shared<const Words>()};
+  return table_ ? *table_ : none;
+}
+
+MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text, std::span<const float> vector) const {
+  const Table& t = table();
+  const std::size_t width = t.mean.size();
+  // How alike each word of the text is to each word of the table, with the rarity as its weight.
+  const Words& said = *t.said;
+  std::vector<std::vector<double>> alike;
+  double weights = 0;
   std::set<std::string> seen;
   for (const std::string& word : WordPiece::words(text)) {
-    if (std::find(known.begin(), known.end(), word) != known.end() || !seen.insert(word).second) continue;
-    out.push_back({word, detail::near_word(word, known)});
+    if (detail::is_function_word(word) || !seen.insert(word).second) continue;
+    const auto same = said.find(word);
+    const auto row = t.words.find(word);
+    const auto of_word = row ? t.words.vector(*row) : std::vector<float>();
+    const double weight = same ? said.rarity[*same] : said.rarest;
+    auto& list = alike.emplace_back(said.words.size());
+    for (std::size_t v = 0; v < said.words.size() && row; ++v) {
+      if (!said.vectors[v].empty()) list[v] = weight * std::max(0.0, word_likeness(of_word, said.vectors[v]));
+    }
+    if (same) list[*same] = weight;
+    weights += weight;
+  }
+  std::vector<double> out(t.texts.size());
+  double own = 0;
+  for (std::size_t k = 0; k < width; ++k) own += std::pow(static_cast<double>(vector[k] - t.mean[k]), 2);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    double product = 0, length = 0, words = 0;
+    for (std::size_t k = 0; k < width; ++k) {
+      const double code = t.codes[i * width + k];
+      product += code * static_cast<double>(vector[k] - t.mean[k]), length += code * code;
+    }
+    if (product <= 0) continue;
+    for (const auto& list : alike) {
+      double best = 0;
+      for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) best = std::max(best, list[said.said[w]]);
+      words += best;
+    }
+    out[i] = product / std::sqrt(own * length) * (0.01 + 0.99 * (weights > 0 ? words / weights : 1));
   }
   return out;
 }
 
-MOTIONLANG_BODY std::vector<std::string> unreadable_words(std::string_view text) {
-  std::vector<std::string> out;
-  for_each_word(text, [&](std::string_view word) {
-    bool readable = true;
-    for (std::size_t at = 0; at < word.size();) {
-      const char32_t c = decode_utf8(word, at);
-      readable &= c < 0x80 || (char_class(c) & (CharClass::letter | CharClass::number)) == 0;
+MOTIONLANG_BODY std::vector<std::vector<NearText>> TextTable::nearest(
+    std::span<const std::string> texts, Index count, const std::function<bool(Index, Index)>& wanted) const {
+  std::vector<std::vector<NearText>> out(texts.size());
+  if (empty() || texts.empty()) return out;
+  const auto vectors = table().encode(texts);
+  if (vectors.size() != texts.size() * mean().size())
+    raise<shape_error>(205, "TextTable: the encoder gives ", counted(vectors.size(), "number"), " for ",
+                       counted(texts.size(), "text"), ", those of the table have ", mean().size());
+  for (std::size_t t = 0; t < texts.size(); ++t) {
+    const auto all = likeness(texts[t], std::span(vectors).subspan(t * mean().size(), mean().size()));
+    std::vector<Index> rows;
+    for (Index row = 0; row < size(); ++row) {
+      if (!wanted || wanted(static_cast<Index>(t), row)) rows.push_back(row);
     }
-    if (!readable) out.emplace_back(word);
-  });
+    const auto of = [&](Index row) { return all[static_cast<std::size_t>(row)]; };
+    const auto most = std::clamp<Index>(count, 0, std::ssize(rows));
+    std::partial_sort(rows.begin(), rows.begin() + most, rows.end(),
+                      [&](Index a, Index b) { return of(a) > of(b) || (of(a) == of(b) && a < b); });
+    for (Index i = 0; i < most; ++i) {
+      const Index row = rows[static_cast<std::size_t>(i)];
+      out[t].push_back({row, this->texts()[static_cast<std::size_t>(row)], of(row)});
+    }
+  }
   return out;
+}
+
+MOTIONLANG_BODY std::vector<NearText> TextTable::nearest(const std::string& text, Index count,
+                                                         const std::function<bool(Index)>& wanted) const {
+  if (!wanted) return nearest(std::span(&text, 1), count).front();
+  return nearest(std::span(&text, 1), count, [&](Index, Index row) { return wanted(row); }).front();
 }
 
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The action of a text: how long it takes, and whether it goes on for any time. If it ends, `then` is a text for what
+/// follows.
+struct KnownAction {
+  double seconds = 0;
+  bool repeats = true;
+  std::string then{};
+};
+
+class KnownCaptions {
+ public:
+  /// No captions.
+  KnownCaptions() = default;
+  /// table     captions, and behind them texts that were tried
+  /// actions   of the captions
+  /// nearness  the least likeness of a text that is known (dividing_likeness)
+  /// done      the shares of the motions that did what the tried texts say
+  /// Throws    shape_error 205 for other numbers of actions and shares; messages name `source`
+  KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness, std::vector<double> done = {},
+                std::string_view source = "KnownCaptions");
+
+  /// The same with other texts that were tried, and the shares of the motions that did what they say.
+  KnownCaptions with_tried(const std::vector<std::string>& texts, std::vector<double> done) const;
+
+  bool empty() const { return table_.empty(); }
+  const TextTable& table() const { return table_; }
+  const std::vector<KnownAction>& actions() const { return actions_; }
+  double nearness() const { return nearness_; }
+  /// The shares of the texts that were tried, which follow the captions in the table.
+  const std::vector<double>& done() const { return done_; }
+
+  /// At most `count` captions or mirror images of captions, the nearest first, each once.
+  std::vector<NearText> nearest(const std::string& text, Index count) const;
+  /// True if the nearest caption is near.
+  bool knows(const std::string& text) const;
+  /// The action of a text that is known, by the captions near it: most of them decide if it repeats, three quarters of
+  /// these take no longer, and what follows is that of the nearest.
+  std::optional<KnownAction> action(const std::string& text) const;
+  /// The share of motions that do what the text says, by the texts nearly like it that were tried. Nothing if there are
+  /// none.
+  std::optional<double> success(const std::string& text) const;
+
+ private:
+  struct Found {
+    NearText near{};
+    bool mirrored = false;
+  };
+  /// In the rows from `first` to before `last`.
+  std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
+
+  TextTable table_{};
+  std::vector<KnownAction> actions_{};
+  double nearness_ = 0;
+  std::vector<double> done_{};
+};
+
+/// The likeness that divides best what is related from what is not: the largest sum of the shares that are on the right
+/// side. Half way between the two values that it divides. 0 if one of both has no values.
+double dividing_likeness(std::vector<double> related, std::vector<double> unrelated);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_KNOWN_CAPTIONS_IPP  // <motionlang/text/known_captions.ipp>
+#define MOTIONLANG_HAS_TEXT_KNOWN_CAPTIONS_IPP
+// Bodies of known_captions.hpp.
 
 #ifndef MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP  // <motionlang/text/mirror_caption.hpp>
 #define MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP
@@ -26356,6 +26738,460 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY KnownCaptions::KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness,
+                                             std::vector<double> done, std::string_view source)
+    : table_(std::move(table)), actions_(std::move(actions)), nearness_(nearness), done_(std::move(done)) {
+  if (std::ssize(actions_) + std::ssize(done_) != table_.size())
+    raise<shape_error>(205, source, ": ", counted(actions_.size(), "action"), " and ", counted(done_.size(), "share"),
+                       " for ", counted(table_.size(), "text"));
+}
+
+MOTIONLANG_BODY KnownCaptions KnownCaptions::with_tried(const std::vector<std::string>& texts,
+                                                        std::vector<double> done) const {
+  return {table_.first(std::ssize(actions_)).with(texts), actions_, nearness_, std::move(done)};
+}
+
+MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std::string& text, Index count,
+                                                                       Index first, Index last) const {
+  std::vector<std::string> texts{text};
+  if (std::string mirrored = mirror_caption(text); mirrored != text) texts.push_back(std::move(mirrored));
+  const auto near = table_.nearest(texts, count, [&](Index, Index row) { return row >= first && row < last; });
+  std::vector<Found> all, out;
+  for (std::size_t t = 0; t < near.size(); ++t) {
+    for (NearText n : near[t]) {
+      if (t == 1) n.text = mirror_caption(n.text);
+      all.push_back({std::move(n), t == 1});
+    }
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Found& a, const Found& b) { return a.near.likeness > b.near.likeness; });
+  for (Found& f : all) {
+    const bool again = std::any_of(out.begin(), out.end(), [&](const Found& o) { return o.near.text == f.near.text; });
+    if (!again && std::ssize(out) < count) out.push_back(std::move(f));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& text, Index count) const {
+  std::vector<NearText> out;
+  for (Found& f : found(text, count, 0, std::ssize(actions_))) out.push_back(std::move(f.near));
+  return out;
+}
+
+MOTIONLANG_BODY bool KnownCaptions::knows(const std::string& text) const {
+  const auto first = nearest(text, 1);
+  return !first.empty() && first.front().likeness >= nearness_;
+}
+
+MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& text) const {
+  constexpr Index asked = 12;
+  constexpr double as_near = 0.9, exact = 3;  // a share of the best likeness; the weight of the caption itself
+  const auto found = this->found(text, asked, 0, std::ssize(actions_));
+  if (found.empty() || found.front().near.likeness < nearness_) return std::nullopt;
+  double repeats = 0, all = 0;
+  const auto weight = [&](const Found& f) {
+    if (f.near.likeness < as_near * found.front().near.likeness) return 0.0;
+    return f.near.text == text ? exact * f.near.likeness : f.near.likeness;
+  };
+  const auto action_of = [&](const Found& f) { return actions_[static_cast<std::size_t>(f.near.row)]; };
+  for (const Found& f : found) {
+    all += weight(f);
+    if (action_of(f).repeats) repeats += weight(f);
+  }
+  KnownAction out{.repeats = 2 * repeats > all};
+  std::vector<std::pair<double, double>> lengths;  // seconds, weight
+  for (const Found& f : found) {
+    const KnownAction action = action_of(f);
+    if (weight(f) == 0 || action.repeats != out.repeats) continue;
+    if (lengths.empty()) out.then = f.mirrored ? mirror_caption(action.then) : action.then;
+    lengths.emplace_back(action.seconds, weight(f));
+  }
+  std::sort(lengths.begin(), lengths.end());
+  const double three_quarters = 0.75 * (out.repeats ? repeats : all - repeats);
+  double until = 0;
+  for (const auto& [seconds, w] : lengths) {
+    out.seconds = seconds;
+    if (until += w; until >= three_quarters) break;
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::optional<double> KnownCaptions::success(const std::string& text) const {
+  constexpr Index asked = 3;
+  constexpr double nearly_same = 0.8;
+  double done = 0, weights = 0;
+  for (const Found& f : found(text, asked, std::ssize(actions_), table_.size())) {
+    if (f.near.likeness < nearly_same) continue;
+    done += f.near.likeness * done_[static_cast<std::size_t>(f.near.row) - actions_.size()];
+    weights += f.near.likeness;
+    if (f.near.text == text) break;  // the text itself, which is the nearest
+  }
+  if (weights == 0) return std::nullopt;
+  return done / weights;
+}
+
+MOTIONLANG_BODY double dividing_likeness(std::vector<double> related, std::vector<double> unrelated) {
+  if (related.empty() || unrelated.empty()) return 0;
+  std::sort(related.begin(), related.end());
+  std::sort(unrelated.begin(), unrelated.end());
+  const auto below = [](const std::vector<double>& values, double x) {
+    const auto count = std::lower_bound(values.begin(), values.end(), x) - values.begin();
+    return static_cast<double>(count) / static_cast<double>(values.size());
+  };
+  double best = -2, out = 0;
+  for (const double r : related) {  // the smallest related value that is still counted in
+    const double right = below(unrelated, r) - below(related, r);
+    if (right <= best) continue;
+    best = right;
+    const auto next = std::lower_bound(unrelated.begin(), unrelated.end(), r);
+    out = next == unrelated.begin() ? r : (r + *(next - 1)) / 2;
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_KNOWN_WORDS_HPP  // <motionlang/text/known_words.hpp>
+#define MOTIONLANG_HAS_TEXT_KNOWN_WORDS_HPP
+/// The words of a model's training texts, and the words of a text that are not among them. A motion for unknown words
+/// looks as good as others, but does not show those words.
+///
+///     const KnownWords known(known_words(SafetensorsFile::open("stmc_free.safetensors").metadata()));
+///     for (const UnknownWord& w : unknown_words("Walk forwad", known))
+///       std::cout << w.word << ", like " << w.like << '\n';                           // forwad, like forward
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The entry of the words in the metadata of weights.
+inline constexpr const char* known_words_entry = "text.words";
+
+/// All words of the captions for the metadata: without duplicates, in alphabetical order, one on each line.
+std::string listed_words(std::span<const std::string> captions);
+
+/// The words in the metadata of weights. None if they are not listed.
+std::vector<std::string> known_words(const std::map<std::string, std::string>& metadata);
+
+/// The words that a model knows: those of its training texts, and those with a vector. Copies share them.
+class KnownWords {
+ public:
+  /// Nothing is known about the words of the model.
+  KnownWords() = default;
+  explicit KnownWords(std::vector<std::string> listed, WordVectors vectors = {});
+
+  /// True if no training texts are listed. Nothing can be said about words then.
+  bool empty() const { return !listed_; }
+  /// True for a word in lower case that the training texts say, or that has a vector in one of its forms.
+  bool knows(const std::string& word) const;
+  /// A word of the training texts that differs in at most a third of its letters; "" if there is none.
+  std::string like(const std::string& word) const;
+
+ private:
+  std::shared_ptr<const std::vector<std::string>> listed_{};  // sorted
+  WordVectors vectors_{};
+};
+
+/// A word that a model does not know.
+struct UnknownWord {
+  std::string word{}, like{};  // like: KnownWords::like
+};
+/// All of them without duplicates, in the order of the text. None if no words are known.
+std::vector<UnknownWord> unknown_words(std::string_view text, const KnownWords& known);
+
+/// The words of a text with letters or digits beyond a-z and 0-9, which our tokenizer skips.
+std::vector<std::string> unreadable_words(std::string_view text);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_KNOWN_WORDS_IPP  // <motionlang/text/known_words.ipp>
+#define MOTIONLANG_HAS_TEXT_KNOWN_WORDS_IPP
+// Bodies of known_words.hpp.
+
+#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_HPP  // <motionlang/file/key_report.hpp>
+#define MOTIONLANG_HAS_FILE_KEY_REPORT_HPP
+/// Names of tensors that do not match between a file and a model, as a list that tells a person what to do.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Names that a file lacks, and names that the model does not use.
+struct KeyReport {
+  std::vector<std::string> missing, unexpected;
+};
+
+/// The number of characters to insert, remove or exchange to turn a into b (Levenshtein), but at most `limit`.
+std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
+
+/// The name that is most similar to `name`; empty if none shares half of it. Only the first 2,000 names of a long list
+/// are compared.
+std::string nearest_name(std::string_view name, const std::vector<std::string>& among);
+
+/// A line for each name, with the most similar name of the other list.
+std::string to_string(const KeyReport& report);
+
+namespace detail {
+
+[[noreturn]] void raise_key_mismatch(std::string_view file, const KeyReport& report);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_IPP  // <motionlang/file/key_report.ipp>
+#define MOTIONLANG_HAS_FILE_KEY_REPORT_IPP
+// Bodies of key_report.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      const std::size_t exchanged = diagonal + (a[i] == b[k] ? 0 : 1);
+      diagonal = row[k + 1];
+      row[k + 1] = std::min(exchanged, std::min(diagonal, row[k]) + 1);
+    }
+  }
+  return std::min(row.back(), limit);
+}
+
+MOTIONLANG_BODY std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
+  constexpr std::size_t longest = 256;
+  std::string_view best;
+  std::size_t distance = std::min(name.size(), longest) / 2 + 1;
+  for (const std::string& candidate : std::span(among).first(std::min<std::size_t>(among.size(), 2000))) {
+    if (name.size() > longest || candidate.size() > longest) continue;
+    const std::size_t d = edit_distance(name, candidate, distance);
+    if (d < distance) distance = d, best = candidate;
+  }
+  return std::string(best);
+}
+
+MOTIONLANG_BODY std::string to_string(const KeyReport& report) {
+  constexpr std::size_t most = 20;  // lines of a list
+  std::string text;
+  const auto list = [&](const char* what, const std::vector<std::string>& names, const std::vector<std::string>& others,
+                        const char* has) {
+    for (std::size_t i = 0; i < names.size() && i < most; ++i) {
+      const std::string like = nearest_name(names[i], others);
+      text += concat_text("\n  ", what, " ", names[i]);
+      if (!like.empty()) text += concat_text("  (", has, " ", like, ")");
+    }
+    if (names.size() > most) text += concat_text("\n  ", what, " ", names.size() - most, " more");
+  };
+  list("missing   ", report.missing, report.unexpected, "the file has");
+  list("unexpected", report.unexpected, report.missing, "the model has");
+  return text;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY void raise_key_mismatch(std::string_view file, const KeyReport& report) {
+  raise<io_error>(406, file, ": ", counted(report.missing.size(), "tensor is missing", "tensors are missing"), ", ",
+                  counted(report.unexpected.size(), "is", "are"), " not expected:", report);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string listed_words(std::span<const std::string> captions) {
+  std::set<std::string> words;
+  for (const std::string& c : captions) {
+    for (std::string& w : WordPiece::words(c)) words.insert(std::move(w));
+  }
+  std::string out;
+  for (const std::string& w : words) out += (out.empty() ? "" : "\n") + w;
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> known_words(const std::map<std::string, std::string>& metadata) {
+  const auto found = metadata.find(known_words_entry);
+  return found == metadata.end() ? std::vector<std::string>() : WordPiece::words(found->second);
+}
+
+MOTIONLANG_BODY KnownWords::KnownWords(std::vector<std::string> listed, WordVectors vectors)
+    : vectors_(std::move(vectors)) {
+  if (listed.empty()) return;
+  std::sort(listed.begin(), listed.end());
+  listed_ = std::make_shared<const std::vector<std::string>>(std::move(listed));
+}
+
+MOTIONLANG_BODY bool KnownWords::knows(const std::string& word) const {
+  return (listed_ && std::binary_search(listed_->begin(), listed_->end(), word)) || vectors_.find(word).has_value();
+}
+
+MOTIONLANG_BODY std::string KnownWords::like(const std::string& word) const {
+  if (!listed_) return "";
+  const std::string like = nearest_name(word, *listed_);
+  return 3 * edit_distance(word, like, word.size()) <= word.size() ? like : "";
+}
+
+MOTIONLANG_BODY std::vector<UnknownWord> unknown_words(std::string_view text, const KnownWords& known) {
+  std::vector<UnknownWord> out;
+  if (known.empty()) return out;
+  std::set<std::string> seen;
+  for (const std::string& word : WordPiece::words(text)) {
+    if (known.knows(word) || !seen.insert(word).second) continue;
+    out.push_back({word, known.like(word)});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> unreadable_words(std::string_view text) {
+  std::vector<std::string> out;
+  for_each_word(text, [&](std::string_view word) {
+    bool readable = true;
+    for (std::size_t at = 0; at < word.size();) {
+      const char32_t c = decode_utf8(word, at);
+      readable &= c < 0x80 || (char_class(c) & (CharClass::letter | CharClass::number)) == 0;
+    }
+    if (!readable) out.emplace_back(word);
+  });
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_STRANGER_TEXTS_HPP  // <motionlang/text/stranger_texts.hpp>
+#define MOTIONLANG_HAS_TEXT_STRANGER_TEXTS_HPP
+/// Texts that no motion shows, made of words at random. A search model learns that no motion is near them, and its
+/// similarities are compared with theirs.
+///
+///     const StrangerTexts strangers(tokenizer, vectors);
+///     strangers.draw(16, rng);                              // "a person senate", "budget violin", "gomu tikasa"
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+class StrangerTexts {
+ public:
+  /// Takes the words of `vectors` that are far from all words of captions: from each piece of three letters or more,
+  /// their likeness (word_likeness) is at most `most_alike`.
+  explicit StrangerTexts(const WordPiece& pieces, const WordVectors& vectors = {}, double most_alike = 0.6);
+
+  const std::vector<std::string>& words() const { return words_; }
+  /// One to four words each. A third of the texts are made of words that do not exist, all of them if there are no
+  /// vectors. Half of the texts begin with a person.
+  std::vector<std::string> draw(Index count, Philox rng) const;
+  /// The text with one or two such words put in, which do not change what it says: "walk slowly with a budget".
+  std::string disturb(const std::string& text, Philox rng) const;
+
+ private:
+  std::string word(bool invented, Philox& rng) const;
+
+  std::vector<std::string> words_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_STRANGER_TEXTS_IPP  // <motionlang/text/stranger_texts.ipp>
+#define MOTIONLANG_HAS_TEXT_STRANGER_TEXTS_IPP
+// Bodies of stranger_texts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// All vectors with length 1, row by row; zeros stay zeros.
+inline std::vector<float> unit_word_vectors(const WordVectors& vectors) {
+  std::vector<float> out;
+  for (Index row = 0; row < vectors.size(); ++row) {
+    auto v = vectors.vector(row);
+    float squares = 0;
+    for (const float x : v) squares += x * x;
+    for (const float x : v) out.push_back(squares > 0 ? x / std::sqrt(squares) : 0);
+  }
+  return out;
+}
+
+/// "gomu", "tikasa": two or three syllables.
+inline std::string invented_word(Philox& rng) {
+  constexpr std::string_view consonants = "bdfghjklmnprstvwxz", vowels = "aeiou";
+  std::string out;
+  for (std::uint32_t syllables = 2 + rng.below(2); syllables > 0; --syllables) {
+    out += consonants[rng.below(static_cast<std::uint32_t>(consonants.size()))];
+    out += vowels[rng.below(static_cast<std::uint32_t>(vowels.size()))];
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY StrangerTexts::StrangerTexts(const WordPiece& pieces, const WordVectors& vectors, double most_alike) {
+  std::set<Index> rows;
+  for (const std::string& piece : pieces.vocabulary()) {
+    if (piece.size() < 3 || piece.front() == '#' || piece.front() == '[') continue;
+    if (const auto row = vectors.find(piece)) rows.insert(*row);
+  }
+  const std::vector<Index> said(rows.begin(), rows.end());
+  const auto unit = detail::unit_word_vectors(vectors);
+  const auto row_of = [&](Index row) {
+    const auto width = static_cast<std::size_t>(vectors.width());
+    return std::span(unit).subspan(static_cast<std::size_t>(row) * width, width);
+  };
+  std::vector<unsigned char> far(static_cast<std::size_t>(vectors.size()));
+  parallel_for(vectors.size(), [&](Index i) {
+    const auto v = row_of(i);
+    far[static_cast<std::size_t>(i)] = std::all_of(said.begin(), said.end(), [&](Index other) {
+      const auto w = row_of(other);
+      float likeness = 0;
+      for (std::size_t k = 0; k < v.size(); ++k) likeness += v[k] * w[k];
+      return static_cast<double>(likeness) <= most_alike;
+    });
+  });
+  for (std::size_t i = 0; i < far.size(); ++i) {
+    const std::string& word = vectors.words()[i];
+    if (far[i] != 0 && !pieces.find(word)) words_.push_back(word);
+  }
+}
+
+MOTIONLANG_BODY std::string StrangerTexts::word(bool invented, Philox& rng) const {
+  if (invented || words_.empty()) return detail::invented_word(rng);
+  return words_[rng.below(static_cast<std::uint32_t>(words_.size()))];
+}
+
+MOTIONLANG_BODY std::string StrangerTexts::disturb(const std::string& text, Philox rng) const {
+  constexpr std::string_view links[] = {"", "at a ", "with a ", "on the ", "in the ", "like a "};
+  auto words = WordPiece::words(text);
+  for (std::uint32_t left = 1 + rng.below(2); left > 0; --left) {
+    const auto last = static_cast<std::uint32_t>(words.size());
+    const std::uint32_t at = rng.below(2) == 0 ? last : rng.below(last + 1);
+    const std::string link(links[rng.below(6)]);
+    words.insert(words.begin() + at, link + word(false, rng));
+  }
+  return join_text(words, " ");
+}
+
+MOTIONLANG_BODY std::vector<std::string> StrangerTexts::draw(Index count, Philox rng) const {
+  constexpr const char* people[] = {"a person", "someone", "a man", "a woman"};
+  std::vector<std::string> out;
+  for (Index i = 0; i < count; ++i) {
+    const bool invented = rng.below(3) == 0;
+    std::string text = rng.below(2) == 0 ? people[rng.below(4)] : "";
+    for (std::uint32_t left = 1 + rng.below(4); left > 0; --left) {
+      if (!text.empty()) text += ' ';
+      text += word(invented, rng);
+    }
+    out.push_back(std::move(text));
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_TEXT_TOKENIZED_ENCODER_HPP  // <motionlang/text/tokenized_encoder.hpp>
 #define MOTIONLANG_HAS_TEXT_TOKENIZED_ENCODER_HPP
 /// A tokenizer and a network make a text encoder.
@@ -26420,29 +27256,48 @@ MOTIONLANG_NAMESPACE_END
 ///
 ///     WordPieceTokens<B> tokens(WordPiece::learn(captions, 800), 128, rng);
 ///     const auto latent = tmr.encode_text(tokens(captions).tokens);
+///
+/// With vectors of words it also hears words that no training text contains, as text/caption_encoder.hpp does.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct WordPieceTokens {
-  Embedding<B> embedding;  // (pieces, width)
+  static constexpr Index longest = 64;  // pieces of a text, with those of start and end
+
+  Embedding<B> embedding;                         // (pieces, width)
+  std::optional<LinearMap<B>> vector_projection;  // (width, vectors.width()); none without vectors
   WordPiece tokenizer;
+  WordVectors vectors;
+  double hidden_words = 0;  // training: probability that only the vector of a word is used, if it has one
 
   static constexpr auto fields() {
     using M = WordPieceTokens;
-    return motionlang::fields("embedding", &M::embedding, "tokenizer", &M::tokenizer);
+    return motionlang::fields("embedding", &M::embedding, "vector_projection", &M::vector_projection, "tokenizer",
+                              &M::tokenizer, "vectors", &M::vectors, "hidden_words", &M::hidden_words);
   }
   WordPieceTokens() = default;
-  WordPieceTokens(WordPiece pieces, Index width, Rng auto& rng)
-      : embedding(pieces.size(), width, rng), tokenizer(std::move(pieces)) {}
+  WordPieceTokens(WordPiece pieces, Index width, Rng auto& rng, WordVectors words = {}, double hidden = 0)
+      : embedding(pieces.size(), width, rng, words.empty() ? 1 : 0.5),
+        tokenizer(std::move(pieces)),
+        vectors(std::move(words)),
+        hidden_words(hidden) {
+    if (!vectors.empty()) vector_projection.emplace(vectors.width(), width, rng);
+  }
 
   Index width() const { return embedding.weight.size(1); }
 
   /// A row for every piece, including those of start and end.
-  TextFeatures<B> operator()(std::span<const std::string> texts) const {
+  TextFeatures<B> operator()(std::span<const std::string> texts, const Context& context = {}) const {
     const ModuleScope scope(*this);
-    const TokenBatch batch = tokenize(tokenizer, texts);
-    return {{embedding(batch.ids), Offsets(std::span<const Index>(batch.lengths))}};
+    HeardWords words = heard_words(tokenizer, vectors, texts, longest);
+    if (context.dropout && vector_projection) {
+      auto rng = context.next_mask();
+      hide_words(words, hidden_words, rng);
+    }
+    auto rows = embedding(words.ids);
+    if (vector_projection) rows = rows + (*vector_projection)(word_rows<B>(words, vectors));
+    return {{std::move(rows), Offsets(std::span<const Index>(words.lengths))}};
   }
   template <Backend C>
   requires std::same_as<C, B> TextFeatures<C> encode(std::span<const std::string> texts)
@@ -26751,6 +27606,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// The parts of an answer; nothing if a line is not a part, or if no part is named.
+std::optional<SincParts> known_body_part_answer(std::string_view answer);
 /// One part per line. Lines about the face, wrists and hands are ignored. Shoulders count as arms, buttocks and waist
 /// as the pelvis, and the neck as the torso. Throws config_error 103 for an unknown name, and if no part is named.
 SincParts parse_body_part_answer(std::string_view answer);
@@ -26795,23 +27652,44 @@ inline std::string plain_answer(std::string_view answer) {
 
 }  // namespace detail
 
-MOTIONLANG_BODY SincParts parse_body_part_answer(std::string_view answer) {
+namespace detail {
+
+/// The names in an answer, without those that mean nothing.
+inline std::set<std::string, std::less<>> named_parts(std::string_view answer) {
   std::set<std::string, std::less<>> named;
-  const std::string plain = detail::plain_answer(answer);
-  detail::for_each_line(plain, [&](std::string_view line, Index) {
-    if (const auto part = detail::trim(line); !part.empty()) named.emplace(part);
+  const std::string plain = plain_answer(answer);
+  for_each_line(plain, [&](std::string_view line, Index) {
+    if (const auto part = trim(line); !part.empty()) named.emplace(part);
   });
   for (const char* nothing : {"right side of face", "right eye", "wrist", "hand"}) named.erase(nothing);
   const bool arm = named.contains("left arm") || named.contains("right arm");
   if (named.erase("shoulders") > 0 && !arm) named.insert({"left arm", "right arm"});
+  return named;
+}
+inline std::optional<SincPart> part_of_answer(std::string_view name) {
+  return parse_sinc_part(name == "buttocks" || name == "waist" ? "global"
+                         : name == "neck"                      ? "torso"
+                         : name == "left shoulder"             ? "left arm"
+                         : name == "right shoulder"            ? "right arm"
+                                                               : name);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::optional<SincParts> known_body_part_answer(std::string_view answer) {
   SincParts parts;
-  for (const std::string_view name : named) {
-    const std::string_view known = name == "buttocks" || name == "waist" ? "global"
-                                   : name == "neck"                      ? "torso"
-                                   : name == "left shoulder"             ? "left arm"
-                                   : name == "right shoulder"            ? "right arm"
-                                                                         : name;
-    const auto part = parse_sinc_part(known);
+  for (const std::string& name : detail::named_parts(answer)) {
+    const auto part = detail::part_of_answer(name);
+    if (!part) return std::nullopt;
+    parts.set(static_cast<std::size_t>(*part));
+  }
+  return parts.none() ? std::nullopt : std::optional(parts);
+}
+
+MOTIONLANG_BODY SincParts parse_body_part_answer(std::string_view answer) {
+  SincParts parts;
+  for (const std::string& name : detail::named_parts(answer)) {
+    const auto part = detail::part_of_answer(name);
     if (!part) raise<config_error>(103, "parse_body_part_answer: '", name, "' is not a body part, in '", answer, "'");
     parts.set(static_cast<std::size_t>(*part));
   }
@@ -27040,6 +27918,52 @@ MOTIONLANG_BODY BodyParts guess_body_parts(std::string_view text, const BodyPart
   }
   for (const BodyPartition::Named& s : body.synonyms()) add_named(s.name, s.part);
   return parts.empty() ? body.all() : parts;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_BODY_PART_PROMPTS_HPP  // <motionlang/compose/body_part_prompts.hpp>
+#define MOTIONLANG_HAS_COMPOSE_BODY_PART_PROMPTS_HPP
+/// Questions to a language model about the body parts of an action. body_part_answers.hpp reads its answers.
+///
+///     body_part_prompt("wave", BodyPartPrompt::few_shot)
+///
+/// Source   thesis B.2.1, table B.1: (a) free form, (b) choose from a list, (c) list and examples; SINC (Athanasiou et
+///          al., ICCV 2023) asks (c) of text-davinci-003 at temperature 0, at most 256 tokens
+/// Differs  the thesis states the instruction and the questions of (b) and (c) in parts; the words between are ours
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// In the order of table B.1.
+enum class BodyPartPrompt { free_form, list, few_shot };
+
+std::string body_part_prompt(const std::string& action, BodyPartPrompt form = BodyPartPrompt::few_shot);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_BODY_PART_PROMPTS_IPP  // <motionlang/compose/body_part_prompts.ipp>
+#define MOTIONLANG_HAS_COMPOSE_BODY_PART_PROMPTS_IPP
+// Bodies of body_part_prompts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string body_part_prompt(const std::string& action, BodyPartPrompt form) {
+  if (form == BodyPartPrompt::free_form) return "List the body parts involved in this action: " + action;
+  const auto question = [](const std::string& of) {
+    return "Question: What are the body parts involved in the action: " + of + "?\nAnswer:";
+  };
+  std::string out =
+      "Instructions: choose answers from the list ['left arm', 'right arm', 'left leg', 'right leg', 'torso', 'neck', "
+      "'buttocks', 'waist']\n\n";
+  if (form == BodyPartPrompt::few_shot) {
+    out += question("walk forwards") + " right leg\nleft leg\nbuttocks\n\n";
+    out += question("face to the left") + " torso\nneck\n\n";
+    out += question("put headphones over ears") + " right arm\nleft arm\nneck\n\n";
+    out += question("sit down") + " right leg\nleft leg\nbuttocks\nwaist\n\n";
+  }
+  return out + question(action);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -28332,6 +29256,61 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_COMPOSE_DESCRIBE_PLAN_HPP  // <motionlang/compose/describe_plan.hpp>
+#define MOTIONLANG_HAS_COMPOSE_DESCRIBE_PLAN_HPP
+/// The plan of a timeline as text: when each text moves which body parts, and which text each body part follows.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A line for each text with its seconds and body parts, then one for each body part with the stretches of its texts.
+/// fps  frames per second of the plan
+std::string describe_plan(const TimelinePlan& plan, double fps);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_DESCRIBE_PLAN_IPP  // <motionlang/compose/describe_plan.ipp>
+#define MOTIONLANG_HAS_COMPOSE_DESCRIBE_PLAN_IPP
+// Bodies of describe_plan.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline std::string names_of_parts(BodyParts parts, const BodyPartition& body) {
+  std::vector<std::string> names;
+  for (int p = 0; p < body.size(); ++p) {
+    if (const auto part = static_cast<BodyPart>(p); parts.has(part)) names.push_back(body.name(part));
+  }
+  return join_text(names);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string describe_plan(const TimelinePlan& plan, double fps) {
+  const auto seconds = [fps](Index frame) { return static_cast<double>(frame) / fps; };
+  std::string out;
+  for (const Interval& i : plan.timeline.intervals)
+    out += formatted("  %6.2f - %6.2f s  %-40s %s\n", seconds(i.start), seconds(i.end),
+                     i.text.empty() ? "(no text: moves freely)" : printable(i.text).c_str(),
+                     detail::names_of_parts(i.parts, plan.timeline.body).c_str());
+  for (int p = 0; p < plan.timeline.body.size(); ++p) {
+    const auto own = static_cast<BodyPart>(p);
+    out += formatted("  %-10s", plan.timeline.body.name(own).c_str());
+    for (const PartInterval& part : plan.merged) {
+      if (part.part != own) continue;
+      const std::string& text = plan.timeline.intervals[static_cast<std::size_t>(part.owner)].text;
+      out += formatted(" [%.2f-%.2f %s]", seconds(part.range.start), seconds(part.range.end),
+                       text.empty() ? "-" : printable(text).c_str());
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_COMPOSE_EDITS_HPP  // <motionlang/compose/edits.hpp>
 #define MOTIONLANG_HAS_COMPOSE_EDITS_HPP
 /// The frames that an edit of a timeline can change, step by step. No tensors here.
@@ -29417,6 +30396,114 @@ MOTIONLANG_BODY std::string list_sinc_parts(const SincParts& parts) {
     if (parts[p]) names.push_back(sinc_part_names[p]);
   }
   return join_text(names);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_TEXT_TIMELINE_HPP  // <motionlang/compose/text_timeline.hpp>
+#define MOTIONLANG_HAS_COMPOSE_TEXT_TIMELINE_HPP
+/// The timeline of a text without times: how long its action takes, and what follows if there is more time.
+///
+///     const auto captions = load_known_captions(path, stmc.text_encoder);
+///     const auto usual = text_timeline("kick", captions, {});                  // as long as a kick
+///     const auto longer = text_timeline("kick", captions, {.seconds = 4});     // one kick, then "stand still"
+///
+/// Without captions a text lasts text_seconds, if nothing else is wanted.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Seconds of a text that no rule is about.
+inline constexpr double text_seconds = 5;
+
+struct TextTimelineOptions {
+  std::optional<double> seconds{};  // none: those that the action takes
+  double fps = 20;
+  bool end_actions = true;  // what ends is not made longer: another text follows
+  bool in_turn = false;     // the actions of the text follow each other (compose/in_turn.hpp)
+};
+
+/// The action of a text: by its words (compose/natural_lengths.hpp), whose times were tried with a model; if they say
+/// nothing, by the captions near it. Several actions in turn take the sum of their times, and end like the last one.
+std::optional<KnownAction> usual_action(const std::string& text, const KnownCaptions& captions);
+
+/// Seconds for a text: at least 1.2 for an action that ends, and 4 for one that repeats; at most longest_whole_text.
+/// text_seconds if the action is not known, or no captions are.
+double usual_seconds(const std::string& text, const KnownCaptions& captions);
+
+/// The whole body does what the text says. If it has at least a second more than its action takes, and the action ends,
+/// the text of what follows takes the rest. Several actions are made in turn also if they last longer than
+/// longest_whole_text and actions end, because a text that is cut would start again.
+Timeline text_timeline(const std::string& text, const KnownCaptions& captions, const TextTimelineOptions& options = {});
+
+/// True if an interval lasts over twice as long as the action of its text, and two seconds more, but this ends.
+bool outlasts_action(const Interval& interval, const KnownCaptions& captions, double fps);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_TEXT_TIMELINE_IPP  // <motionlang/compose/text_timeline.ipp>
+#define MOTIONLANG_HAS_COMPOSE_TEXT_TIMELINE_IPP
+// Bodies of text_timeline.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::optional<KnownAction> usual_action(const std::string& text, const KnownCaptions& captions) {
+  if (const auto natural = natural_length(text))
+    return KnownAction{.seconds = natural->seconds + (natural->from_rest ? standing_lead_in : 0),
+                       .repeats = false,
+                       .then = natural->then};
+  const auto texts = actions_in_turn(text);
+  if (texts.size() == 1) return captions.action(text);
+  auto all = usual_action(texts.back(), captions);
+  if (!all) return std::nullopt;
+  all->seconds = 0;
+  for (const std::string& t : texts) all->seconds += usual_seconds(t, captions);
+  return all;
+}
+
+MOTIONLANG_BODY double usual_seconds(const std::string& text, const KnownCaptions& captions) {
+  constexpr double shortest = 1.2, shortest_repeated = 4;
+  const auto action = usual_action(text, captions);
+  if (!action || captions.empty()) return text_seconds;
+  return std::clamp(action->seconds, action->repeats ? shortest_repeated : shortest, longest_whole_text);
+}
+
+MOTIONLANG_BODY Timeline text_timeline(const std::string& text, const KnownCaptions& captions,
+                                       const TextTimelineOptions& options) {
+  const bool too_long = options.end_actions && options.seconds.value_or(0) > longest_whole_text;
+  const auto texts = options.in_turn || too_long ? actions_in_turn(text) : std::vector<std::string>{text};
+  std::vector<Interval> intervals;
+  if (options.seconds) {
+    const Interval whole{text, 0, frame_at(*options.seconds, options.fps), BodyParts::all()};
+    if (whole.end < std::ssize(texts))
+      raise<config_error>(101, "text_timeline: '", text, "' has ", counted(texts.size(), "action"), " in ",
+                          counted(whole.end, "frame"));
+    intervals = detail::equal_parts(whole, std::ssize(texts));
+  }
+  Timeline out;
+  Index start = 0;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const Index end =
+        options.seconds ? intervals[i].end : start + frame_at(usual_seconds(texts[i], captions), options.fps);
+    out.intervals.push_back({texts[i], start, end, BodyParts::all()});
+    const auto action = usual_action(texts[i], captions);
+    // end_actions, which cut_texts calls, ends the natural lengths. It knows when the figure has to stand before them.
+    const bool ends = options.end_actions && action && !action->repeats && !natural_length(texts[i]);
+    const Index over = action ? start + frame_at(usual_seconds(texts[i], captions), options.fps) : end;
+    if (ends && end >= over + frame_at(1, options.fps)) {
+      out.intervals.back().end = over;
+      out.intervals.push_back({action->then, over, end, BodyParts::all()});
+    }
+    start = end;
+  }
+  return out;
+}
+
+MOTIONLANG_BODY bool outlasts_action(const Interval& interval, const KnownCaptions& captions, double fps) {
+  const auto action = usual_action(interval.text, captions);
+  return action && !action->repeats &&
+         static_cast<double>(interval.end - interval.start) / fps > std::max(2 * action->seconds, action->seconds + 2);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -32680,6 +33767,7 @@ struct RetrievalOptions {
   Index batch = 32;
   std::vector<std::string> ids{};       // of the pairs, for nsim and guo
   std::vector<std::string> nsim_ids{};  // those without a pair are skipped, as published
+  bool euclidean = false;               // the closest is the nearest, as for Guo's evaluator, not the most parallel
 };
 
 /// texts, motions  (n, latent); pair i belongs together
@@ -32691,8 +33779,13 @@ RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const 
                         const Rows<E>& sentences, const RetrievalOptions& options = {}) {
   const Index n = texts.size();
   detail::require_same_count("retrieve: texts against motions", n, motions.size());
-  auto table_of = [](const Rows<S>& x, const Rows<S>& y, std::span<const std::uint8_t> alike = {}) {
+  auto table_of = [&](const Rows<S>& x, const Rows<S>& y, std::span<const std::uint8_t> alike = {}) {
     if (x.size() == 0) raise<numeric_error>(302, "retrieve: no pairs");
+    if (options.euclidean) {
+      auto nearness = distances(x, y);
+      for (double& d : nearness) d = -d;
+      return retrieval_table(Rows(std::span<const double>(nearness), y.size()), alike);
+    }
     return retrieval_table(Rows(cosine_similarities(x, y), y.size()), alike);
   };
   auto table_at = [&](std::span<const Index> positions) {
@@ -32922,8 +34015,6 @@ MOTIONLANG_NAMESPACE_END
 ///     for (const auto& [ten_motions_of_a_text, recorded] : items) sampled.add(ten_motions_of_a_text, recorded);
 ///     sampled.mean().ape.root;
 
-#include <functional>  // motions
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 using JointFrames = std::vector<Vec3<double>>;  // (frames, joints)
@@ -32933,7 +34024,7 @@ using JointErrors = ApeAveMetric<double>;
 class SampledErrors {
  public:
   SampledErrors(const JointErrors& none, Index samples)
-      : of_sample_(static_cast<std::size_t>(samples), none), best_(none), worst_(none) {}
+      : of_sample_(static_cast<std::size_t>(samples), none), best_of_(of_sample_), worst_(none) {}
 
   /// samples  one motion for each of the samples
   void add(const std::vector<JointFrames>& samples, const JointFrames& truth);
@@ -32944,12 +34035,14 @@ class SampledErrors {
   /// The mean over the samples.
   ApeAve mean() const;
   /// The errors of the best and of the worst motion of each text.
-  ApeAve best() const { return best_.result(); }
+  ApeAve best() const { return best_of_.back().result(); }
   ApeAve worst() const { return worst_.result(); }
+  /// The errors of the best of the first motions of each text. Source  thesis figure 4.5
+  ApeAve best_of(Index first) const { return best_of_.at(static_cast<std::size_t>(first - 1)).result(); }
 
  private:
-  std::vector<JointErrors> of_sample_;
-  JointErrors best_, worst_;
+  std::vector<JointErrors> of_sample_, best_of_;  // of one sample, of the first 1, 2, 3, ...
+  JointErrors worst_;
 };
 
 /// Errors of motions that ignore the text. One is the mean of all poses, seen from the body, standing still. The other
@@ -32984,8 +34077,14 @@ struct NamedErrors {
 /// "one sample", the first motion of each text. If there are several, also "mean of 10 samples", "best of 10 samples"
 /// and "worst of 10 samples".
 std::vector<NamedErrors> named_errors(const SampledErrors& errors);
+/// The root's APE of the best of 1, 2, 3, ... motions: a line with the numbers of samples and one with the errors, as
+/// `figure curves --rows` reads them (view/loss_curves.hpp).
+std::string best_of_table(const SampledErrors& errors);
 /// "mean pose" and "random clip".
 std::vector<NamedErrors> named_errors(const BlindErrors& errors);
+/// The rows below a header: APE in metres and AVE in square metres, of the root, its trajectory, and the joints,
+/// relative to the root and in the world.
+std::string errors_table(std::span<const NamedErrors> rows);
 
 MOTIONLANG_NAMESPACE_END
 
@@ -33021,7 +34120,7 @@ inline JointFrames mean_pose(const RifkeVariant& variant, Index motions, const B
 MOTIONLANG_BODY void SampledErrors::add(const std::vector<JointFrames>& samples, const JointFrames& truth) {
   const std::vector<JointErrors::Joints> all(samples.begin(), samples.end());
   for (std::size_t k = 0; k < of_sample_.size(); ++k) of_sample_[k].add(all[k], truth);
-  best_.add_best(all, truth);
+  for (std::size_t k = 0; k < best_of_.size(); ++k) best_of_[k].add_best(std::span(all).first(k + 1), truth);
   worst_.add_worst(all, truth);
 }
 
@@ -33062,8 +34161,135 @@ MOTIONLANG_BODY std::vector<NamedErrors> named_errors(const SampledErrors& error
   return out;
 }
 
+MOTIONLANG_BODY std::string best_of_table(const SampledErrors& errors) {
+  std::string counts = formatted("  %-22s", "samples"), values = formatted("  %-22s", "APE root of the best");
+  for (Index k = 1; k <= errors.samples(); ++k) {
+    counts += formatted("  %9td", k);
+    values += formatted("  %9.4f", errors.best_of(k).ape.root);
+  }
+  return counts + "\n" + values + "\n";
+}
+
 MOTIONLANG_BODY std::vector<NamedErrors> named_errors(const BlindErrors& errors) {
   return {{"mean pose", errors.mean_pose()}, {"random clip", errors.random_clip()}};
+}
+
+MOTIONLANG_BODY std::string errors_table(std::span<const NamedErrors> rows) {
+  std::string out = formatted("  %-22s   %-31s   %s\n  %22s      root   traj.   local  global      root   traj.   ", "",
+                              "APE (m)", "AVE (m^2)", "");
+  out += "local  global\n";
+  for (const auto& [name, errors] : rows) {
+    out += formatted("  %-22s", name.c_str());
+    for (const PositionErrors* p : {&errors.ape, &errors.ave})
+      out += formatted("   %7.3f %7.3f %7.3f %7.3f", p->root, p->trajectory, p->mean_local(), p->mean_joints());
+    out += "\n";
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_METRICS_SIMILARITY_SCALE_HPP  // <motionlang/metrics/similarity_scale.hpp>
+#define MOTIONLANG_HAS_METRICS_SIMILARITY_SCALE_HPP
+/// The meaning of a cosine between a text and a motion: the share of unlike pairs that are farther apart, and the
+/// cosine from which a motion shows the text.
+///
+///     const SimilarityScale scale = similarity_scale(unlike, own, strangers);
+///     share_below(scale, 0.7);        // 0.992: of 1000 pairs of a text and another motion, 992 have a lower cosine
+///     is_shown(scale, 0.7);           // true
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct SimilarityScale {
+  static constexpr bool is_option = true;  // holds no tensors
+
+  std::vector<double> shares{}, cosines{};    // ascending: of unlike pairs, this share is below this cosine
+  double least = -1;                          // cosine; a text whose best motion is below is shown by none
+  double missed = 0;                          // share of texts whose own motion is below `least`
+  double fooled = 0;                          // share of texts without a motion whose best is not below
+  Index pairs = 0, texts = 0, strangers = 0;  // how many were measured
+
+  bool empty() const { return cosines.empty(); }
+  bool operator==(const SimilarityScale&) const = default;
+};
+
+/// unlike     cosines of texts with motions that do not show them
+/// own        cosines of texts with their motions
+/// strangers  for each of some texts that no motion shows: the cosine of the nearest motion
+/// `least` is where both errors are equal; -1 if there are no strangers or no texts. Throws config_error 101 if
+/// `unlike` is empty, numeric_error 301 for a cosine that is not finite.
+SimilarityScale similarity_scale(std::span<const float> unlike, std::span<const float> own,
+                                 std::span<const float> strangers);
+
+/// The share of unlike pairs below this cosine, from 0 to 0.9999: rarer pairs are not told apart. Throws config_error
+/// 101 for an empty scale.
+double share_below(const SimilarityScale& scale, double cosine);
+
+/// False if texts that no motion shows also reach this cosine. Always true for an empty scale.
+inline bool is_shown(const SimilarityScale& scale, double cosine) { return scale.empty() || cosine >= scale.least; }
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_SIMILARITY_SCALE_IPP  // <motionlang/metrics/similarity_scale.ipp>
+#define MOTIONLANG_HAS_METRICS_SIMILARITY_SCALE_IPP
+// Bodies of similarity_scale.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline std::vector<double> sorted_cosines(std::span<const float> cosines, const char* what) {
+  std::vector<double> out(cosines.begin(), cosines.end());
+  for (const double x : out) {
+    if (!std::isfinite(x)) raise<numeric_error>(301, "similarity_scale: a cosine of ", what, " is ", x);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// The share of sorted values below x.
+inline double share_of_sorted(const std::vector<double>& sorted, double x) {
+  const auto below = std::lower_bound(sorted.begin(), sorted.end(), x) - sorted.begin();
+  return static_cast<double>(below) / static_cast<double>(sorted.size());
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY SimilarityScale similarity_scale(std::span<const float> unlike, std::span<const float> own,
+                                                 std::span<const float> strangers) {
+  if (unlike.empty()) raise<config_error>(101, "similarity_scale: no unlike pairs");
+  const auto pairs = detail::sorted_cosines(unlike, "unlike pairs"), texts = detail::sorted_cosines(own, "texts"),
+             others = detail::sorted_cosines(strangers, "strangers");
+  SimilarityScale out{.pairs = std::ssize(unlike), .texts = std::ssize(own), .strangers = std::ssize(strangers)};
+  for (int percent = 0; percent < 100; ++percent) out.shares.push_back(percent / 100.0);
+  for (const double share : {0.995, 0.998, 0.999, 0.9995, 0.9998, 0.9999}) out.shares.push_back(share);
+  for (const double share : out.shares) {
+    const auto rank = static_cast<std::size_t>(share * static_cast<double>(pairs.size()));
+    out.cosines.push_back(pairs[std::min(rank, pairs.size() - 1)]);
+  }
+  if (texts.empty() || others.empty()) return out;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const auto* candidates : {&texts, &others}) {
+    for (const double least : *candidates) {
+      const double missed = detail::share_of_sorted(texts, least), fooled = 1 - detail::share_of_sorted(others, least),
+                   larger = std::max(missed, fooled);
+      if (larger < smallest || (larger == smallest && least < out.least))
+        smallest = larger, out.least = least, out.missed = missed, out.fooled = fooled;
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY double share_below(const SimilarityScale& scale, double cosine) {
+  const auto &x = scale.cosines, &y = scale.shares;
+  if (x.empty() || x.size() != y.size()) raise<config_error>(101, "share_below: the scale has no cosines");
+  const auto above = std::upper_bound(x.begin(), x.end(), cosine);
+  if (above == x.begin()) return 0;
+  const auto i = static_cast<std::size_t>(above - x.begin());
+  if (i == x.size()) return y.back();
+  return y[i - 1] + (y[i] - y[i - 1]) * (cosine - x[i - 1]) / (x[i] - x[i - 1]);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -33654,6 +34880,37 @@ struct Sinc {
     return decode(Sequences<B>(encode_text(texts).sample(eps, fact), latents(texts)), lengths);
   }
 };
+
+/// The input of the text encoder for the labels of some motions.
+/// sentence(labels)   joins those of a motion, in mode single; the other modes read them apart
+/// tokens(texts)      the rows of texts
+template <Backend B, class Sentence, class Tokens>
+SincTexts<B> sinc_texts(SincMode mode, std::span<const std::vector<std::string>> labels, Sentence sentence,
+                        Tokens tokens) {
+  std::vector<std::string> texts;
+  std::vector<Index> motion;
+  for (std::size_t m = 0; m < labels.size(); ++m) {
+    if (mode == SincMode::single) {
+      texts.push_back(sentence(labels[m]));
+      continue;
+    }
+    texts.insert(texts.end(), labels[m].begin(), labels[m].end());
+    motion.insert(motion.end(), labels[m].size(), static_cast<Index>(m));
+  }
+  return {tokens(texts), std::move(motion)};
+}
+
+/// text_to_motion for the texts of any mode: `samples` motions for each.
+template <Backend B>
+std::vector<Sequences<B>> labels_to_motion(const Sinc<B>& model, const SincTexts<B>& texts, const Offsets& lengths,
+                                           const Philox& rng, Index samples = 1, const LatentSampling& sampling = {}) {
+  const auto latent = model.encode_text(texts);
+  const Offsets slots = model.latents(texts);
+  std::vector<Sequences<B>> out;
+  for (Index i = 0; i < samples; ++i)
+    out.push_back(model.decode(Sequences<B>(sampled_latents(latent, rng, i, sampling), slots), lengths));
+  return out;
+}
 
 /// Normalised features of one motion, (frames, 135), to rotations of 22 joints and translation: metres, Z up, 30 frames
 /// per second.
@@ -34841,6 +36098,21 @@ struct Description {
   double log_probability = 0;
 };
 
+/// Rows of four frames side by side. Frames after the last whole four are dropped. Throws shape_error 205 for fewer
+/// than four.
+template <Backend B>
+Sequences<B> four_frame_rows(const Sequences<B>& x) {
+  PoolVector<Index> pick, lengths;
+  for (Index s = 0; s < x.count(); ++s) {
+    const Index units = x.offsets.length(s) / 4;
+    if (units == 0) raise<shape_error>(205, "four_frame_rows: ", x.offsets.length(s), " frames");
+    for (Index i = 0; i < 4 * units; ++i) pick.push_back(x.offsets.begin(s) + i);
+    lengths.push_back(units);
+  }
+  const Offsets offsets{std::span<const Index>(lengths)};
+  return {reshape<2>(gather(x.rows, pick), {offsets.rows(), 4 * x.width()}), offsets};
+}
+
 /// The members of the published checkpoints, each from a file of its own.
 template <Backend B>
 struct Tm2t {
@@ -34848,11 +36120,12 @@ struct Tm2t {
   MotionTokenizer<B> tokenizer;
   Seq2SeqTransformer<B> m2t_transformer;
   Seq2SeqGru<B> t2m_model;
+  std::optional<Seq2SeqTransformer<B>> t2m_transformer{};  // writes motions instead: "baseline (T)" of the paper
 
   static constexpr auto fields() {
     using M = Tm2t;
     return motionlang::fields("statistics", &M::statistics, "tokenizer", &M::tokenizer, "m2t_transformer",
-                              &M::m2t_transformer, "t2m_model", &M::t2m_model);
+                              &M::m2t_transformer, "t2m_model", &M::t2m_model, "t2m_transformer", &M::t2m_transformer);
   }
   Tm2t() = default;
   Tm2t(const Tm2tConfig& c, Rng auto& rng)
@@ -34892,6 +36165,12 @@ struct Tm2t {
     }
     return IdSequences::from(lists);
   }
+  /// The motions as m2t_transformer remembers them: their codes, or without motion tokens ("w/o MT") their features.
+  Sequences<B> remembered(const Sequences<B>& features) const {
+    if (!m2t_transformer.encoder.emb) return m2t_transformer.encode(marked(tokens(features)));
+    return m2t_transformer.encode(four_frame_rows(features.with(statistics.normalize(features.rows))));
+  }
+
   /// A description of each motion, the best of several beams: lemmas with blanks between them.
   /// Differs from the published program, which removes the last word of a description without an end
   std::vector<std::string> describe(const Sequences<B>& features, const GloVe& glove, BeamOptions options = {}) const {
@@ -34915,7 +36194,7 @@ struct Tm2t {
   std::vector<std::string> describe_at_random(const Sequences<B>& features, const GloVe& glove, const Philox& rng,
                                               DecodingOptions options = {}) const {
     set_marks(options, glove);
-    const auto memory = m2t_transformer.encode(marked(tokens(features)));
+    const auto memory = remembered(features);
     const auto words =
         decode_batch(Seq2SeqWriter<B>(m2t_transformer, memory), memory.count(), options, uniform_of(rng)).written();
     std::vector<std::string> out;
@@ -34927,7 +36206,7 @@ struct Tm2t {
                                                                const Philox& rng, Index draws,
                                                                DecodingOptions options = {}) const {
     set_marks(options, glove);
-    const auto memory = m2t_transformer.encode(marked(tokens(features)));
+    const auto memory = remembered(features);
     std::vector<std::vector<Description>> out(static_cast<std::size_t>(memory.count()));
     for (Index k = 0; k < draws; ++k) {
       const auto uniform = uniform_of(k == 0 ? rng : rng.split(static_cast<std::uint64_t>(k)));
@@ -34945,15 +36224,17 @@ struct Tm2t {
 
   /// The codes of a motion for each text. text: from GloVe::encode; parts of speech are not read.
   IdSequences write_tokens(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
+    const DecodingOptions how{.begin = vocabulary().begin(),
+                              .end = vocabulary().end(),
+                              .pad = vocabulary().pad(),
+                              .max_steps = options.max_tokens,
+                              .top_k = options.top_k};
+    if (t2m_transformer) {
+      const auto memory = t2m_transformer->encode(word_vectors(text));
+      return decode_batch(Seq2SeqWriter<B>(*t2m_transformer, memory), text.count(), how, uniform_of(rng)).written();
+    }
     auto state = t2m_model.start(word_vectors(text));
-    return decode_batch(t2m_model.next(state), text.count(),
-                        {.begin = vocabulary().begin(),
-                         .end = vocabulary().end(),
-                         .pad = vocabulary().pad(),
-                         .max_steps = options.max_tokens,
-                         .top_k = options.top_k},
-                        uniform_of(rng))
-        .written();
+    return decode_batch(t2m_model.next(state), text.count(), how, uniform_of(rng)).written();
   }
   /// Their features. A text for which the model writes nothing gets no frames.
   Sequences<B> generate(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
@@ -34961,7 +36242,10 @@ struct Tm2t {
   }
 
   Sequences<B> word_vectors(const TextFeatures<B>& text) const {
-    return text.tokens.with(slice(text.tokens.rows, 1, 0, t2m_model.text_encoder.input_emb.in()));
+    const Index width = t2m_transformer
+                            ? detail::present(t2m_transformer->encoder.emb, "its source are symbols").weight.size(1)
+                            : t2m_model.text_encoder.input_emb.in();
+    return text.tokens.with(slice(text.tokens.rows, 1, 0, width));
   }
 
  private:
@@ -34972,7 +36256,7 @@ struct Tm2t {
   template <class F>
   void for_each_search(const Sequences<B>& features, const GloVe& glove, BeamOptions options, F f) const {
     set_marks(options, glove);
-    const auto memory = m2t_transformer.encode(marked(tokens(features)));
+    const auto memory = remembered(features);
     for (Index i = 0; i < memory.count(); ++i) {
       const Sequences<B> own{memory[i], Offsets{memory.offsets.length(i)}};
       f(beam_search(Seq2SeqWriter<B>(m2t_transformer, own), options), own);
@@ -37074,7 +38358,7 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
     for (Index r = r0; r < r1; ++r) finish(r * n + c0, c1 - c0);
   };
   if (ready == nullptr) {
-    const Precision precision = detail::precision_of<S>();
+    const Precision precision = precision_of(weight);  // of panels that other kernels have packed, too
     if (precision != Precision::bf16 && m > 0 && m * (n + k) < n * k &&  // x and y are smaller than the weight
         detail::float_tiles(precision, detail::any_rows, n, k) == nullptr) {
       y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
@@ -37111,7 +38395,7 @@ Dense<S> KernelOps<S>::conv1d(const Dense<S>& x, const Offsets& before, const Of
   const auto* prepared = detail::prepared_panels(weight, n, k, taps);
   detail::Panels<S> packed;
   if (prepared == nullptr)
-    packed = detail::pack_panels(detail::window_matrix(weight).data(), k, n, Index{1}, k, detail::precision_of<S>());
+    packed = detail::pack_panels(detail::window_matrix(weight).data(), k, n, Index{1}, k, precision_of(weight));
   return detail::convolve(x, before, after, prepared == nullptr ? packed : prepared->panels,
                           bias == nullptr ? nullptr : bias->data(), stride, padding, act);
 }
@@ -37799,6 +39083,2263 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_SEARCH_QUERY_BENCH_HPP  // <motionlang/search/query_bench.hpp>
+#define MOTIONLANG_HAS_SEARCH_QUERY_BENCH_HPP
+/// Measures a search by queries in everybody's words: how often the first result is right by its captions.
+///
+///     const auto answers = answer_queries(index, tmr, read_queries("examples/training/queries.tsv"));
+///     for (const QueryAnswer& a : answers) use(a.query.text, a.found, a.right);
+
+#ifndef MOTIONLANG_HAS_FILE_FILE_PATH_HPP  // <motionlang/file/file_path.hpp>
+#define MOTIONLANG_HAS_FILE_FILE_PATH_HPP
+/// Names of files.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's
+/// own.
+class FilePath {
+ public:
+  FilePath(const char* text) : text_(text) {}
+  FilePath(std::string text) : text_(std::move(text)) {}
+  template <class Path>
+  requires requires(const Path& path) { path.lexically_normal().string(); }
+  FilePath(const Path& path) : text_(path.string()) {}
+
+  const std::string& string() const { return text_; }
+  const char* c_str() const { return text_.c_str(); }
+  /// The name of a file in this folder. "" is the current folder, like parent_path() of a bare name.
+  std::string inside(const std::string& name) const { return text_.empty() ? name : text_ + "/" + name; }
+  /// The last part without its extension: "walk" of "clips/walk.bvh".
+  std::string stem() const {
+#if defined(_WIN32)
+    constexpr const char* separators = "/\\";
+#else
+    constexpr const char* separators = "/";
+#endif
+    const std::string name = text_.substr(text_.find_last_of(separators) + 1);
+    const std::size_t dot = name.find_last_of('.');
+    return dot == 0 ? name : name.substr(0, dot);
+  }
+
+ private:
+  std::string text_;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_SEARCH_TEXT_ANSWER_HPP  // <motionlang/search/text_answer.hpp>
+#define MOTIONLANG_HAS_SEARCH_TEXT_ANSWER_HPP
+/// The answer to a text: the nearest clips with scores that mean something, the words that the model does not know, and
+/// if any clip shows the text at all.
+///
+///     const MotionSearch moves(index);
+///     const TextAnswer answer = answer_text(moves, tmr, "a person jumps", {.top = 10});
+///     if (!answer.shown) std::cout << "no clip shows this\n";
+///     for (std::size_t i = 0; i < answer.hits.size(); ++i)
+///       use(clip_of(index, answer.hits[i]).path, answer.scores[i]);
+
+#ifndef MOTIONLANG_HAS_SEARCH_SEARCH_HPP  // <motionlang/search/search.hpp>
+#define MOTIONLANG_HAS_SEARCH_SEARCH_HPP
+/// One call for a search: the clips, moments or captions of an index that are nearest to a vector.
+///
+///     const MotionIndexFile index = MotionIndexFile::open("moves.index");
+///     for (const MotionHit& hit : search(index, tmr.encode_text("a person jumps"), {.top = 10}))
+///       use(clip_of(index.index(), hit).path, hit.start, hit.end);
+///
+/// For many queries, open the search once with open_motion_search (search/vector_graph.hpp).
+
+#ifndef MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_HPP  // <motionlang/search/vector_graph.hpp>
+#define MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_HPP
+/// Approximate search over many vectors with hnswlib, if its header is installed (Debian: libhnswlib-dev). It finds
+/// most of the nearest, in time that grows with the logarithm of the gallery. Without hnswlib, which needs exceptions,
+/// every search is exact.
+///
+///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of this many vectors or more
+///     write_motion_index("moves.index", index, graphs);
+///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
+///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
+///     // The graphs again, extended by the added vectors.
+///     graphs = motion_graphs(more, 100'000, {}, &file);
+///
+/// The graph holds numbers of vectors, not the vectors. These are read from the index file.
+///
+/// Source  Malkov and Yashunin, "Efficient and robust approximate nearest neighbor search using hierarchical navigable
+///         small world graphs" (TPAMI 2020)
+
+#ifndef MOTIONLANG_HAS_SEARCH_MOTION_INDEX_FILE_HPP  // <motionlang/search/motion_index_file.hpp>
+#define MOTIONLANG_HAS_SEARCH_MOTION_INDEX_FILE_HPP
+/// A MotionIndex as one file. Its vectors are used in place.
+///
+///     MotionIndex index = read_motion_index("moves.index");
+///     index.add(clip);
+///    write_motion_index("moves.index", index);                     // the old file stays complete until then
+///
+/// Layout   safetensors, so any reader of it can load the vectors, with
+///             clips, moments, captions   F32 (n, width), rows of length 1
+///             moment_frames              I64 (moments, 3): clip, first frame, frames
+///             about                      U8: JSON, {"model": {...}, "clips": [{"path", "modified", ...}, ...]}
+///             graph_clips, graph_moments U8, if there is one: search/vector_graph.hpp
+///         and "format", "version" and "checksum" (of all tensors) in the metadata
+/// Checked  Everything is checked before any vector is handed out: a file that was cut off or changed is refused
+
+#ifndef MOTIONLANG_HAS_FILE_SAFETENSORS_HPP  // <motionlang/file/safetensors.hpp>
+#define MOTIONLANG_HAS_FILE_SAFETENSORS_HPP
+/// Reads safetensors files without a copy, and writes them. Includes no JSON library (see detail/json_cursor.hpp).
+///
+///     const auto file = SafetensorsFile::open("weights.safetensors");
+///     for (const TensorView& t : file.tensors()) use(t);              // sorted by name
+///     std::vector<float> bias = values_of<float>(file.tensor("head.bias"));
+///
+/// Layout   8 bytes: length N of the header; N bytes: JSON, name -> {dtype, shape, data_offsets}, "__metadata__" -> map
+///          of strings; the rest: data, without holes
+/// Checked  Everything is checked before any tensor is handed out: lengths, strict JSON, UTF-8, unique names, products
+///          without overflow, ranges that tile the data exactly. Memory stays below a small multiple of the header, and
+///          nothing is allocated for what a file merely claims.
+/// Caution  If another process shortens a file while it is mapped, the program ends (SIGBUS). write_file never shortens
+///          one
+
+#ifndef MOTIONLANG_HAS_FILE_FILE_HPP  // <motionlang/file/file.hpp>
+#define MOTIONLANG_HAS_FILE_FILE_HPP
+/// Reads whole files, maps them into memory, and writes them so that no reader sees an incomplete one.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A file that is mapped into memory for reading. Pages are loaded at first use (on Windows, all of them at once).
+class MappedFile {
+ public:
+  /// Throws io_error 401, also for a Git LFS pointer, which replaces a file that was not fetched.
+  static std::shared_ptr<const MappedFile> open(const FilePath& path);
+  /// Stores these bytes in a file without a name, which disappears with the mapping. Their memory can be released and
+  /// read again. Null if that fails.
+  static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes);
+  /// The mapped file that holds these bytes, or null. It lives as long as the owner of the bytes.
+  static const MappedFile* that_holds(std::span<const std::byte> bytes);
+  ~MappedFile();
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
+  /// Releases the memory of a part that will hardly be read again. Later reads load it from the file. The system maps
+  /// up to two megabytes around a byte that is read, so this releases whole ones.
+  void forget(std::span<const std::byte> part) const;
+  /// The same for bytes that may lie in a mapped file or elsewhere.
+  static void forget_if_mapped(std::span<const std::byte> part);
+
+ private:
+  explicit MappedFile(const FilePath& path);
+  MappedFile() = default;
+  bool map(int fd, std::size_t size);
+  static std::uintptr_t address(std::span<const std::byte> bytes);
+
+  void* data_ = nullptr;
+  std::size_t size_ = 0;
+  MappedFile* next_ = nullptr;  // in a list of all mapped files
+};
+
+/// Throws io_error 401 if the bytes of a file are a Git LFS pointer.
+/// Source  the specification of Git LFS, "The Pointer"
+void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name);
+
+/// The whole file as text. Throws io_error 401, also for a Git LFS pointer.
+std::string read_file(const FilePath& path);
+
+/// Writes to a temporary name beside `path` and renames. So the old file stays complete until the new one, with the
+/// same permissions, replaces it. Through a symbolic link, it writes the file to which the link leads. Throws io_error
+/// 401, also for devices and pipes.
+void write_file(const FilePath& path, std::span<const std::byte> contents);
+void write_file(const FilePath& path, std::string_view contents);
+
+/// Makes the folder if it does not exist. Its parent must exist. Throws io_error 401.
+void make_folder(const FilePath& path);
+
+/// A name for use in a file's name. Characters that some system forbids become "_".
+std::string safe_file_name(std::string name);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_FILE_IPP  // <motionlang/file/file.ipp>
+#define MOTIONLANG_HAS_FILE_FILE_IPP
+// Bodies of file.hpp.
+
+#include <cerrno>      // errno
+#include <filesystem>  // symbolic links
+
+#ifndef MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP  // <motionlang/file/detail/system_file.hpp>
+#define MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP
+/// File calls of the system: POSIX, and on Windows those of MinGW's C library. errno has the reason of a failure.
+
+#include <fcntl.h>     // open
+#include <sys/stat.h>  // fstat, fchmod, mkdir
+#include <unistd.h>    // read, write, close, getpid
+#if defined(_WIN32)
+#include <io.h>      // _commit
+#include <malloc.h>  // _aligned_malloc
+
+#else
+#include <sys/mman.h>  // mmap
+#endif
+
+#if defined(_WIN32)
+// Declared here as in windows.h, which would bring macros named min, max, near and far.
+extern "C" __declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::system {
+
+/// Creates and opens a temporary file with a new name, for this user only. Returns -1 if that fails.
+inline int create_temporary(std::string& name) {
+  std::error_code problem;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(problem);
+  name = problem ? "a temporary file" : (folder / "motionlang-XXXXXX").string();
+  if (problem) return errno = problem.default_error_condition().value(), -1;
+  return ::mkstemp(name.data());
+}
+
+#if defined(_WIN32)
+
+inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_BINARY | O_NOINHERIT); }
+/// Creates a new file. errno is EEXIST if it exists.
+inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_BINARY | O_NOINHERIT, 0666); }
+/// Creates a file without a name. Windows has no such files.
+inline int create_nameless() { return -1; }
+inline bool is_regular(int file, std::uint64_t& size) {
+  struct _stat64 s {};
+  if (::_fstat64(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
+  size = static_cast<std::uint64_t>(s.st_size);
+  return true;
+}
+inline void copy_permissions(const char*, int) {}  // of a folder, for all in it
+inline bool flush(int file) { return ::_commit(file) == 0; }
+inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
+/// The whole file, for reading; null if that fails. size > 0. This is a copy, because nobody could rewrite a mapped
+/// file, such as the checkpoint of a training.
+inline void* map(int file, std::size_t size) {
+  auto* const data = static_cast<char*>(::_aligned_malloc(size, 64));
+  if (data == nullptr) return errno = ENOMEM, nullptr;
+  for (std::size_t done = 0; done < size;) {
+    const int n = ::read(file, data + done, static_cast<unsigned>(std::min<std::size_t>(size - done, 1u << 30)));
+    if (n <= 0) {
+      if (n == 0) errno = EIO;  // it is shorter now
+      return unmap(data, size), nullptr;
+    }
+    done += static_cast<std::size_t>(n);
+  }
+  return data;
+}
+inline void forget(void*, std::size_t) {}  // there is no other copy
+inline bool rename_over(const char* from, const char* to) {
+  constexpr unsigned long replace = 1;
+  if (::MoveFileExA(from, to, replace) != 0) return true;
+  errno = EACCES;  // it is open
+  return false;
+}
+inline bool make_folder(const char* path) { return ::mkdir(path) == 0; }
+
+#else
+
+inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_CLOEXEC); }
+/// Creates a new file. errno is EEXIST if it exists.
+inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
+/// Creates a file without a name; -1 if that fails.
+inline int create_nameless() {
+  std::string name;
+  const int file = create_temporary(name);
+  if (file >= 0) ::unlink(name.c_str());
+  return file;
+}
+inline bool is_regular(int file, std::uint64_t& size) {
+  struct stat s {};
+  if (::fstat(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
+  size = static_cast<std::uint64_t>(s.st_size);
+  return true;
+}
+/// Gives an open file the permissions of another one, if that exists. Some file systems have no such permissions.
+inline void copy_permissions(const char* from, int to) {
+  struct stat s {};
+  if (::stat(from, &s) == 0) static_cast<void>(::fchmod(to, s.st_mode & 0777));
+}
+inline bool flush(int file) { return ::fsync(file) == 0; }
+/// The whole file, for reading; null if that fails. size > 0.
+inline void* map(int file, std::size_t size) {
+  void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
+  return data == MAP_FAILED ? nullptr : data;
+}
+inline void unmap(void* data, std::size_t size) { ::munmap(data, size); }
+/// Releases the memory of a mapping. Later reads load it from the file again.
+inline void forget(void* data, std::size_t size) { ::madvise(data, size, MADV_DONTNEED); }
+inline bool rename_over(const char* from, const char* to) { return std::rename(from, to) == 0; }
+inline bool make_folder(const char* path) { return ::mkdir(path, 0777) == 0; }
+
+#endif
+
+inline bool is_folder(const char* path) {
+  struct stat s {};
+  return ::stat(path, &s) == 0 && S_ISDIR(s.st_mode);
+}
+
+}  // namespace detail::system
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline std::mutex mapped_mutex;
+inline MappedFile* first_mapped = nullptr;  // the list of all mapped files
+
+/// A file descriptor that is closed at the end of its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  /// To read. Throws io_error 401.
+  explicit Descriptor(const FilePath& path) : fd_(system::open_to_read(path.c_str())) {
+    if (fd_ < 0) raise<io_error>(401, "cannot open ", path.string(), ": ", std::strerror(errno));
+  }
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  /// True if all bytes were written; otherwise errno gives the reason.
+  bool write(std::span<const std::byte> bytes) const {
+    while (!bytes.empty()) {
+      const auto n = ::write(fd_, bytes.data(), static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1u << 30)));
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return false;
+      bytes = bytes.subspan(static_cast<std::size_t>(n));
+    }
+    return true;
+  }
+  std::size_t size(const FilePath& path) const {
+    std::uint64_t size = 0;
+    if (!system::is_regular(fd_, size)) raise<io_error>(401, path.string(), " is not a regular file");
+    return static_cast<std::size_t>(size);
+  }
+
+ private:
+  int fd_;
+};
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::shared_ptr<const MappedFile> MappedFile::open(const FilePath& path) {
+  auto file = std::shared_ptr<const MappedFile>(new MappedFile(path));
+  refuse_lfs_pointer(file->bytes(), path.string());
+  return file;
+}
+
+MOTIONLANG_BODY void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name) {
+  constexpr std::size_t longest = 1024;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), longest));
+  if (bytes.size() >= longest || !text.starts_with("version https://git-lfs.github.com/spec/")) return;
+  const std::size_t size = text.find("\nsize ");
+  const std::string_view number = size == text.npos ? "?" : text.substr(size + 6, text.find('\n', size + 6) - size - 6);
+  raise<io_error>(401, name, " is not the file but a Git LFS pointer to it (", number,
+                  " bytes): 'git lfs pull' in its repository fetches the file");
+}
+
+MOTIONLANG_BODY std::shared_ptr<const MappedFile> MappedFile::put_aside(std::span<const std::byte> bytes) {
+  const detail::Descriptor file(bytes.empty() ? -1 : detail::system::create_nameless());
+  if (file.get() < 0 || !file.write(bytes)) return nullptr;
+  auto out = std::shared_ptr<MappedFile>(new MappedFile);
+  return out->map(file.get(), bytes.size()) ? out : nullptr;
+}
+
+MOTIONLANG_BODY const MappedFile* MappedFile::that_holds(std::span<const std::byte> bytes) {
+  const std::scoped_lock lock(detail::mapped_mutex);
+  const MappedFile* f = detail::first_mapped;
+  while (f != nullptr && (address(bytes) < address(f->bytes()) ||
+                          address(bytes) + bytes.size() > address(f->bytes()) + f->bytes().size()))
+    f = f->next_;
+  return f;
+}
+
+MOTIONLANG_BODY MappedFile::~MappedFile() {
+  if (size_ == 0) return;
+  {
+    const std::scoped_lock lock(detail::mapped_mutex);
+    MappedFile** place = &detail::first_mapped;
+    while (*place != this) place = &(*place)->next_;
+    *place = next_;
+  }
+  detail::system::unmap(data_, size_);
+}
+
+MOTIONLANG_BODY void MappedFile::forget(std::span<const std::byte> part) const {
+  constexpr std::uintptr_t block = std::uintptr_t{2} << 20;
+  const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
+                       end = std::min((address(part) + part.size() + block - 1) / block * block,
+                                      address(bytes()) + size_);
+  if (begin < end) detail::system::forget(static_cast<std::byte*>(data_) + (begin - address(bytes())), end - begin);
+}
+
+MOTIONLANG_BODY void MappedFile::forget_if_mapped(std::span<const std::byte> part) {
+  if (const MappedFile* file = that_holds(part)) file->forget(part);
+}
+
+MOTIONLANG_BODY MappedFile::MappedFile(const FilePath& path) {
+  const detail::Descriptor file(path);
+  const std::size_t size = file.size(path);
+  if (size > 0 && !map(file.get(), size))  // an empty mapping is an error of mmap
+    raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
+}
+
+MOTIONLANG_BODY bool MappedFile::map(int fd, std::size_t size) {
+  void* const data = detail::system::map(fd, size);
+  if (data == nullptr) return false;
+  data_ = data, size_ = size;
+  const std::scoped_lock lock(detail::mapped_mutex);
+  next_ = std::exchange(detail::first_mapped, this);
+  return true;
+}
+
+MOTIONLANG_BODY std::uintptr_t MappedFile::address(std::span<const std::byte> bytes) {
+  return reinterpret_cast<std::uintptr_t>(bytes.data());
+}
+
+MOTIONLANG_BODY std::string read_file(const FilePath& path) {
+  const auto file = MappedFile::open(path);
+  return std::string(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
+}
+
+MOTIONLANG_BODY void write_file(const FilePath& path, std::span<const std::byte> contents) {
+  static std::atomic<unsigned> writers{0};
+  std::error_code problem;
+  std::filesystem::path followed = path.string();
+  constexpr int most_links = 40;                                                  // as Linux follows
+  for (int links = 0; std::filesystem::is_symlink(followed, problem); ++links) {  // the last may lead to no file yet
+    if (links == most_links) raise<io_error>(401, "cannot write ", path.string(), ": more than ", most_links, " links");
+    followed = followed.parent_path() / std::filesystem::read_symlink(followed, problem);
+  }
+  if (std::filesystem::is_other(std::filesystem::status(followed, problem)))
+    raise<io_error>(401, "cannot write ", path.string(),
+                    ": it is not a file but a device or a pipe, which a file would replace");
+  const std::string target = followed.string();
+  std::string temporary;
+  int opened = -1;
+  do {  // a name that no other thread and no other machine has
+    temporary = (followed.parent_path() / concat_text(".part-", ::getpid(), "-", writers++)).string();
+    opened = detail::system::create(temporary.c_str());
+  } while (opened < 0 && errno == EEXIST);
+  int reason = 0;
+  auto failed = [&](const char* what) {
+    if (opened >= 0) std::remove(temporary.c_str());
+    raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
+  };
+  const char* wrong = nullptr;
+  {
+    const detail::Descriptor file(opened);
+    if (file.get() >= 0) detail::system::copy_permissions(target.c_str(), file.get());
+    if (file.get() < 0 || !file.write(contents))
+      wrong = "write";
+    else if (!detail::system::flush(file.get()))
+      wrong = "flush";
+    reason = errno;
+  }
+  if (wrong != nullptr) failed(wrong);
+  if (detail::system::rename_over(temporary.c_str(), target.c_str())) return;
+  reason = errno;
+  failed("rename to");
+}
+
+MOTIONLANG_BODY void write_file(const FilePath& path, std::string_view contents) {
+  write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
+}
+
+MOTIONLANG_BODY void make_folder(const FilePath& path) {
+  if (detail::system::make_folder(path.c_str()) || detail::system::is_folder(path.c_str())) return;
+  raise<io_error>(401, "cannot make the folder ", path.string());
+}
+
+MOTIONLANG_BODY std::string safe_file_name(std::string name) {
+  for (char& c : name) {
+    const bool odd =
+        static_cast<unsigned char>(c) < ' ' || std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos;
+    if (odd) c = '_';
+  }
+  return name;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FILE_TENSOR_SET_HPP  // <motionlang/file/tensor_set.hpp>
+#define MOTIONLANG_HAS_FILE_TENSOR_SET_HPP
+/// Named tensors of a file: the result of every reader of weights, and the source from which modules are filled.
+
+#ifndef MOTIONLANG_HAS_FILE_TENSOR_VIEW_HPP  // <motionlang/file/tensor_view.hpp>
+#define MOTIONLANG_HAS_FILE_TENSOR_VIEW_HPP
+/// A tensor as stored in a file: name, element type, shape, bytes. Every reader of arrays returns these, and every
+/// writer takes them. Nothing is converted before somebody asks for values.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+// clang-format off
+/// Element types of safetensors files. Values of types up to F64 can be read. For the others only the size is known.
+enum class DType : std::uint8_t {
+  BOOL, U8, I8, U16, I16, U32, I32, U64, I64, F16, BF16, F32, F64,
+  F8_E5M2, F8_E4M3, F8_E8M0, F8_E4M3FNUZ, F8_E5M2FNUZ, F4, F6_E2M3, F6_E3M2, C64
+};
+
+struct DTypeInfo {
+  std::string_view name;
+  int bits;
+};
+inline constexpr std::array<DTypeInfo, 22> dtype_table{{
+    {"BOOL", 8}, {"U8", 8}, {"I8", 8}, {"U16", 16}, {"I16", 16}, {"U32", 32}, {"I32", 32}, {"U64", 64}, {"I64", 64},
+    {"F16", 16}, {"BF16", 16}, {"F32", 32}, {"F64", 64},
+    {"F8_E5M2", 8}, {"F8_E4M3", 8}, {"F8_E8M0", 8}, {"F8_E4M3FNUZ", 8}, {"F8_E5M2FNUZ", 8},
+    {"F4", 4}, {"F6_E2M3", 6}, {"F6_E3M2", 6}, {"C64", 64}}};
+// clang-format on
+
+constexpr const DTypeInfo& info(DType t) { return dtype_table[static_cast<std::size_t>(t)]; }
+std::string to_string(DType t);
+constexpr std::optional<DType> parse_dtype(std::string_view name) {
+  for (std::size_t i = 0; i < dtype_table.size(); ++i) {
+    if (dtype_table[i].name == name) return static_cast<DType>(i);
+  }
+  return std::nullopt;
+}
+/// True if values of this type are whole numbers.
+constexpr bool is_integer(DType t) { return t <= DType::I64; }
+
+/// The element type for a C++ number.
+template <class T>
+requires std::integral<T> || std::floating_point<T>
+consteval DType dtype_of() {
+  if constexpr (std::same_as<T, bool>) return DType::BOOL;
+  if constexpr (std::floating_point<T>) return sizeof(T) == 4 ? DType::F32 : DType::F64;
+  constexpr std::array table{DType::U8, DType::U16, DType::U32, DType::U64};
+  constexpr auto size = static_cast<unsigned>(std::bit_width(sizeof(T)) - 1);
+  return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
+}
+
+/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, for calculations, has
+/// at most six.
+class FileShape {
+ public:
+  static constexpr int max_rank = 64;
+
+  FileShape() = default;
+  FileShape(const Shape& shape);
+  FileShape(std::initializer_list<Index> sizes) : FileShape(std::span<const Index>(sizes.begin(), sizes.size())) {}
+  explicit FileShape(std::span<const Index> sizes);
+  /// Throws shape_error 206 for more than six.
+  operator Shape() const { return Shape(std::span<const Index>(sizes_)); }
+
+  int rank() const { return static_cast<int>(sizes_.size()); }
+  Index operator[](int axis) const { return sizes_[static_cast<std::size_t>(axis)]; }
+  Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
+  std::span<const Index> sizes() const { return sizes_; }
+  /// Number of elements.
+  Index count() const;
+  /// Throws shape_error 205 for a negative size, 206 for more than 64 of them.
+  void push_back(Index n);
+  friend bool operator==(const FileShape&, const FileShape&) = default;
+  friend bool operator==(const FileShape& a, const Shape& b) { return a == FileShape(b); }
+
+ private:
+  std::vector<Index> sizes_;
+};
+
+/// "(2, 60, 512)"
+std::string to_string(const FileShape& s);
+
+/// Row-major, without strides. Does not own its bytes.
+struct TensorView {
+  std::string name;
+  DType dtype = DType::F32;
+  FileShape shape;
+  std::span<const std::byte> bytes;
+};
+
+/// A view of values in memory, for writing.
+template <class T>
+TensorView tensor_view(std::string name, const FileShape& shape, std::span<const T> values) {
+  if (static_cast<std::size_t>(shape.count()) != values.size()) {
+    raise<shape_error>(205, "tensor_view: ", counted(values.size(), "value"), " for '", name, "' of shape ", shape);
+  }
+  return {std::move(name), dtype_of<T>(), shape, std::as_bytes(values)};
+}
+
+/// The values themselves, without a copy, if the view holds aligned Ts.
+template <class T>
+std::optional<std::span<const T>> direct(const TensorView& view) {
+  if (view.dtype != dtype_of<T>() || reinterpret_cast<std::uintptr_t>(view.bytes.data()) % alignof(T) != 0) {
+    return std::nullopt;
+  }
+  return std::span(reinterpret_cast<const T*>(view.bytes.data()), view.bytes.size() / sizeof(T));
+}
+
+namespace detail {
+
+template <class Stored, class T, class Decode>
+void convert(const TensorView& view, std::span<T> out, Decode decode) {
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    Stored s;
+    std::memcpy(&s, view.bytes.data() + i * sizeof(Stored), sizeof(Stored));
+    out[i] = decode(s);
+  }
+}
+
+template <class Stored, class T>
+void convert_numbers(const TensorView& view, std::span<T> out) {
+  convert<Stored>(view, out, [&](Stored s) {
+    if constexpr (std::integral<Stored> && std::integral<T>) {
+      if (!std::in_range<T>(s)) {
+        raise<io_error>(407, "tensor '", view.name, "': ", s, " does not fit into the requested integer type");
+      }
+    }
+    return static_cast<T>(s);
+  });
+}
+
+}  // namespace detail
+
+/// Copies all values, converted to T. Numbers of every kind become float or double; only whole numbers become integers.
+/// Throws shape_error 205 if the sizes differ, io_error 404 for an unreadable element type, and 407 if the values are
+/// of another kind than T or do not fit.
+template <class T>
+void copy_values(const TensorView& view, std::span<T> out) {
+  if (view.bytes.size() * 8 != out.size() * static_cast<std::size_t>(info(view.dtype).bits)) {
+    raise<shape_error>(205, "tensor '", view.name, "' of shape ", view.shape, " does not have ",
+                       counted(out.size(), "value"));
+  }
+  if constexpr (std::integral<T>) {
+    if (!is_integer(view.dtype)) {
+      raise<io_error>(407, "tensor '", view.name, "' holds ", view.dtype, ", not whole numbers");
+    }
+  }
+  switch (view.dtype) {
+    case DType::BOOL:
+      return detail::convert<std::uint8_t>(view, out, [](std::uint8_t b) { return static_cast<T>(b != 0); });
+    case DType::U8:
+      return detail::convert_numbers<std::uint8_t>(view, out);
+    case DType::I8:
+      return detail::convert_numbers<std::int8_t>(view, out);
+    case DType::U16:
+      return detail::convert_numbers<std::uint16_t>(view, out);
+    case DType::I16:
+      return detail::convert_numbers<std::int16_t>(view, out);
+    case DType::U32:
+      return detail::convert_numbers<std::uint32_t>(view, out);
+    case DType::I32:
+      return detail::convert_numbers<std::int32_t>(view, out);
+    case DType::U64:
+      return detail::convert_numbers<std::uint64_t>(view, out);
+    case DType::I64:
+      return detail::convert_numbers<std::int64_t>(view, out);
+    case DType::F16:
+      return detail::convert<std::uint16_t>(view, out, [](auto h) { return static_cast<T>(half_to_float(h)); });
+    case DType::BF16:
+      return detail::convert<std::uint16_t>(view, out, [](auto b) { return static_cast<T>(bfloat16_to_float(b)); });
+    case DType::F32:
+      return detail::convert_numbers<float>(view, out);
+    case DType::F64:
+      return detail::convert_numbers<double>(view, out);
+    default:
+      raise<io_error>(404, "tensor '", view.name, "': elements of type ", view.dtype, " are not supported");
+  }
+}
+
+template <class T>
+std::vector<T> values_of(const TensorView& view) {
+  std::vector<T> out(static_cast<std::size_t>(view.shape.count()));
+  copy_values(view, std::span<T>(out));
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_TENSOR_VIEW_IPP  // <motionlang/file/tensor_view.ipp>
+#define MOTIONLANG_HAS_FILE_TENSOR_VIEW_IPP
+// Bodies of tensor_view.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string to_string(DType t) { return std::string(info(t).name); }
+
+MOTIONLANG_BODY FileShape::FileShape(const Shape& shape) {
+  for (int i = 0; i < shape.rank(); ++i) push_back(shape[i]);
+}
+
+MOTIONLANG_BODY FileShape::FileShape(std::span<const Index> sizes) {
+  for (const Index n : sizes) push_back(n);
+}
+
+MOTIONLANG_BODY Index FileShape::count() const {
+  // If one size is 0, the others may have any value.
+  if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;
+  Index n = 1;
+  for (const Index size : sizes_) n *= size;
+  return n;
+}
+
+MOTIONLANG_BODY void FileShape::push_back(Index n) {
+  if (n < 0) raise<shape_error>(205, "FileShape: negative size ", n);
+  if (rank() == max_rank) raise<shape_error>(206, "FileShape: more than ", max_rank, " axes");
+  sizes_.push_back(n);
+}
+
+MOTIONLANG_BODY std::string to_string(const FileShape& s) { return detail::shape_text(s.sizes()); }
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+class TensorSet {
+ public:
+  /// The name of the file, for messages.
+  const std::string& name() const { return name_; }
+  /// Keeps the bytes of all tensors alive.
+  const std::shared_ptr<const void>& owner() const { return owner_; }
+
+  /// All tensors, sorted by name.
+  std::span<const TensorView> tensors() const { return tensors_; }
+  std::vector<std::string> names() const;
+  /// Null if no tensor has that name.
+  const TensorView* find(std::string_view tensor) const;
+  /// Throws io_error 406, with the most similar name, if no tensor has that name.
+  const TensorView& tensor(std::string_view tensor) const;
+
+ protected:
+  TensorSet(std::string name, std::shared_ptr<const void> owner) : name_(std::move(name)), owner_(std::move(owner)) {}
+
+  std::string name_;
+  std::shared_ptr<const void> owner_;
+  std::vector<TensorView> tensors_;
+};
+
+/// A checksum of names, types, shapes and bytes of tensors in any order, in hexadecimal. Equal weights have equal
+/// checksums.
+std::string tensors_checksum(std::span<const TensorView> tensors);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_TENSOR_SET_IPP  // <motionlang/file/tensor_set.ipp>
+#define MOTIONLANG_HAS_FILE_TENSOR_SET_IPP
+// Bodies of tensor_set.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<std::string> TensorSet::names() const {
+  std::vector<std::string> out;
+  for (const TensorView& t : tensors_) out.push_back(t.name);
+  return out;
+}
+
+MOTIONLANG_BODY const TensorView* TensorSet::find(std::string_view tensor) const {
+  const auto t = std::lower_bound(tensors_.begin(), tensors_.end(), tensor,
+                                  [](const TensorView& a, std::string_view b) { return a.name < b; });
+  return t != tensors_.end() && t->name == tensor ? &*t : nullptr;
+}
+
+MOTIONLANG_BODY const TensorView& TensorSet::tensor(std::string_view tensor) const {
+  const TensorView* t = find(tensor);
+  if (t != nullptr) return *t;
+  const std::string like = nearest_name(tensor, names());
+  raise<io_error>(406, name_, ": no tensor '", tensor, "' among ", tensors_.size(),
+                  like.empty() ? "" : concat_text("; the file has '", like, "'"));
+}
+
+MOTIONLANG_BODY std::string tensors_checksum(std::span<const TensorView> tensors) {
+  std::vector<const TensorView*> sorted;
+  for (const TensorView& t : tensors) sorted.push_back(&t);
+  std::sort(sorted.begin(), sorted.end(), [](const TensorView* a, const TensorView* b) { return a->name < b->name; });
+  std::uint64_t hash = 1;
+  for (const TensorView* t : sorted) {
+    const std::string about = concat_text(t->name, " ", t->dtype, " ", t->shape);
+    hash = detail::content_hash(t->bytes, detail::content_hash(std::as_bytes(std::span(about)), hash));
+  }
+  return detail::hexadecimal(hash);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+class JsonCursor;
+}
+
+class SafetensorsFile : public TensorSet {
+ public:
+  /// The longest header that is read, as in the reference implementation.
+  static constexpr std::uint64_t max_header = 100'000'000;
+
+  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than 64
+  /// axes), 405 (impossible sizes).
+  static SafetensorsFile open(const FilePath& path);
+  /// A file in memory. `owner` keeps the bytes alive; without an owner they must outlive the object. Messages contain
+  /// `name`.
+  static SafetensorsFile from_bytes(std::span<const std::byte> bytes, std::string name = "safetensors data",
+                                    std::shared_ptr<const void> owner = {});
+
+  const std::map<std::string, std::string>& metadata() const { return metadata_; }
+
+ private:
+  using Cursor = detail::JsonCursor;
+  static constexpr std::size_t prefix = 8;  // bytes of the header length
+
+  struct Range {
+    std::uint64_t begin, end;
+    std::size_t declared_at;  // in the header, for messages
+  };
+
+  SafetensorsFile(std::span<const std::byte> bytes, std::string name, std::shared_ptr<const void> owner);
+
+  void read_metadata(Cursor& json);
+
+  Range read_entry(Cursor& json, const std::string& name, std::span<const std::byte> data);
+
+  static DType read_dtype(Cursor& json);
+
+  static FileShape read_shape(Cursor& json);
+
+  /// Checks that the range has exactly the bytes that shape and type need. The product of the sizes, also of those that
+  /// are not 0, must not overflow.
+  static void check_size(const Cursor& json, const TensorView& view, const Range& range);
+
+  /// Checks that the ranges follow each other without overlap or hole and end at the end of the data.
+  static void check_tiling(const Cursor& json, std::vector<Range>& ranges, std::uint64_t size);
+
+  std::map<std::string, std::string> metadata_;
+};
+
+/// The bytes of a file. Tensors are sorted by element size, largest first, then by name. The data begin at a multiple
+/// of 8, so every element is aligned. The bytes are read back before they are returned. A duplicate name, a size that
+/// does not fit the shape, or text that is not UTF-8 throws the io_error of the reader.
+std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tensors,
+                                         const std::map<std::string, std::string>& metadata = {{"format", "pt"}});
+
+/// Writes a file in one step: readers see the old one or the new one. Throws io_error 401, and what safetensors_bytes
+/// throws. Python tools accept the file because of the metadata {"format": "pt"}.
+void write_safetensors(const FilePath& path, std::span<const TensorView> tensors,
+                       const std::map<std::string, std::string>& metadata = {{"format", "pt"}});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_SAFETENSORS_IPP  // <motionlang/file/safetensors.ipp>
+#define MOTIONLANG_HAS_FILE_SAFETENSORS_IPP
+// Bodies of safetensors.hpp.
+
+#ifndef MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP  // <motionlang/file/detail/bytes.hpp>
+#define MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP
+/// Little-endian numbers in byte buffers (checked reading, appending), and base64.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+static_assert(std::endian::native == std::endian::little, "the files are little-endian and are copied as they are");
+
+template <class T>
+concept Plain = std::is_trivially_copyable_v<T>;
+
+/// The value stored at `at`. Throws io_error 402 if it is not inside. Messages contain `what` and `file`.
+template <Plain T>
+T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file, std::string_view what) {
+  if (at > bytes.size() || bytes.size() - at < sizeof(T)) {
+    raise<io_error>(402, file, ": ends inside ", what, " at byte ", at, " (", counted(bytes.size(), "byte"), ")");
+  }
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof(T));
+  return value;
+}
+
+/// `size` bytes from `at`. Throws io_error 402 if they are not inside.
+std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
+                                 std::string_view file, std::string_view what);
+
+inline void append_bytes(std::vector<std::byte>& out, std::span<const std::byte> bytes) {
+  if (bytes.empty()) return;
+  const std::size_t size = out.size();
+  out.resize(size + bytes.size());
+  std::memcpy(out.data() + size, bytes.data(), bytes.size());  // vector::insert makes GCC 12 warn of overflow at -O3
+}
+inline void append_text(std::vector<std::byte>& out, std::string_view text) {
+  append_bytes(out, std::as_bytes(std::span(text.data(), text.size())));
+}
+template <Plain T>
+void append_value(std::vector<std::byte>& out, const T& value) {
+  append_bytes(out, std::as_bytes(std::span(&value, 1)));
+}
+
+inline std::string_view as_text(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// Source  RFC 4648, section 4.
+std::string to_base64(std::span<const std::byte> bytes);
+
+/// Skips white space. Messages contain `name`. Throws io_error 403 for any other character outside the alphabet.
+std::vector<std::byte> from_base64(std::string_view text, std::string_view name = "text");
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_DETAIL_BYTES_IPP  // <motionlang/file/detail/bytes.ipp>
+#define MOTIONLANG_HAS_FILE_DETAIL_BYTES_IPP
+// Bodies of bytes.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
+                                                 std::string_view file, std::string_view what) {
+  if (at > bytes.size() || bytes.size() - at < size) {
+    raise<io_error>(402, file, ": ", what, " needs ", counted(size, "byte"), " at byte ", at, ", the file has ",
+                    bytes.size());
+  }
+  return bytes.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(size));
+}
+
+inline constexpr std::string_view base64_alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+MOTIONLANG_BODY std::string to_base64(std::span<const std::byte> bytes) {
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      group = group << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0u);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      out += i + k <= bytes.size() ? base64_alphabet[group >> (18 - 6 * k) & 63u] : '=';
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::byte> from_base64(std::string_view text, std::string_view name) {
+  std::vector<std::byte> out;
+  out.reserve(text.size() / 4 * 3 + 3);
+  std::uint32_t group = 0;
+  int bits = 0;
+  for (std::size_t i = 0; i < text.size() && text[i] != '='; ++i) {
+    if (text[i] == '\n' || text[i] == '\r' || text[i] == ' ') continue;
+    const std::size_t digit = base64_alphabet.find(text[i]);
+    if (digit == std::string_view::npos) raise<io_error>(403, name, ": character ", i, " is not of base64");
+    group = (group << 6 | static_cast<std::uint32_t>(digit)) & 0xFFFFFFu;
+    if ((bits += 6) >= 8) out.push_back(static_cast<std::byte>(group >> (bits -= 8) & 255u));
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FILE_DETAIL_JSON_CURSOR_HPP  // <motionlang/file/detail/json_cursor.hpp>
+#define MOTIONLANG_HAS_FILE_DETAIL_JSON_CURSOR_HPP
+/// A strict reader for the small JSON subset of a safetensors header. It walks over the text and stores only keys.
+/// file/json.hpp reads general documents.
+///
+/// nlohmann's SAX reader does the same work, but adds 1.5 s of compilation to every translation unit that opens a
+/// weight file (GCC 12, -O0). This one adds 0.2 s. It is stricter than JSON: no duplicate name in an object, nesting up
+/// to `max_depth`.
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+class JsonCursor {
+ public:
+  static constexpr int max_depth = 4;
+  static constexpr std::size_t max_members = 100'000;  // of an object, which takes many times the memory of its text
+
+  /// `offset` is the place of the text in the file, for messages.
+  JsonCursor(std::string_view text, std::string_view file, std::size_t offset)
+      : text_(text), file_(file), offset_(offset) {}
+
+  /// Throws io_error with the file and the byte of position `at`.
+  [[noreturn]] void fail(int id, std::size_t at, std::string_view what) const {
+    raise<io_error>(id, file_, ": byte ", offset_ + at, ": ", what);
+  }
+  std::size_t position() const { return at_; }
+
+  void skip_space() {
+    while (at_ < text_.size() && (peek() == ' ' || peek() == '\n' || peek() == '\r' || peek() == '\t')) ++at_;
+  }
+  bool at_end() const { return at_ == text_.size(); }
+  /// The next character, '\0' at the end.
+  char peek() const { return at_end() ? '\0' : text_[at_]; }
+
+  /// Skips white space, and c if it follows. Returns true if c was there.
+  bool accept(char c) {
+    skip_space();
+    if (at_end() || text_[at_] != c) return false;
+    ++at_;
+    return true;
+  }
+  void expect(char c) {
+    if (!accept(c)) fail(403, at_, concat_text("expected '", c, at_end() ? "', but the header ends" : "'"));
+  }
+
+  /// An object. Calls on_value(key) for every member, which must read its value.
+  template <class F>
+  void object(F on_value) {
+    enter();
+    expect('{');
+    std::set<std::string> keys;
+    if (!accept('}')) {
+      do {
+        const std::size_t start = at_;
+        const auto [key, is_new] = keys.insert(string());
+        if (keys.size() > max_members) fail(405, start, concat_text("more than ", max_members, " names in one object"));
+        if (!is_new) fail(403, start, "the name '" + *key + "' is duplicated in one object");
+        expect(':');
+        on_value(*key);
+      } while (accept(','));
+      expect('}');
+    }
+    --depth_;
+  }
+
+  /// An array. Calls on_value() for every element, which must read it.
+  template <class F>
+  void array(F on_value) {
+    enter();
+    expect('[');
+    if (!accept(']')) {
+      do on_value();
+      while (accept(','));
+      expect(']');
+    }
+    --depth_;
+  }
+
+  std::string string() {
+    expect('"');
+    std::string out;
+    for (;;) {
+      const std::size_t start = at_;
+      if (at_end()) fail(403, at_, "a string has no end");
+      const char32_t c = decode_utf8(text_, at_);
+      if (c == invalid_code_point) fail(403, start, "not UTF-8");
+      if (c < 0x20) fail(403, start, "a control character in a string");
+      if (c == '"') return out;
+      if (c == '\\')
+        escape(out);
+      else
+        out += text_.substr(start, at_ - start);
+    }
+  }
+
+  /// An integer in 0 ... 2^63-1, written with digits only.
+  std::int64_t count() {
+    skip_space();
+    std::int64_t n = 0;
+    const char* first = text_.data() + at_;
+    const auto [end, status] = std::from_chars(first, text_.data() + text_.size(), n);
+    const auto digits = static_cast<std::size_t>(end - first);
+    if (digits == 0 || *first == '-') fail(403, at_, "expected an integer of at least 0");
+    if (status != std::errc{}) fail(405, at_, "an integer above 2^63 - 1");
+    if (digits > 1 && *first == '0') fail(403, at_, "an integer with a leading zero");
+    at_ += digits;
+    if (peek() == '.' || peek() == 'e' || peek() == 'E') fail(403, at_, "a fraction where an integer is due");
+    return n;
+  }
+
+  /// Skips any value.
+  void skip_value() {
+    skip_space();
+    const char c = peek();
+    if (c == '{') return object([&](const std::string&) { skip_value(); });
+    if (c == '[') return array([&] { skip_value(); });
+    if (c == '"') return void(string());
+    if (c == '-' || (c >= '0' && c <= '9')) return skip_number();
+    for (std::string_view word : {"true", "false", "null"}) {
+      if (text_.substr(at_).starts_with(word)) return void(at_ += word.size());
+    }
+    fail(403, at_, "expected a value");
+  }
+
+ private:
+  void enter() {
+    if (++depth_ > max_depth) fail(403, at_, "nested too deeply");
+  }
+
+  void skip_digits() {
+    const std::size_t start = at_;
+    while (peek() >= '0' && peek() <= '9') ++at_;
+    if (at_ == start) fail(403, at_, "expected a digit");
+  }
+  void skip_number() {
+    if (peek() == '-') ++at_;
+    if (peek() == '0')
+      ++at_;
+    else
+      skip_digits();
+    if (peek() == '.') ++at_, skip_digits();
+    if (peek() == 'e' || peek() == 'E') {
+      ++at_;
+      if (peek() == '+' || peek() == '-') ++at_;
+      skip_digits();
+    }
+  }
+
+  void escape(std::string& out) {
+    constexpr std::string_view letters = "\"\\/bfnrt", meaning = "\"\\/\b\f\n\r\t";
+    const char c = peek();
+    if (c == 'u') {
+      ++at_;
+      return append_utf8(out, escaped_code_point());
+    }
+    const std::size_t i = letters.find(c);
+    if (at_end() || i == letters.npos) fail(403, at_, "an unknown escape in a string");
+    out += meaning[i];
+    ++at_;
+  }
+  char32_t escaped_code_point() {
+    const std::size_t start = at_;
+    const char32_t high = four_hex_digits();
+    if (high < 0xD800 || high > 0xDFFF) return high;
+    if (high < 0xDC00 && text_.substr(at_).starts_with("\\u")) {
+      at_ += 2;
+      const char32_t low = four_hex_digits();
+      if (low >= 0xDC00 && low <= 0xDFFF) return 0x10000 + ((high - 0xD800) << 10) + (low - 0xDC00);
+    }
+    fail(403, start, "half of a surrogate pair");
+  }
+  char32_t four_hex_digits() {
+    const std::string_view digits = text_.substr(at_, 4);
+    unsigned value = 0;
+    const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+    if (status != std::errc{} || end != digits.data() + 4) fail(403, at_, "expected four hexadecimal digits");
+    at_ += 4;
+    return value;
+  }
+
+  std::string_view text_, file_;
+  std::size_t offset_, at_ = 0;
+  int depth_ = 0;
+};
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY SafetensorsFile SafetensorsFile::open(const FilePath& path) {
+  const auto file = MappedFile::open(path);
+  return from_bytes(file->bytes(), path.string(), file);
+}
+
+MOTIONLANG_BODY SafetensorsFile SafetensorsFile::from_bytes(std::span<const std::byte> bytes, std::string name,
+                                                            std::shared_ptr<const void> owner) {
+  return SafetensorsFile(bytes, std::move(name), std::move(owner));
+}
+
+MOTIONLANG_BODY SafetensorsFile::SafetensorsFile(std::span<const std::byte> bytes, std::string name,
+                                                 std::shared_ptr<const void> owner)
+    : TensorSet(std::move(name), std::move(owner)) {
+  const auto length = detail::load<std::uint64_t>(bytes, 0, name_, "the header length");
+  if (length > max_header)
+    raise<io_error>(405, name_, ": a header of ", counted(length, "byte"), "; at most ", max_header,
+                    ". Is it a .safetensors file?");
+  const auto header = detail::slice(bytes, prefix, length, name_, "the header");
+  Cursor json(detail::as_text(header), name_, prefix);
+  const auto data = bytes.subspan(prefix + static_cast<std::size_t>(length));
+
+  std::vector<Range> ranges;
+  if (json.peek() != '{') json.fail(403, 0, "a header has to begin with '{'");
+  json.object([&](const std::string& key) {
+    if (key == "__metadata__")
+      read_metadata(json);
+    else
+      ranges.push_back(read_entry(json, key, data));
+  });
+  json.skip_space();
+  if (!json.at_end()) json.fail(403, json.position(), "text behind the header's object");
+  check_tiling(json, ranges, data.size());
+  detail::sort(tensors_, [](const TensorView& a, const TensorView& b) { return a.name < b.name; });
+}
+
+MOTIONLANG_BODY void SafetensorsFile::read_metadata(Cursor& json) {
+  json.object([&](const std::string& key) { metadata_[key] = json.string(); });
+}
+
+MOTIONLANG_BODY SafetensorsFile::Range SafetensorsFile::read_entry(Cursor& json, const std::string& name,
+                                                                   std::span<const std::byte> data) {
+  TensorView view{.name = name, .dtype = {}, .shape = {}, .bytes = {}};
+  std::vector<std::int64_t> offsets;
+  bool has_type = false, has_shape = false;
+  const std::size_t at = json.position();
+  json.object([&](const std::string& member) {
+    if (member == "dtype") {
+      view.dtype = read_dtype(json);
+      has_type = true;
+    } else if (member == "shape") {
+      view.shape = read_shape(json);
+      has_shape = true;
+    } else if (member == "data_offsets") {
+      json.array([&] {
+        if (offsets.size() == 2) json.fail(403, json.position(), "more than two data_offsets");
+        offsets.push_back(json.count());
+      });
+    } else {
+      json.skip_value();
+    }
+  });
+  if (!has_type || !has_shape || offsets.size() != 2) {
+    json.fail(403, at, "tensor '" + view.name + "' lacks one of dtype, shape, data_offsets [begin, end]");
+  }
+  const Range range{static_cast<std::uint64_t>(offsets[0]), static_cast<std::uint64_t>(offsets[1]), at};
+  check_size(json, view, range);
+  if (range.end > data.size()) {
+    json.fail(
+        402, at,
+        concat_text("tensor '", view.name, "' ends at ", range.end, ", the data have ", counted(data.size(), "byte")));
+  }
+  view.bytes = data.subspan(range.begin, range.end - range.begin);
+  tensors_.push_back(std::move(view));
+  return range;
+}
+
+MOTIONLANG_BODY DType SafetensorsFile::read_dtype(Cursor& json) {
+  const std::size_t at = json.position();
+  const std::string text = json.string();
+  const auto dtype = parse_dtype(text);
+  if (!dtype) json.fail(404, at, "unknown dtype '" + text + "'");
+  return *dtype;
+}
+
+MOTIONLANG_BODY FileShape SafetensorsFile::read_shape(Cursor& json) {
+  FileShape shape;
+  json.array([&] {
+    if (shape.rank() == FileShape::max_rank) {
+      json.fail(404, json.position(), concat_text("more than ", FileShape::max_rank, " axes are not supported"));
+    }
+    shape.push_back(json.count());
+  });
+  return shape;
+}
+
+MOTIONLANG_BODY void SafetensorsFile::check_size(const Cursor& json, const TensorView& view, const Range& range) {
+  constexpr std::uint64_t most_bits = std::uint64_t{1} << 62;
+  std::uint64_t bits = static_cast<std::uint64_t>(info(view.dtype).bits);
+  bool empty = false;
+  for (int axis = 0; axis < view.shape.rank(); ++axis) {
+    const auto n = static_cast<std::uint64_t>(view.shape[axis]);
+    empty = empty || n == 0;
+    if (n > 1 && bits > most_bits / n) {
+      json.fail(405, range.declared_at, concat_text("tensor '", view.name, "': shape ", view.shape, " is too large"));
+    }
+    bits *= n > 1 ? n : 1;
+  }
+  if (empty) bits = 0;
+  if (range.begin > range.end || bits % 8 != 0 || range.end - range.begin != bits / 8) {
+    json.fail(405, range.declared_at,
+              concat_text("tensor '", view.name, "': ", view.dtype, " ", view.shape, " does not fill data_offsets [",
+                          range.begin, ", ", range.end, "]"));
+  }
+}
+
+MOTIONLANG_BODY void SafetensorsFile::check_tiling(const Cursor& json, std::vector<Range>& ranges, std::uint64_t size) {
+  detail::sort(ranges,
+               [](const Range& a, const Range& b) { return a.begin != b.begin ? a.begin < b.begin : a.end < b.end; });
+  std::uint64_t end = 0;
+  for (const Range& r : ranges) {
+    if (r.begin != end) {
+      json.fail(
+          403, r.declared_at,
+          concat_text("data_offsets [", r.begin, ", ", r.end, "] ",
+                      r.begin < end ? "overlap the range before, which ends at " : "leave a hole after byte ", end));
+    }
+    end = r.end;
+  }
+  if (end != size)
+    json.fail(403, 0,
+              concat_text(counted(size - end, "byte of data belongs", "bytes of data belong"), " to no tensor"));
+}
+
+namespace detail {
+
+/// A JSON string. Throws io_error 403 if the text is not UTF-8.
+inline void append_json_string(std::string& out, std::string_view text) {
+  if (!is_utf8(text)) raise<io_error>(403, "safetensors: the name '", text, "' is not UTF-8");
+  constexpr std::string_view digits = "0123456789abcdef";
+  out += '"';
+  for (char c : text) {
+    if (c == '"' || c == '\\') {
+      out += '\\', out += c;
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      out += "\\u00";
+      out += digits[static_cast<std::size_t>(c >> 4)], out += digits[static_cast<std::size_t>(c & 15)];
+    } else {
+      out += c;
+    }
+  }
+  out += '"';
+}
+
+inline std::string safetensors_header(std::span<const TensorView* const> order,
+                                      const std::map<std::string, std::string>& metadata) {
+  std::string json = "{";
+  const auto separate = [&] { json += json.size() > 1 ? "," : ""; };
+  if (!metadata.empty()) {
+    json += "\"__metadata__\":";
+    char before = '{';
+    for (const auto& [key, value] : metadata) {
+      json += std::exchange(before, ',');
+      append_json_string(json, key), json += ':', append_json_string(json, value);
+    }
+    json += '}';
+  }
+  std::size_t at = 0;
+  for (const TensorView* t : order) {
+    separate();
+    append_json_string(json, t->name);
+    json += concat_text(":{\"dtype\":\"", t->dtype, "\",\"shape\":[", join_text(t->shape.sizes(), ","),
+                        "],\"data_offsets\":[", at, ",", at + t->bytes.size(), "]}");
+    at += t->bytes.size();
+  }
+  json += '}';
+  json.append((8 - json.size() % 8) % 8, ' ');
+  return json;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tensors,
+                                                         const std::map<std::string, std::string>& metadata) {
+  std::vector<const TensorView*> order;
+  std::size_t size = 0;
+  for (const TensorView& t : tensors) order.push_back(&t), size += t.bytes.size();
+  detail::sort(order, [](const TensorView* a, const TensorView* b) {
+    const int bits_a = info(a->dtype).bits, bits_b = info(b->dtype).bits;
+    return bits_a != bits_b ? bits_a > bits_b : a->name < b->name;
+  });
+  const std::string header = detail::safetensors_header(order, metadata);
+  std::vector<std::byte> out;
+  out.reserve(sizeof(std::uint64_t) + header.size() + size);
+  detail::append_value(out, std::uint64_t{header.size()});
+  detail::append_text(out, header);
+  for (const TensorView* t : order) detail::append_bytes(out, t->bytes);
+  SafetensorsFile::from_bytes(out, "safetensors to be written");
+  return out;
+}
+
+MOTIONLANG_BODY void write_safetensors(const FilePath& path, std::span<const TensorView> tensors,
+                                       const std::map<std::string, std::string>& metadata) {
+  write_file(path, safetensors_bytes(tensors, metadata));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Further entries of an index file: bytes by the name of their tensor ("graph_clips").
+using IndexExtras = std::map<std::string, std::vector<std::byte>>;
+
+namespace detail {
+
+inline constexpr const char *index_format = "motionlang.index", *index_version = "1";
+
+}  // namespace detail
+
+/// An open index file.
+class MotionIndexFile {
+ public:
+  /// Throws io_error 401, 402 (ends too early), 403 (not an index, or damaged), 404 (another version), 405, 406, 407;
+  /// config_error 107; numeric_error 302
+  static MotionIndexFile open(const FilePath& path);
+  static MotionIndexFile from_bytes(std::span<const std::byte> bytes, std::string name = "index",
+                                    std::shared_ptr<const void> owner = {});
+
+  const std::string& name() const { return file_.name(); }
+  const MotionIndex& index() const { return index_; }
+  /// The bytes of another tensor. Nothing if it does not exist.
+  std::span<const std::byte> extra(std::string_view name) const;
+
+ private:
+  explicit MotionIndexFile(SafetensorsFile file) : file_(std::move(file)), index_(read(file_)) {}
+
+  static MotionIndex read(const SafetensorsFile& file);
+
+  SafetensorsFile file_;
+  MotionIndex index_;
+};
+
+inline MotionIndex read_motion_index(const FilePath& path) { return MotionIndexFile::open(path).index(); }
+
+std::vector<std::byte> motion_index_bytes(const MotionIndex& index, const IndexExtras& extras = {});
+/// Throws io_error 401.
+void write_motion_index(const FilePath& path, const MotionIndex& index, const IndexExtras& extras = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_MOTION_INDEX_FILE_IPP  // <motionlang/search/motion_index_file.ipp>
+#define MOTIONLANG_HAS_SEARCH_MOTION_INDEX_FILE_IPP
+// Bodies of motion_index_file.hpp.
+
+#ifndef MOTIONLANG_HAS_FILE_JSON_HPP  // <motionlang/file/json.hpp>
+#define MOTIONLANG_HAS_FILE_JSON_HPP
+/// JSON documents: reading with positions in messages, and typed access that names the path to a wrong value. This is
+/// the only header that includes nlohmann/json.hpp. That adds 1.5 s to a translation unit, so include it in few.
+///
+///     const nlohmann::json document = read_json("config.json");
+///     const JsonView config(document, "config.json");
+///     const int width = config["model"]["latent_dim"].as<int>();
+///     const double rate = config["optim"].value_or("lr", 1e-4);
+
+#include <nlohmann/json.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The deepest nesting that is read, because work on documents is recursive.
+inline constexpr int max_json_depth = 256;
+
+namespace detail {
+
+/// Line and column of a byte of the text, "3:14".
+std::string json_place(std::string_view text, std::size_t byte);
+/// Throws io_error 403 with line and column of a byte of the text.
+[[noreturn]] void raise_json(std::string_view text, std::size_t byte, std::string_view name, std::string_view what);
+
+/// The position after the string that begins at a quote; npos if it has no end.
+std::size_t json_string_end(std::string_view text, std::size_t quote);
+
+/// Reads the document in `size` bytes of a text, starting at `begin`. Messages give the place in the whole text.
+nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::size_t size, std::string_view name);
+
+}  // namespace detail
+
+/// Reads a document. Messages contain `name`. Throws io_error 403 with line and column, also for a duplicate name in an
+/// object.
+nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON");
+
+/// Reads a file. Throws io_error 401, 403.
+nlohmann::json read_json(const FilePath& path);
+
+/// A value inside a document that lives elsewhere, with the path to it: "config.json: model.layers[2].width". Every
+/// access to a value of the wrong kind throws config_error 107 with that path.
+class JsonView {
+ public:
+  explicit JsonView(const nlohmann::json& document, std::string name = "JSON")
+      : value_(&document), path_(std::move(name)) {}
+  JsonView(nlohmann::json&&, std::string = {}) = delete;  // a view does not keep its document
+
+  const nlohmann::json& json() const { return *value_; }
+  const std::string& path() const { return path_; }
+
+  bool is_null() const { return value_->is_null(); }
+  bool is_object() const { return value_->is_object(); }
+  bool is_array() const { return value_->is_array(); }
+  bool is_string() const { return value_->is_string(); }
+  bool is_number() const { return value_->is_number(); }
+
+  /// True if this is an object with that member.
+  bool contains(const std::string& key) const;
+  JsonView operator[](const std::string& key) const;
+  JsonView operator[](Index i) const;
+  /// Number of elements of an array.
+  Index size() const;
+  /// Names of the members of an object, sorted.
+  std::vector<std::string> keys() const;
+
+  /// Reads bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is not
+  /// an integer, and an integer must fit.
+  template <class T>
+  T as() const {
+    T out{};
+    get(out);
+    return out;
+  }
+  /// The member `key` if it is there and not null, else `otherwise`.
+  template <class T>
+  T value_or(const std::string& key, T otherwise) const {
+    return contains(key) && !(*value_)[key].is_null() ? (*this)[key].as<T>() : otherwise;
+  }
+  std::string value_or(const std::string& key, const char* otherwise) const;
+
+ private:
+  struct Inner {};
+  JsonView(const nlohmann::json& value, std::string path, Inner)
+      : value_(&value), path_(std::move(path)), is_root_(false) {}
+
+  [[noreturn]] void fail(std::string_view wanted) const;
+
+  void get(bool& out) const;
+  void get(std::string& out) const;
+  template <std::floating_point T>
+  void get(T& out) const {
+    if (!value_->is_number()) fail("a number");
+    out = value_->get<T>();
+  }
+  template <std::integral T>
+  void get(T& out) const {
+    if (value_->is_number_float()) return get_whole(out);
+    if (!value_->is_number_integer()) fail("an integer");
+    const bool fits = value_->is_number_unsigned() ? std::in_range<T>(value_->get<std::uint64_t>())
+                                                   : std::in_range<T>(value_->get<std::int64_t>());
+    if (!fits) raise<config_error>(107, path_, ": ", value_->dump(), " is out of range");
+    out = value_->get<T>();
+  }
+  /// Reads 20.0 as an integer, because Python writes such numbers.
+  template <std::integral T>
+  void get_whole(T& out) const {
+    const auto number = value_->get<double>();
+    if (!(std::abs(number) < 0x1p53) || number != std::trunc(number)) fail("an integer");
+    if (!std::in_range<T>(static_cast<std::int64_t>(number))) fail("a smaller integer");
+    out = static_cast<T>(number);
+  }
+  template <class T>
+  void get(std::vector<T>& out) const {
+    for (Index i = 0; i < size(); ++i) out.push_back((*this)[i].as<T>());
+  }
+  template <class T>
+  void get(std::map<std::string, T>& out) const {
+    for (const std::string& key : keys()) out[key] = (*this)[key].template as<T>();
+  }
+
+  const nlohmann::json* value_;
+  std::string path_;
+  bool is_root_ = true;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_JSON_IPP  // <motionlang/file/json.ipp>
+#define MOTIONLANG_HAS_FILE_JSON_IPP
+// Bodies of json.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::string json_place(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, std::min(byte, text.size()));
+  const std::size_t line = before.rfind('\n') + 1;  // npos + 1 = 0
+  return concat_text(std::count(before.begin(), before.end(), '\n') + 1, ":", before.size() - line + 1);
+}
+
+MOTIONLANG_BODY void raise_json(std::string_view text, std::size_t byte, std::string_view name, std::string_view what) {
+  raise<io_error>(403, name, ":", json_place(text, byte), ": ", what);
+}
+
+MOTIONLANG_BODY std::size_t json_string_end(std::string_view text, std::size_t quote) {
+  std::size_t at = quote + 1;
+  while (at < text.size() && text[at] != '"') at += text[at] == '\\' ? 2 : 1;
+  return at < text.size() ? at + 1 : text.npos;
+}
+
+/// Number of members of all objects in a document.
+inline std::size_t json_members(const nlohmann::json& document) {
+  std::size_t count = document.is_object() ? document.size() : 0;
+  if (document.is_structured()) {
+    for (const auto& value : document) count += json_members(value);
+  }
+  return count;
+}
+
+/// Throws io_error 403 for a name that is duplicated in an object of the well-formed document in a part of the text.
+inline void refuse_json_repetition(std::string_view text, std::size_t begin, std::size_t size, std::string_view name) {
+  std::vector<std::map<std::string, std::size_t>> objects;  // around the place, with their names
+  const std::size_t end = begin + size;
+  for (std::size_t at = begin; at < end;) {
+    const std::size_t start = at++;
+    if (text[start] == '{') objects.emplace_back();
+    if (text[start] == '}') objects.pop_back();
+    if (text[start] != '"') continue;
+    at = json_string_end(text, start);
+    const std::size_t next = text.find_first_not_of(" \t\r\n", at);
+    if (next >= end || text[next] != ':') continue;  // a value
+    const std::string key = nlohmann::json::parse(text.substr(start, at - start)).get<std::string>();
+    const auto [first, is_new] = objects.back().emplace(key, start);
+    if (!is_new)
+      raise_json(text, start, name,
+                 concat_text("the name '", key, "' is duplicated, first at ", json_place(text, first->second)));
+  }
+}
+
+MOTIONLANG_BODY nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::size_t size,
+                                               std::string_view name) {
+  const std::string_view part = text.substr(begin, size);
+  std::size_t names = 0;
+  const auto shallow = [&](int depth, nlohmann::json::parse_event_t event, const nlohmann::json&) {
+    names += event == nlohmann::json::parse_event_t::key;
+    if (depth > max_json_depth) raise<io_error>(403, name, ": nested deeper than ", max_json_depth, " levels");
+    return true;
+  };
+  const auto malformed = [&](const nlohmann::json::parse_error& e) -> bool {
+    const std::string_view message = e.what();
+    const std::size_t detail = message.find(": ");  // behind id and position
+    raise_json(text, begin + (e.byte == 0 ? 0 : e.byte - 1), name,
+               detail == message.npos ? message : message.substr(detail + 2));
+  };
+  const auto too_large = [&](const nlohmann::json::out_of_range& e) -> bool {  // ... parsing '1e999'
+    const std::string_view message = e.what();
+    const std::size_t number = message.find('\'') + 1;
+    const std::size_t at = part.find(message.substr(number, message.rfind('\'') - number));
+    raise_json(text, begin + std::min(at, size), name, "a number beyond the range of double");
+  };
+  nlohmann::json document;
+  const auto parse = [&] { document = nlohmann::json::parse(part, shallow, has_exceptions); };
+  guard<nlohmann::json::parse_error>([&] { guard<nlohmann::json::out_of_range>(parse, too_large); }, malformed);
+  if (document.is_discarded())
+    raise_json(text, begin, name, "not JSON, or a number beyond the range of double");  // no exceptions
+  if (names != json_members(document)) refuse_json_repetition(text, begin, size, name);
+  return document;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY nlohmann::json parse_json(std::string_view text, std::string_view name) {
+  return detail::parse_json_part(text, 0, text.size(), name);
+}
+
+MOTIONLANG_BODY nlohmann::json read_json(const FilePath& path) { return parse_json(read_file(path), path.string()); }
+
+MOTIONLANG_BODY bool JsonView::contains(const std::string& key) const {
+  return value_->is_object() && value_->contains(key);
+}
+
+MOTIONLANG_BODY JsonView JsonView::operator[](const std::string& key) const {
+  if (!value_->is_object()) fail("an object");
+  const auto member = value_->find(key);
+  if (member == value_->end()) raise<config_error>(107, path_, ": has no member '", key, "'");
+  return {*member, path_ + (is_root_ ? ": " : ".") + key, Inner{}};
+}
+
+MOTIONLANG_BODY JsonView JsonView::operator[](Index i) const {
+  if (i < 0 || i >= size()) raise<config_error>(107, path_, ": no element ", i, " among ", size());
+  return {(*value_)[static_cast<std::size_t>(i)], concat_text(path_, is_root_ ? ": [" : "[", i, "]"), Inner{}};
+}
+
+MOTIONLANG_BODY Index JsonView::size() const {
+  if (!value_->is_array()) fail("an array");
+  return static_cast<Index>(value_->size());
+}
+
+MOTIONLANG_BODY std::vector<std::string> JsonView::keys() const {
+  if (!value_->is_object()) fail("an object");
+  std::vector<std::string> out;
+  for (const auto& member : value_->items()) out.push_back(member.key());
+  return out;
+}
+
+MOTIONLANG_BODY std::string JsonView::value_or(const std::string& key, const char* otherwise) const {
+  return value_or(key, std::string(otherwise));
+}
+
+MOTIONLANG_BODY void JsonView::fail(std::string_view wanted) const {
+  raise<config_error>(107, path_, ": expected ", wanted, ", found ", value_->type_name());
+}
+
+MOTIONLANG_BODY void JsonView::get(bool& out) const {
+  if (!value_->is_boolean()) fail("true or false");
+  out = value_->get<bool>();
+}
+
+MOTIONLANG_BODY void JsonView::get(std::string& out) const {
+  if (!value_->is_string()) fail("a string");
+  out = value_->get_ref<const std::string&>();
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline nlohmann::ordered_json index_about(const MotionIndex& index) {
+  const IndexModel& m = index.model();
+  nlohmann::ordered_json clips = nlohmann::ordered_json::array();
+  for (const IndexedClip& c : index.clips()) {
+    nlohmann::ordered_json clip{{"path", c.path}, {"modified", c.modified}, {"bytes", c.bytes},  {"start", c.start},
+                                {"end", c.end},   {"fps", c.fps},           {"frames", c.frames}};
+    if (!c.content.empty()) clip["content"] = c.content;
+    if (!c.lines.empty()) clip["lines"] = c.lines;
+    if (!c.name.empty()) clip["name"] = c.name;
+    if (!c.captions.empty()) clip["captions"] = c.captions;
+    if (!c.license.empty()) clip["license"] = c.license;
+    clips.push_back(std::move(clip));
+  }
+  return {{"model",
+           {{"id", m.id},
+            {"path", m.path},
+            {"text_encoder", m.text_encoder},
+            {"width", m.width},
+            {"fps", m.fps},
+            {"windows", m.windows},
+            {"stride", m.stride}}},
+          {"clips", std::move(clips)}};
+}
+
+inline IndexModel index_model(const JsonView& v) {
+  return {v["id"].as<std::string>(), v["path"].as<std::string>(), v.value_or("text_encoder", ""),
+          v["width"].as<Index>(),    v["fps"].as<double>(),       v["windows"].as<std::vector<Index>>(),
+          v["stride"].as<Index>()};
+}
+
+inline IndexedClip indexed_clip(const JsonView& v) {
+  IndexedClip c{.path = v["path"].as<std::string>(),
+                .name = v.value_or("name", ""),
+                .modified = v["modified"].as<std::int64_t>(),
+                .bytes = v["bytes"].as<std::int64_t>(),
+                .content = v.value_or("content", ""),
+                .lines = v.value_or("lines", ""),
+                .start = v["start"].as<double>(),
+                .end = v["end"].as<double>(),
+                .fps = v["fps"].as<double>(),
+                .frames = v["frames"].as<Index>(),
+                .captions = {},
+                .license = v.value_or("license", "")};
+  if (v.contains("captions")) c.captions = v["captions"].as<std::vector<std::string>>();
+  return c;
+}
+
+/// The rows of a tensor in their place, or a copy if they are not aligned there.
+inline VectorTable index_rows(const SafetensorsFile& file, const std::string& name, Index width) {
+  const TensorView& t = file.tensor(name);
+  if (t.dtype != DType::F32 || t.shape.rank() != 2 || t.shape[1] != width)
+    raise<io_error>(407, file.name(), ": '", name, "' is ", t.dtype, " ", t.shape, ", not F32 vectors of ", width);
+  const auto rows = direct<float>(t);
+  if (rows && file.owner() != nullptr) return {*rows, file.owner()};
+  VectorTable copied;
+  copied.append(values_of<float>(t));
+  return copied;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY MotionIndexFile MotionIndexFile::open(const FilePath& path) {
+  const auto file = MappedFile::open(path);
+  return from_bytes(file->bytes(), path.string(), file);
+}
+
+MOTIONLANG_BODY MotionIndexFile MotionIndexFile::from_bytes(std::span<const std::byte> bytes, std::string name,
+                                                            std::shared_ptr<const void> owner) {
+  return MotionIndexFile(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
+}
+
+MOTIONLANG_BODY std::span<const std::byte> MotionIndexFile::extra(std::string_view name) const {
+  const TensorView* t = file_.find(name);
+  return t == nullptr ? std::span<const std::byte>{} : t->bytes;
+}
+
+MOTIONLANG_BODY MotionIndex MotionIndexFile::read(const SafetensorsFile& file) {
+  const auto about_file = [&](const char* key) {
+    const auto found = file.metadata().find(key);
+    return found == file.metadata().end() ? std::string() : found->second;
+  };
+  if (about_file("format") != detail::index_format) raise<io_error>(403, file.name(), ": not an index of motionlang");
+  if (about_file("version") != detail::index_version)
+    raise<io_error>(404, file.name(), ": version ", about_file("version"), " of an index, expected ",
+                    detail::index_version);
+  if (const std::string found = tensors_checksum(file.tensors()); found != about_file("checksum"))
+    raise<io_error>(403, file.name(), ": damaged: its checksum is ", found, ", it was written with ",
+                    about_file("checksum"));
+
+  const TensorView& about = file.tensor("about");
+  if (about.dtype != DType::U8) raise<io_error>(407, file.name(), ": 'about' is ", about.dtype, ", not U8");
+  const std::string where = file.name() + ": about";
+  const auto document = parse_json(detail::as_text(about.bytes), where);
+  const JsonView view(document, where);
+  IndexModel model = detail::index_model(view["model"]);
+  const JsonView list = view["clips"];
+  std::vector<IndexedClip> clips;
+  for (Index i = 0; i < list.size(); ++i) clips.push_back(detail::indexed_clip(list[i]));
+
+  const TensorView& frames = file.tensor("moment_frames");
+  if (frames.shape.rank() != 2 || frames.shape[1] != 3)
+    raise<io_error>(407, file.name(), ": 'moment_frames' is ", frames.shape, ", not three numbers for each moment");
+  const auto numbers = values_of<std::int64_t>(frames);
+  std::vector<MotionIndex::Moment> moments;
+  for (std::size_t i = 0; i < numbers.size(); i += 3) {
+    const auto number = [&](std::size_t j) { return static_cast<Index>(numbers[i + j]); };
+    moments.push_back({number(0), {number(1), number(2)}});
+  }
+
+  const auto rows = [&](const char* name) { return detail::index_rows(file, name, model.width); };
+  VectorTable clip_rows = rows("clips"), moment_rows = rows("moments"), caption_rows = rows("captions");
+  return MotionIndex(file.name(), std::move(model), std::move(clips), std::move(moments), std::move(clip_rows),
+                     std::move(moment_rows), std::move(caption_rows));
+}
+
+MOTIONLANG_BODY std::vector<std::byte> motion_index_bytes(const MotionIndex& index, const IndexExtras& extras) {
+  const Index width = index.model().width;
+  const std::string about = detail::index_about(index).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  std::vector<std::int64_t> frames;
+  for (const auto& m : index.moments()) frames.insert(frames.end(), {m.clip, m.frames.first, m.frames.length});
+  const auto rows = [&](const char* name, std::span<const float> values) {
+    return tensor_view(name, {std::ssize(values) / width, width}, values);
+  };
+  std::vector<TensorView> tensors{rows("clips", index.clip_rows()),
+                                  rows("moments", index.moment_rows()),
+                                  rows("captions", index.caption_rows()),
+                                  tensor_view<std::int64_t>("moment_frames", {std::ssize(index.moments()), 3}, frames),
+                                  {"about", DType::U8, {std::ssize(about)}, std::as_bytes(std::span(about))}};
+  for (const auto& [name, bytes] : extras) tensors.push_back({name, DType::U8, {std::ssize(bytes)}, bytes});
+  return safetensors_bytes(
+      tensors,
+      {{"format", detail::index_format}, {"version", detail::index_version}, {"checksum", tensors_checksum(tensors)}});
+}
+
+MOTIONLANG_BODY void write_motion_index(const FilePath& path, const MotionIndex& index, const IndexExtras& extras) {
+  write_file(path, motion_index_bytes(index, extras));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#if __has_include(<hnswlib/hnswlib.h>) && defined(__cpp_exceptions)
+#define MOTIONLANG_HAS_HNSWLIB 1
+#else
+#define MOTIONLANG_HAS_HNSWLIB 0
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+#if MOTIONLANG_HAS_HNSWLIB
+
+struct VectorGraphOptions {
+  Index links = 16;    // of a vector, on all levels above the lowest
+  Index effort = 200;  // candidates to consider when a vector is added
+};
+
+namespace detail {
+class GraphSpace;
+class HnswGraph;
+}  // namespace detail
+
+class VectorGraph : public VectorSearch {
+ public:
+  /// rows      (count, width) of length 1, which must outlive the object unless an owner keeps them
+  /// progress  is called with the number of vectors in the graph
+  /// Vectors are added one after the other, so that the same rows always give the same graph.
+  static VectorGraph build(std::span<const float> rows, Index width, const VectorGraphOptions& options = {},
+                           Progress progress = {}, std::shared_ptr<const void> owner = {});
+  /// A graph that was built for these rows. Throws io_error 401, 402, 403, config_error 101.
+  static VectorGraph from_bytes(std::span<const std::byte> bytes, std::span<const float> rows, Index width,
+                                const std::string& name = "graph", std::shared_ptr<const void> owner = {});
+  /// A graph that was built for the first `known` of these rows, extended by the others. It differs from the graph that
+  /// build() makes of all, but finds as many. Throws io_error 401, 402, 403, config_error 101.
+  static VectorGraph extended(std::span<const std::byte> bytes, Index known, std::span<const float> rows, Index width,
+                              Progress progress = {}, const std::string& name = "graph",
+                              std::shared_ptr<const void> owner = {});
+  VectorGraph(VectorGraph&&) noexcept;
+  VectorGraph& operator=(VectorGraph&&) noexcept;
+  ~VectorGraph() override;
+  std::vector<std::byte> bytes() const;
+
+  Index count() const override { return std::ssize(rows_) / width_; }
+  Index width() const override { return width_; }
+  std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const override;
+
+ private:
+  VectorGraph(std::span<const float> rows, Index width, std::shared_ptr<const void> owner);
+  void add_from(Index first, Progress progress);
+
+  std::span<const float> rows_;
+  Index width_;
+  std::shared_ptr<const void> owner_;
+  std::unique_ptr<detail::GraphSpace> space_;
+  std::unique_ptr<detail::HnswGraph> graph_;
+};
+
+#endif
+
+namespace detail {
+
+/// Rows of an index that can have a graph, and its name in the file.
+struct GraphRows {
+  const char* name;
+  std::span<const float> rows;
+};
+/// Those with `least` rows or more.
+std::vector<GraphRows> graph_rows(const MotionIndex& index, Index least);
+
+}  // namespace detail
+
+/// True if the file has the graphs that motion_graphs would make.
+bool has_graphs(const MotionIndexFile& file, Index least);
+
+/// Graphs for the clips and the moments of an index, if there are at least `least` of them; none without hnswlib. If
+/// the rows of `before` are the first of these, its graph is extended by the others. Throws io_error 401, 402, 403.
+IndexExtras motion_graphs(const MotionIndex& index, Index least, Progress progress = {},
+                          const MotionIndexFile* before = nullptr);
+
+/// Searches with the graphs in the file. Without graphs it scans with `storage`. The file must outlive it. Throws
+/// io_error 401, 402, 403.
+MotionSearch open_motion_search(const MotionIndexFile& file, bool exact = false,
+                                ScanStorage storage = ScanStorage::float32);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_IPP  // <motionlang/search/vector_graph.ipp>
+#define MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_IPP
+// Bodies of vector_graph.hpp.
+
+#if MOTIONLANG_HAS_HNSWLIB
+#ifndef NO_MANUAL_VECTORIZATION
+// Distances are ours: those of hnswlib bring functions that two translation units must not both define.
+#define NO_MANUAL_VECTORIZATION
+#endif
+#include <hnswlib/hnswlib.h>
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+#if MOTIONLANG_HAS_HNSWLIB
+
+namespace detail {
+
+/// A vector in the form of hnswlib: the number of a row, or -1 and the vector of a query.
+struct GraphPoint {
+  std::int64_t row = -1;
+  const float* vector = nullptr;
+};
+
+/// 1 - cosine between points. hnswlib keeps a pointer to this object.
+class GraphSpace : public hnswlib::SpaceInterface<float> {
+ public:
+  GraphSpace(const float* rows, Index width) : rows_(rows), width_(width), dot_(RowScan<float>::dot_function()) {}
+  GraphSpace(const GraphSpace&) = delete;
+  GraphSpace& operator=(const GraphSpace&) = delete;
+
+  std::size_t get_data_size() override { return sizeof(std::int64_t); }
+  hnswlib::DISTFUNC<float> get_dist_func() override { return &distance; }
+  void* get_dist_func_param() override { return this; }
+
+ private:
+  const float* vector_of(const void* point) const {
+    std::int64_t row;
+    std::memcpy(&row, point, sizeof row);
+    return row >= 0 ? rows_ + row * width_ : static_cast<const GraphPoint*>(point)->vector;
+  }
+  static float distance(const void* a, const void* b, const void* space) {
+    const auto& self = *static_cast<const GraphSpace*>(space);
+    float cosine = 0;
+    self.dot_(self.vector_of(a), 1, self.width_, self.vector_of(b), &cosine);
+    return 1 - cosine;
+  }
+
+  const float* rows_;
+  Index width_;
+  decltype(RowScan<float>::dot_function()) dot_;
+};
+
+class HnswGraph : public hnswlib::HierarchicalNSW<float> {
+ public:
+  using hnswlib::HierarchicalNSW<float>::HierarchicalNSW;
+};
+
+/// Checks every link of a saved graph, so that hnswlib can follow it without checks. Throws io_error 402, 403.
+inline void check_graph(std::span<const std::byte> bytes, Index vectors, const std::string& name) {
+  struct Header {
+    std::uint64_t offset_level0, capacity, count, element, label_offset, data_offset;
+    std::int32_t top;
+    std::uint32_t entry;
+    std::uint64_t links, links0, m;
+    double mult;
+    std::uint64_t effort;
+  };
+  const auto wrong = [&](const char* what) { raise<io_error>(403, name, ": a graph with ", what); };
+  const auto h = load<Header>(bytes, 0, name, "the header of a graph");
+  constexpr std::uint64_t id = sizeof(std::uint32_t), most_links = 10000;
+  const auto n = static_cast<std::uint64_t>(vectors);
+  if (h.count != n || h.capacity != n) wrong("another number of vectors");
+  if (h.links < 1 || h.links > most_links || h.links0 != 2 * h.links || h.m != h.links) wrong("wrong numbers of links");
+  const std::uint64_t lowest = id + h.links0 * id, upper = id + h.links * id;
+  if (h.effort < h.m || !(std::abs(h.mult * std::log(static_cast<double>(h.m)) - 1) < 1e-6)) wrong("a wrong effort");
+  if (h.offset_level0 != 0 || h.data_offset != lowest || h.label_offset != lowest + 8 || h.element != lowest + 16)
+    wrong("wrong sizes");
+  const std::size_t base = sizeof(Header);
+  slice(bytes, base, static_cast<std::size_t>(n * h.element), name, "a graph");
+  std::vector<std::size_t> place;    // of the upper levels of each vector
+  std::vector<std::uint64_t> level;  // of each vector
+  std::size_t at = base + static_cast<std::size_t>(n * h.element);
+  for (std::uint64_t i = 0; i < n; ++i) {
+    const auto size = load<std::uint32_t>(bytes, at, name, "a graph");
+    place.push_back(at + id), level.push_back(size / upper);
+    if (size % upper != 0 || level.back() > 1000) wrong("a list of links of a wrong size");
+    slice(bytes, at + id, size, name, "a graph");
+    at += id + size;
+  }
+  if (at != bytes.size()) wrong("something behind its end");
+  if (n > 0 && (h.entry >= n || h.top < 0 || level[h.entry] != static_cast<std::uint64_t>(h.top)))
+    wrong("a wrong beginning");
+  const auto check_links = [&](std::size_t list, std::uint64_t most, std::uint64_t on_level) {
+    const auto count = load<std::uint32_t>(bytes, list, name, "a graph");
+    if (count > most) wrong("too many links");
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const auto to = load<std::uint32_t>(bytes, list + id + k * id, name, "a graph");
+      if (to >= n || level[to] < on_level) wrong("a link to nowhere");
+    }
+  };
+  for (std::uint64_t i = 0; i < n; ++i) {
+    const auto element = base + static_cast<std::size_t>(i * h.element);
+    check_links(element, h.links0, 0);
+    const auto row = load<std::int64_t>(bytes, element + static_cast<std::size_t>(h.data_offset), name, "a graph");
+    const auto label = load<std::int64_t>(bytes, element + static_cast<std::size_t>(h.label_offset), name, "a graph");
+    if (row < 0 || row >= vectors || label != row) wrong("an unknown vector");
+    for (std::uint64_t l = 0; l < level[i]; ++l)
+      check_links(place[i] + static_cast<std::size_t>(l * upper), h.links, l + 1);
+  }
+}
+
+/// A file that only we see, for a library that only reads and writes files.
+class ScratchFile {
+ public:
+  ScratchFile() {
+    const int file = system::create_temporary(path_);
+    if (file < 0) raise<io_error>(401, "cannot make ", path_, ": ", std::strerror(errno));
+    ::close(file);
+  }
+  ~ScratchFile() { std::remove(path_.c_str()); }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace detail
+
+MOTIONLANG_BODY VectorGraph VectorGraph::build(std::span<const float> rows, Index width,
+                                               const VectorGraphOptions& options, Progress progress,
+                                               std::shared_ptr<const void> owner) {
+  VectorGraph g(rows, width, std::move(owner));
+  g.graph_ = std::make_unique<detail::HnswGraph>(
+      g.space_.get(), static_cast<std::size_t>(std::max<Index>(1, g.count())), static_cast<std::size_t>(options.links),
+      static_cast<std::size_t>(options.effort));
+  g.add_from(0, progress);
+  return g;
+}
+
+MOTIONLANG_BODY VectorGraph VectorGraph::from_bytes(std::span<const std::byte> bytes, std::span<const float> rows,
+                                                    Index width, const std::string& name,
+                                                    std::shared_ptr<const void> owner) {
+  return extended(bytes, detail::whole_rows("VectorGraph", rows.size(), width), rows, width, {}, name,
+                  std::move(owner));
+}
+
+MOTIONLANG_BODY VectorGraph VectorGraph::extended(std::span<const std::byte> bytes, Index known,
+                                                  std::span<const float> rows, Index width, Progress progress,
+                                                  const std::string& name, std::shared_ptr<const void> owner) {
+  VectorGraph g(rows, width, std::move(owner));
+  if (known > g.count()) raise<config_error>(101, name, ": a graph of ", counted(known, "vector"), " for ", g.count());
+  detail::check_graph(bytes, known, name);
+  const detail::ScratchFile file;
+  write_file(file.path(), bytes);
+  detail::guard<std::exception>(
+      [&] {
+        g.graph_ = std::make_unique<detail::HnswGraph>(g.space_.get(), file.path(), false,
+                                                       static_cast<std::size_t>(g.count()));
+      },
+      [&](const std::exception& e) -> bool { raise<io_error>(403, name, ": ", e.what()); });
+  g.graph_->num_deleted_ = 0;  // hnswlib does not set it
+  // otherwise every addition draws the same levels
+  g.graph_->level_generator_.seed(static_cast<std::uint32_t>(known + 1));
+  g.add_from(known, progress);
+  return g;
+}
+
+MOTIONLANG_BODY VectorGraph::VectorGraph(VectorGraph&&) noexcept = default;
+MOTIONLANG_BODY VectorGraph& VectorGraph::operator=(VectorGraph&&) noexcept = default;
+MOTIONLANG_BODY VectorGraph::~VectorGraph() = default;
+
+MOTIONLANG_BODY std::vector<std::byte> VectorGraph::bytes() const {
+  const detail::ScratchFile file;
+  graph_->saveIndex(file.path());
+  const auto mapped = MappedFile::open(file.path());
+  return {mapped->bytes().begin(), mapped->bytes().end()};
+}
+
+MOTIONLANG_BODY std::vector<std::vector<Neighbour>> VectorGraph::search(std::span<const float> queries, Index k) const {
+  if (k < 0) raise<config_error>(101, "VectorGraph: the ", k, " nearest");
+  const Index n = detail::whole_rows("VectorGraph: queries", queries.size(), width_);
+  const std::vector<float> units = unit_rows(queries, width_);
+  std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(n));
+  k = std::min(k, count());
+  if (k == 0) return out;
+  // hnswlib follows as many candidates as wanted.
+  const auto candidates = static_cast<std::size_t>(std::max<Index>(100, 2 * k));
+  parallel_for(n, [&](Index q) {
+    const float* query = units.data() + q * width_;
+    const detail::GraphPoint point{-1, query};
+    NearestK best(k);
+    for (auto found = graph_->searchKnn(&point, candidates); !found.empty(); found.pop()) {
+      const auto row = static_cast<Index>(found.top().second);
+      best.offer({row, exact_cosine(query, rows_.data() + row * width_, width_)});
+    }
+    out[static_cast<std::size_t>(q)] = best.take();
+  });
+  return out;
+}
+
+MOTIONLANG_BODY VectorGraph::VectorGraph(std::span<const float> rows, Index width, std::shared_ptr<const void> owner)
+    : rows_(rows), width_(width), owner_(std::move(owner)) {
+  require_unit_rows("VectorGraph", rows, width);
+  space_ = std::make_unique<detail::GraphSpace>(rows.data(), width);
+}
+
+MOTIONLANG_BODY void VectorGraph::add_from(Index first, Progress progress) {
+  for (Index i = first; i < count(); ++i) {
+    if ((i - first) % 256 == 0) progress(i, count());
+    const detail::GraphPoint point{i};
+    graph_->addPoint(&point, static_cast<hnswlib::labeltype>(i));
+  }
+  progress(count(), count());
+}
+
+#endif
+
+MOTIONLANG_BODY std::vector<detail::GraphRows> detail::graph_rows(const MotionIndex& index, Index least) {
+  std::vector<GraphRows> out;
+  for (const GraphRows& g : {GraphRows{"graph_clips", index.clip_rows()}, {"graph_moments", index.moment_rows()}})
+    if (std::ssize(g.rows) / index.model().width >= std::max<Index>(1, least)) out.push_back(g);
+  return out;
+}
+
+MOTIONLANG_BODY bool has_graphs(const MotionIndexFile& file, Index least) {
+  const auto wanted = detail::graph_rows(file.index(), least);
+  return std::all_of(wanted.begin(), wanted.end(), [&](const auto& g) { return !file.extra(g.name).empty(); });
+}
+
+MOTIONLANG_BODY IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[maybe_unused]] Index least,
+                                          [[maybe_unused]] Progress progress,
+                                          [[maybe_unused]] const MotionIndexFile* before) {
+  IndexExtras out;
+#if MOTIONLANG_HAS_HNSWLIB
+  const Index width = index.model().width;
+  for (const auto& [name, rows] : detail::graph_rows(index, least)) {
+    const auto graph = before != nullptr ? before->extra(name) : std::span<const std::byte>{};
+    std::span<const float> known;
+    if (!graph.empty()) {
+      for (const auto& old : detail::graph_rows(before->index(), 1))
+        if (std::string_view(old.name) == name) known = old.rows;
+    }
+    const bool only_added =
+        !known.empty() && known.size() <= rows.size() && std::equal(known.begin(), known.end(), rows.begin());
+    out[name] = (only_added ? VectorGraph::extended(graph, std::ssize(known) / width, rows, width, progress,
+                                                    before->name() + ": " + name)
+                            : VectorGraph::build(rows, width, {}, progress))
+                    .bytes();
+  }
+#endif
+  return out;
+}
+
+MOTIONLANG_BODY MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unused]] bool exact,
+                                                ScanStorage storage) {
+  std::shared_ptr<const VectorSearch> clips, moments;
+#if MOTIONLANG_HAS_HNSWLIB
+  const auto graph = [&](const char* name, std::span<const float> rows) -> std::shared_ptr<const VectorSearch> {
+    const auto bytes = file.extra(name);
+    if (exact || bytes.empty()) return {};
+    return std::make_shared<VectorGraph>(
+        VectorGraph::from_bytes(bytes, rows, file.index().model().width, file.name() + ": " + name));
+  };
+  clips = graph("graph_clips", file.index().clip_rows());
+  moments = graph("graph_moments", file.index().moment_rows());
+#endif
+  return MotionSearch(file.index(), std::move(clips), std::move(moments), storage);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The vectors that are compared with the query.
+enum class SearchFor {
+  clips,    // whole clips
+  moments,  // windows of clips
+  captions  // the captions of clips, not their motion
+};
+
+struct SearchOptions {
+  Index top = 10;  // number of results
+  SearchFor what = SearchFor::clips;
+  double most_overlap = 0.3;  // intersection over union above which two moments of one clip are one hit
+  bool exact = false;         // compare with all vectors, even if the index has a graph
+  ScanStorage storage = ScanStorage::float32;  // for a comparison with all vectors; does not affect the answers
+};
+
+/// Best first. Throws config_error 101 for top < 0, 102 for moments of an index without any, numeric_error 301, 302 for
+/// a query that is not finite or of length 0, shape_error 205 for one of another width.
+std::vector<MotionHit> search(const MotionSearch& index, std::span<const float> query,
+                              const SearchOptions& options = {});
+/// Opens the search of an index for one query. Also throws io_error 401, 402, 403.
+std::vector<MotionHit> search(const MotionIndexFile& index, std::span<const float> query,
+                              const SearchOptions& options = {});
+
+/// The clip of a hit.
+inline const IndexedClip& clip_of(const MotionIndex& index, const MotionHit& hit) {
+  return index.clips()[static_cast<std::size_t>(hit.clip)];
+}
+/// The cosine of a hit as a score from 0 to 1.
+inline double score_of(const MotionHit& hit) { return (static_cast<double>(hit.score) + 1) / 2; }
+/// The number of clips, moments or captions that are compared with a query.
+Index gallery_size(const MotionIndex& index, SearchFor what);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_SEARCH_IPP  // <motionlang/search/search.ipp>
+#define MOTIONLANG_HAS_SEARCH_SEARCH_IPP
+// Bodies of search.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<MotionHit> search(const MotionSearch& index, std::span<const float> query,
+                                              const SearchOptions& options) {
+  switch (options.what) {
+    case SearchFor::moments:
+      return index.moments(query, options.top, options.most_overlap);
+    case SearchFor::captions:
+      return index.captions(query, options.top);
+    case SearchFor::clips:
+      break;
+  }
+  return index.clips(query, options.top);
+}
+
+MOTIONLANG_BODY std::vector<MotionHit> search(const MotionIndexFile& index, std::span<const float> query,
+                                              const SearchOptions& options) {
+  return search(open_motion_search(index, options.exact, options.storage), query, options);
+}
+
+MOTIONLANG_BODY Index gallery_size(const MotionIndex& index, SearchFor what) {
+  switch (what) {
+    case SearchFor::moments:
+      return std::ssize(index.moments());
+    case SearchFor::captions:
+      return std::ssize(index.caption_clips());
+    case SearchFor::clips:
+      break;
+  }
+  return index.count();
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_SEARCH_SEARCH_ENCODER_HPP  // <motionlang/search/search_encoder.hpp>
 #define MOTIONLANG_HAS_SEARCH_SEARCH_ENCODER_HPP
 /// The interface of an index and its searches to a model that puts texts and motions into one space. TMR implements it
@@ -37823,6 +41364,11 @@ class SearchEncoder {
   /// (windows, width): windows of the frames of `rows`.
   virtual std::vector<float> encode_windows(std::span<const float> rows, std::span<const FrameSlice> windows) const = 0;
 
+  /// The meaning of the cosines of texts and motions; empty if it was not measured.
+  virtual const SimilarityScale& similarity() const;
+  /// The words that the model knows; empty if it cannot tell.
+  virtual KnownWords known_words() const { return {}; }
+
  protected:
   SearchEncoder() = default;
   SearchEncoder(const SearchEncoder&) = default;
@@ -37843,6 +41389,11 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+MOTIONLANG_BODY const SimilarityScale& SearchEncoder::similarity() const {
+  static const SimilarityScale none;
+  return none;
+}
+
 MOTIONLANG_BODY std::vector<float> encode_clip(const SearchEncoder& encoder, std::span<const float> rows) {
   const Index width = encoder.model().width, all = encoder.frames(rows),
               longest = std::max<Index>(1, std::lround(10 * encoder.model().fps)),
@@ -37862,6 +41413,197 @@ MOTIONLANG_BODY std::vector<float> encode_clip(const SearchEncoder& encoder, std
 
 MOTIONLANG_BODY std::vector<float> encode_motion(const SearchEncoder& encoder, const Motion& motion) {
   return encode_clip(encoder, encoder.rows_of(motion));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct TextAnswer {
+  std::vector<MotionHit> hits{};  // best first
+  /// A number from 0 to 1 for each hit. If the model has a scale (metrics/similarity_scale.hpp), it is the share of
+  /// pairs of a text and a motion of something else that are farther apart. Otherwise, and for captions: score_of.
+  std::vector<double> scores{};
+  bool calibrated = false;             // true if the scores are such shares
+  std::vector<UnknownWord> unheard{};  // words that the model knows nothing about
+  /// False if no clip shows the text: nothing is as near as a text of the training is to its motion, or the model knows
+  /// no word of the text. Always true for captions, and for models that cannot tell unless no word is known.
+  bool shown = true;
+};
+
+/// Throws what search and SearchEncoder::encode_texts throw.
+TextAnswer answer_text(const MotionSearch& found, const SearchEncoder& encoder, const std::string& text,
+                       const SearchOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_TEXT_ANSWER_IPP  // <motionlang/search/text_answer.ipp>
+#define MOTIONLANG_HAS_SEARCH_TEXT_ANSWER_IPP
+// Bodies of text_answer.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// True if the text has words, and the model knows nothing about any of them.
+inline bool is_unheard(const std::string& text, const std::vector<UnknownWord>& unheard) {
+  std::set<std::string> unknown;
+  for (const UnknownWord& w : unheard) unknown.insert(w.word);
+  const auto words = WordPiece::words(text);
+  return !unheard.empty() &&
+         std::all_of(words.begin(), words.end(), [&](const std::string& w) { return unknown.contains(w); });
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY TextAnswer answer_text(const MotionSearch& found, const SearchEncoder& encoder, const std::string& text,
+                                       const SearchOptions& options) {
+  TextAnswer out;
+  out.hits = search(found, encoder.encode_texts(std::span(&text, 1)), options);
+  if (const KnownWords known = encoder.known_words(); !known.empty()) {
+    out.unheard = unknown_words(text, known);
+    for (std::string& word : unreadable_words(text)) out.unheard.push_back({std::move(word), ""});
+  }
+  const SimilarityScale& scale = encoder.similarity();
+  out.calibrated = !scale.empty() && options.what != SearchFor::captions;
+  for (const MotionHit& hit : out.hits)
+    out.scores.push_back(out.calibrated ? share_below(scale, static_cast<double>(hit.score)) : score_of(hit));
+  if (options.what == SearchFor::captions) return out;
+  out.shown = !detail::is_unheard(text, out.unheard);
+  if (out.calibrated && (out.hits.empty() || !is_shown(scale, static_cast<double>(out.hits.front().score))))
+    out.shown = false;
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A query, and phrases of which a right result's captions say one. Without phrases, no clip shows it.
+struct MotionQuery {
+  std::string text{};
+  std::vector<std::string> phrases{};
+  bool operator==(const MotionQuery&) const = default;
+};
+
+/// Lines "query, phrases separated by |", with a tab between both; lines that start with # are comments. Throws
+/// io_error 401, and 403 with the line for a query without words or an empty phrase.
+std::vector<MotionQuery> read_queries(const FilePath& path);
+
+/// True if a text contains the words of a phrase one after the other. A word also counts in the forms of
+/// text/word_forms.hpp: "sits down" says "sit".
+bool says(std::string_view text, std::string_view phrase);
+/// True if at least half of the captions say one of the phrases. One caption that was worded loosely is not enough.
+bool shows(const std::vector<std::string>& captions, const MotionQuery& query);
+
+struct QueryAnswer {
+  MotionQuery query;
+  IndexedClip found{};  // the first result
+  double score = 0;     // its own
+  bool shown = true;    // false: the answer is that no clip shows the query
+  bool right = false;   // with phrases: shown, and its captions say one; without: not shown
+};
+
+/// Searches the clips that have captions.
+/// Throws  config_error 101 if no clip has captions, 102 for a query that is itself a caption of a clip, and what
+///         answer_text throws
+std::vector<QueryAnswer> answer_queries(const MotionIndex& index, const SearchEncoder& encoder,
+                                        const std::vector<MotionQuery>& queries);
+
+/// A line for each answer, and how many are right: of queries that clips show, and of those that none shows.
+std::string describe_query_answers(const std::vector<QueryAnswer>& answers);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_QUERY_BENCH_IPP  // <motionlang/search/query_bench.ipp>
+#define MOTIONLANG_HAS_SEARCH_QUERY_BENCH_IPP
+// Bodies of query_bench.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<MotionQuery> read_queries(const FilePath& path) {
+  std::vector<MotionQuery> out;
+  detail::for_each_line(read_file(path), [&](std::string_view line, Index number) {
+    if (line.empty() || line.front() == '#') return;
+    const auto tab = line.find('\t');
+    MotionQuery& query = out.emplace_back();
+    query.text = line.substr(0, tab);
+    const auto refuse = [&](const char* what) { raise<io_error>(403, path.string(), ":", number, ": ", what); };
+    if (WordPiece::words(query.text).empty()) refuse("a query without words");
+    if (tab == line.npos) return;
+    for (std::string_view rest = line.substr(tab + 1);;) {
+      const auto bar = rest.find('|');
+      std::string phrase = join_text(WordPiece::words(rest.substr(0, bar)), " ");
+      if (phrase.empty()) refuse("an empty phrase");
+      query.phrases.push_back(std::move(phrase));
+      if (bar == rest.npos) break;
+      rest.remove_prefix(bar + 1);
+    }
+  });
+  return out;
+}
+
+MOTIONLANG_BODY bool says(std::string_view text, std::string_view phrase) {
+  const auto words = WordPiece::words(text), wanted = WordPiece::words(phrase);
+  const auto is_form = [](const std::string& word, const std::string& of) {
+    return known_form(word, [&](const std::string& form) { return form == of; }) == of;
+  };
+  return !wanted.empty() &&
+         std::search(words.begin(), words.end(), wanted.begin(), wanted.end(), is_form) != words.end();
+}
+
+MOTIONLANG_BODY bool shows(const std::vector<std::string>& captions, const MotionQuery& query) {
+  const auto right = std::count_if(captions.begin(), captions.end(), [&](const std::string& caption) {
+    return std::any_of(query.phrases.begin(), query.phrases.end(),
+                       [&](const std::string& phrase) { return says(caption, phrase); });
+  });
+  return right > 0 && 2 * right >= std::ssize(captions);
+}
+
+MOTIONLANG_BODY std::vector<QueryAnswer> answer_queries(const MotionIndex& index, const SearchEncoder& encoder,
+                                                        const std::vector<MotionQuery>& queries) {
+  MotionIndex captioned = index;
+  captioned.remove_if([](const IndexedClip& c) { return c.captions.empty(); });
+  if (captioned.count() == 0) raise<config_error>(101, "answer_queries: no clip of the index has captions");
+  std::set<std::vector<std::string>> captions;
+  for (const IndexedClip& c : captioned.clips()) {
+    for (const std::string& caption : c.captions) captions.insert(WordPiece::words(caption));
+  }
+  const MotionSearch moves(captioned);
+  std::vector<QueryAnswer> out;
+  for (const MotionQuery& query : queries) {
+    if (captions.contains(WordPiece::words(query.text)))
+      raise<config_error>(102, "answer_queries: '", query.text, "' is a caption of a clip, word by word");
+    const TextAnswer answer = answer_text(moves, encoder, query.text, {.top = 1});
+    QueryAnswer& a = out.emplace_back();
+    a.query = query, a.shown = answer.shown;
+    a.found = clip_of(captioned, answer.hits.front()), a.score = answer.scores.front();
+    a.right = query.phrases.empty() ? !a.shown : a.shown && shows(a.found.captions, query);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string describe_query_answers(const std::vector<QueryAnswer>& answers) {
+  struct Count {
+    int right = 0, all = 0;
+  } shown, absent;
+  std::string out;
+  for (const QueryAnswer& a : answers) {
+    Count& count = a.query.phrases.empty() ? absent : shown;
+    count.right += a.right ? 1 : 0, ++count.all;
+    const std::string answer = a.shown ? "\"" + a.found.captions.front() + "\"" : "no clip shows this";
+    out += formatted("%-6s%.4f  %-44s %s\n", a.right ? "right" : "wrong", a.score, printable(a.query.text).c_str(),
+                     printable(answer).c_str());
+  }
+  if (shown.all > 0) out += concat_text("the first result is right for ", shown.right, " of ", shown.all, " queries\n");
+  if (absent.all > 0)
+    out += concat_text("no clip shows this is the answer to ", absent.right, " of ", absent.all,
+                       " queries that nothing shows\n");
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END

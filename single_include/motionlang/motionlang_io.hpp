@@ -18,682 +18,6 @@
 ///
 /// Every error gives the path of the field.
 
-#ifndef MOTIONLANG_HAS_FILE_JSON_HPP  // <motionlang/file/json.hpp>
-#define MOTIONLANG_HAS_FILE_JSON_HPP
-/// JSON documents: reading with positions in messages, and typed access that names the path to a wrong value. This is
-/// the only header that includes nlohmann/json.hpp. That adds 1.5 s to a translation unit, so include it in few.
-///
-///     const nlohmann::json document = read_json("config.json");
-///     const JsonView config(document, "config.json");
-///     const int width = config["model"]["latent_dim"].as<int>();
-///     const double rate = config["optim"].value_or("lr", 1e-4);
-
-#include <nlohmann/json.hpp>
-
-#ifndef MOTIONLANG_HAS_FILE_FILE_HPP  // <motionlang/file/file.hpp>
-#define MOTIONLANG_HAS_FILE_FILE_HPP
-/// Reads whole files, maps them into memory, and writes them so that no reader sees an incomplete one.
-
-#ifndef MOTIONLANG_HAS_FILE_FILE_PATH_HPP  // <motionlang/file/file_path.hpp>
-#define MOTIONLANG_HAS_FILE_FILE_PATH_HPP
-/// Names of files.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's
-/// own.
-class FilePath {
- public:
-  FilePath(const char* text) : text_(text) {}
-  FilePath(std::string text) : text_(std::move(text)) {}
-  template <class Path>
-  requires requires(const Path& path) { path.lexically_normal().string(); }
-  FilePath(const Path& path) : text_(path.string()) {}
-
-  const std::string& string() const { return text_; }
-  const char* c_str() const { return text_.c_str(); }
-  /// The name of a file in this folder. "" is the current folder, like parent_path() of a bare name.
-  std::string inside(const std::string& name) const { return text_.empty() ? name : text_ + "/" + name; }
-  /// The last part without its extension: "walk" of "clips/walk.bvh".
-  std::string stem() const {
-#if defined(_WIN32)
-    constexpr const char* separators = "/\\";
-#else
-    constexpr const char* separators = "/";
-#endif
-    const std::string name = text_.substr(text_.find_last_of(separators) + 1);
-    const std::size_t dot = name.find_last_of('.');
-    return dot == 0 ? name : name.substr(0, dot);
-  }
-
- private:
-  std::string text_;
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// A file that is mapped into memory for reading. Pages are loaded at first use (on Windows, all of them at once).
-class MappedFile {
- public:
-  /// Throws io_error 401, also for a Git LFS pointer, which replaces a file that was not fetched.
-  static std::shared_ptr<const MappedFile> open(const FilePath& path);
-  /// Stores these bytes in a file without a name, which disappears with the mapping. Their memory can be released and
-  /// read again. Null if that fails.
-  static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes);
-  /// The mapped file that holds these bytes, or null. It lives as long as the owner of the bytes.
-  static const MappedFile* that_holds(std::span<const std::byte> bytes);
-  ~MappedFile();
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-
-  std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
-  /// Releases the memory of a part that will hardly be read again. Later reads load it from the file. The system maps
-  /// up to two megabytes around a byte that is read, so this releases whole ones.
-  void forget(std::span<const std::byte> part) const;
-  /// The same for bytes that may lie in a mapped file or elsewhere.
-  static void forget_if_mapped(std::span<const std::byte> part);
-
- private:
-  explicit MappedFile(const FilePath& path);
-  MappedFile() = default;
-  bool map(int fd, std::size_t size);
-  static std::uintptr_t address(std::span<const std::byte> bytes);
-
-  void* data_ = nullptr;
-  std::size_t size_ = 0;
-  MappedFile* next_ = nullptr;  // in a list of all mapped files
-};
-
-/// Throws io_error 401 if the bytes of a file are a Git LFS pointer.
-/// Source  the specification of Git LFS, "The Pointer"
-void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name);
-
-/// The whole file as text. Throws io_error 401, also for a Git LFS pointer.
-std::string read_file(const FilePath& path);
-
-/// Writes to a temporary name beside `path` and renames. So the old file stays complete until the new one, with the
-/// same permissions, replaces it. Through a symbolic link, it writes the file to which the link leads. Throws io_error
-/// 401, also for devices and pipes.
-void write_file(const FilePath& path, std::span<const std::byte> contents);
-void write_file(const FilePath& path, std::string_view contents);
-
-/// Makes the folder if it does not exist. Its parent must exist. Throws io_error 401.
-void make_folder(const FilePath& path);
-
-/// A name for use in a file's name. Characters that some system forbids become "_".
-std::string safe_file_name(std::string name);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FILE_FILE_IPP  // <motionlang/file/file.ipp>
-#define MOTIONLANG_HAS_FILE_FILE_IPP
-// Bodies of file.hpp.
-
-#include <cerrno>      // errno
-#include <filesystem>  // symbolic links
-
-#ifndef MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP  // <motionlang/file/detail/system_file.hpp>
-#define MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP
-/// File calls of the system: POSIX, and on Windows those of MinGW's C library. errno has the reason of a failure.
-
-#include <fcntl.h>     // open
-#include <sys/stat.h>  // fstat, fchmod, mkdir
-#include <unistd.h>    // read, write, close, getpid
-#if defined(_WIN32)
-#include <io.h>      // _commit
-#include <malloc.h>  // _aligned_malloc
-
-#else
-#include <sys/mman.h>  // mmap
-#endif
-
-#if defined(_WIN32)
-// Declared here as in windows.h, which would bring macros named min, max, near and far.
-extern "C" __declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail::system {
-
-/// Creates and opens a temporary file with a new name, for this user only. Returns -1 if that fails.
-inline int create_temporary(std::string& name) {
-  std::error_code problem;
-  const std::filesystem::path folder = std::filesystem::temp_directory_path(problem);
-  name = problem ? "a temporary file" : (folder / "motionlang-XXXXXX").string();
-  if (problem) return errno = problem.default_error_condition().value(), -1;
-  return ::mkstemp(name.data());
-}
-
-#if defined(_WIN32)
-
-inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_BINARY | O_NOINHERIT); }
-/// Creates a new file. errno is EEXIST if it exists.
-inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_BINARY | O_NOINHERIT, 0666); }
-/// Creates a file without a name. Windows has no such files.
-inline int create_nameless() { return -1; }
-inline bool is_regular(int file, std::uint64_t& size) {
-  struct _stat64 s {};
-  if (::_fstat64(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
-  size = static_cast<std::uint64_t>(s.st_size);
-  return true;
-}
-inline void copy_permissions(const char*, int) {}  // of a folder, for all in it
-inline bool flush(int file) { return ::_commit(file) == 0; }
-inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
-/// The whole file, for reading; null if that fails. size > 0. This is a copy, because nobody could rewrite a mapped
-/// file, such as the checkpoint of a training.
-inline void* map(int file, std::size_t size) {
-  auto* const data = static_cast<char*>(::_aligned_malloc(size, 64));
-  if (data == nullptr) return errno = ENOMEM, nullptr;
-  for (std::size_t done = 0; done < size;) {
-    const int n = ::read(file, data + done, static_cast<unsigned>(std::min<std::size_t>(size - done, 1u << 30)));
-    if (n <= 0) {
-      if (n == 0) errno = EIO;  // it is shorter now
-      return unmap(data, size), nullptr;
-    }
-    done += static_cast<std::size_t>(n);
-  }
-  return data;
-}
-inline void forget(void*, std::size_t) {}  // there is no other copy
-inline bool rename_over(const char* from, const char* to) {
-  constexpr unsigned long replace = 1;
-  if (::MoveFileExA(from, to, replace) != 0) return true;
-  errno = EACCES;  // it is open
-  return false;
-}
-inline bool make_folder(const char* path) { return ::mkdir(path) == 0; }
-
-#else
-
-inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_CLOEXEC); }
-/// Creates a new file. errno is EEXIST if it exists.
-inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
-/// Creates a file without a name; -1 if that fails.
-inline int create_nameless() {
-  std::string name;
-  const int file = create_temporary(name);
-  if (file >= 0) ::unlink(name.c_str());
-  return file;
-}
-inline bool is_regular(int file, std::uint64_t& size) {
-  struct stat s {};
-  if (::fstat(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
-  size = static_cast<std::uint64_t>(s.st_size);
-  return true;
-}
-/// Gives an open file the permissions of another one, if that exists. Some file systems have no such permissions.
-inline void copy_permissions(const char* from, int to) {
-  struct stat s {};
-  if (::stat(from, &s) == 0) static_cast<void>(::fchmod(to, s.st_mode & 0777));
-}
-inline bool flush(int file) { return ::fsync(file) == 0; }
-/// The whole file, for reading; null if that fails. size > 0.
-inline void* map(int file, std::size_t size) {
-  void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
-  return data == MAP_FAILED ? nullptr : data;
-}
-inline void unmap(void* data, std::size_t size) { ::munmap(data, size); }
-/// Releases the memory of a mapping. Later reads load it from the file again.
-inline void forget(void* data, std::size_t size) { ::madvise(data, size, MADV_DONTNEED); }
-inline bool rename_over(const char* from, const char* to) { return std::rename(from, to) == 0; }
-inline bool make_folder(const char* path) { return ::mkdir(path, 0777) == 0; }
-
-#endif
-
-inline bool is_folder(const char* path) {
-  struct stat s {};
-  return ::stat(path, &s) == 0 && S_ISDIR(s.st_mode);
-}
-
-}  // namespace detail::system
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-inline std::mutex mapped_mutex;
-inline MappedFile* first_mapped = nullptr;  // the list of all mapped files
-
-/// A file descriptor that is closed at the end of its scope.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  /// To read. Throws io_error 401.
-  explicit Descriptor(const FilePath& path) : fd_(system::open_to_read(path.c_str())) {
-    if (fd_ < 0) raise<io_error>(401, "cannot open ", path.string(), ": ", std::strerror(errno));
-  }
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-  /// True if all bytes were written; otherwise errno gives the reason.
-  bool write(std::span<const std::byte> bytes) const {
-    while (!bytes.empty()) {
-      const auto n = ::write(fd_, bytes.data(), static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1u << 30)));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return false;
-      bytes = bytes.subspan(static_cast<std::size_t>(n));
-    }
-    return true;
-  }
-  std::size_t size(const FilePath& path) const {
-    std::uint64_t size = 0;
-    if (!system::is_regular(fd_, size)) raise<io_error>(401, path.string(), " is not a regular file");
-    return static_cast<std::size_t>(size);
-  }
-
- private:
-  int fd_;
-};
-
-}  // namespace detail
-
-MOTIONLANG_BODY std::shared_ptr<const MappedFile> MappedFile::open(const FilePath& path) {
-  auto file = std::shared_ptr<const MappedFile>(new MappedFile(path));
-  refuse_lfs_pointer(file->bytes(), path.string());
-  return file;
-}
-
-MOTIONLANG_BODY void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name) {
-  constexpr std::size_t longest = 1024;
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), longest));
-  if (bytes.size() >= longest || !text.starts_with("version https://git-lfs.github.com/spec/")) return;
-  const std::size_t size = text.find("\nsize ");
-  const std::string_view number = size == text.npos ? "?" : text.substr(size + 6, text.find('\n', size + 6) - size - 6);
-  raise<io_error>(401, name, " is not the file but a Git LFS pointer to it (", number,
-                  " bytes): 'git lfs pull' in its repository fetches the file");
-}
-
-MOTIONLANG_BODY std::shared_ptr<const MappedFile> MappedFile::put_aside(std::span<const std::byte> bytes) {
-  const detail::Descriptor file(bytes.empty() ? -1 : detail::system::create_nameless());
-  if (file.get() < 0 || !file.write(bytes)) return nullptr;
-  auto out = std::shared_ptr<MappedFile>(new MappedFile);
-  return out->map(file.get(), bytes.size()) ? out : nullptr;
-}
-
-MOTIONLANG_BODY const MappedFile* MappedFile::that_holds(std::span<const std::byte> bytes) {
-  const std::scoped_lock lock(detail::mapped_mutex);
-  const MappedFile* f = detail::first_mapped;
-  while (f != nullptr && (address(bytes) < address(f->bytes()) ||
-                          address(bytes) + bytes.size() > address(f->bytes()) + f->bytes().size()))
-    f = f->next_;
-  return f;
-}
-
-MOTIONLANG_BODY MappedFile::~MappedFile() {
-  if (size_ == 0) return;
-  {
-    const std::scoped_lock lock(detail::mapped_mutex);
-    MappedFile** place = &detail::first_mapped;
-    while (*place != this) place = &(*place)->next_;
-    *place = next_;
-  }
-  detail::system::unmap(data_, size_);
-}
-
-MOTIONLANG_BODY void MappedFile::forget(std::span<const std::byte> part) const {
-  constexpr std::uintptr_t block = std::uintptr_t{2} << 20;
-  const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
-                       end = std::min((address(part) + part.size() + block - 1) / block * block,
-                                      address(bytes()) + size_);
-  if (begin < end) detail::system::forget(static_cast<std::byte*>(data_) + (begin - address(bytes())), end - begin);
-}
-
-MOTIONLANG_BODY void MappedFile::forget_if_mapped(std::span<const std::byte> part) {
-  if (const MappedFile* file = that_holds(part)) file->forget(part);
-}
-
-MOTIONLANG_BODY MappedFile::MappedFile(const FilePath& path) {
-  const detail::Descriptor file(path);
-  const std::size_t size = file.size(path);
-  if (size > 0 && !map(file.get(), size))  // an empty mapping is an error of mmap
-    raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
-}
-
-MOTIONLANG_BODY bool MappedFile::map(int fd, std::size_t size) {
-  void* const data = detail::system::map(fd, size);
-  if (data == nullptr) return false;
-  data_ = data, size_ = size;
-  const std::scoped_lock lock(detail::mapped_mutex);
-  next_ = std::exchange(detail::first_mapped, this);
-  return true;
-}
-
-MOTIONLANG_BODY std::uintptr_t MappedFile::address(std::span<const std::byte> bytes) {
-  return reinterpret_cast<std::uintptr_t>(bytes.data());
-}
-
-MOTIONLANG_BODY std::string read_file(const FilePath& path) {
-  const auto file = MappedFile::open(path);
-  return std::string(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
-}
-
-MOTIONLANG_BODY void write_file(const FilePath& path, std::span<const std::byte> contents) {
-  static std::atomic<unsigned> writers{0};
-  std::error_code problem;
-  std::filesystem::path followed = path.string();
-  constexpr int most_links = 40;                                                  // as Linux follows
-  for (int links = 0; std::filesystem::is_symlink(followed, problem); ++links) {  // the last may lead to no file yet
-    if (links == most_links) raise<io_error>(401, "cannot write ", path.string(), ": more than ", most_links, " links");
-    followed = followed.parent_path() / std::filesystem::read_symlink(followed, problem);
-  }
-  if (std::filesystem::is_other(std::filesystem::status(followed, problem)))
-    raise<io_error>(401, "cannot write ", path.string(),
-                    ": it is not a file but a device or a pipe, which a file would replace");
-  const std::string target = followed.string();
-  std::string temporary;
-  int opened = -1;
-  do {  // a name that no other thread and no other machine has
-    temporary = (followed.parent_path() / concat_text(".part-", ::getpid(), "-", writers++)).string();
-    opened = detail::system::create(temporary.c_str());
-  } while (opened < 0 && errno == EEXIST);
-  int reason = 0;
-  auto failed = [&](const char* what) {
-    if (opened >= 0) std::remove(temporary.c_str());
-    raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
-  };
-  const char* wrong = nullptr;
-  {
-    const detail::Descriptor file(opened);
-    if (file.get() >= 0) detail::system::copy_permissions(target.c_str(), file.get());
-    if (file.get() < 0 || !file.write(contents))
-      wrong = "write";
-    else if (!detail::system::flush(file.get()))
-      wrong = "flush";
-    reason = errno;
-  }
-  if (wrong != nullptr) failed(wrong);
-  if (detail::system::rename_over(temporary.c_str(), target.c_str())) return;
-  reason = errno;
-  failed("rename to");
-}
-
-MOTIONLANG_BODY void write_file(const FilePath& path, std::string_view contents) {
-  write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
-}
-
-MOTIONLANG_BODY void make_folder(const FilePath& path) {
-  if (detail::system::make_folder(path.c_str()) || detail::system::is_folder(path.c_str())) return;
-  raise<io_error>(401, "cannot make the folder ", path.string());
-}
-
-MOTIONLANG_BODY std::string safe_file_name(std::string name) {
-  for (char& c : name) {
-    const bool odd =
-        static_cast<unsigned char>(c) < ' ' || std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos;
-    if (odd) c = '_';
-  }
-  return name;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The deepest nesting that is read, because work on documents is recursive.
-inline constexpr int max_json_depth = 256;
-
-namespace detail {
-
-/// Line and column of a byte of the text, "3:14".
-std::string json_place(std::string_view text, std::size_t byte);
-/// Throws io_error 403 with line and column of a byte of the text.
-[[noreturn]] void raise_json(std::string_view text, std::size_t byte, std::string_view name, std::string_view what);
-
-/// The position after the string that begins at a quote; npos if it has no end.
-std::size_t json_string_end(std::string_view text, std::size_t quote);
-
-/// Reads the document in `size` bytes of a text, starting at `begin`. Messages give the place in the whole text.
-nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::size_t size, std::string_view name);
-
-}  // namespace detail
-
-/// Reads a document. Messages contain `name`. Throws io_error 403 with line and column, also for a duplicate name in an
-/// object.
-nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON");
-
-/// Reads a file. Throws io_error 401, 403.
-nlohmann::json read_json(const FilePath& path);
-
-/// A value inside a document that lives elsewhere, with the path to it: "config.json: model.layers[2].width". Every
-/// access to a value of the wrong kind throws config_error 107 with that path.
-class JsonView {
- public:
-  explicit JsonView(const nlohmann::json& document, std::string name = "JSON")
-      : value_(&document), path_(std::move(name)) {}
-  JsonView(nlohmann::json&&, std::string = {}) = delete;  // a view does not keep its document
-
-  const nlohmann::json& json() const { return *value_; }
-  const std::string& path() const { return path_; }
-
-  bool is_null() const { return value_->is_null(); }
-  bool is_object() const { return value_->is_object(); }
-  bool is_array() const { return value_->is_array(); }
-  bool is_string() const { return value_->is_string(); }
-  bool is_number() const { return value_->is_number(); }
-
-  /// True if this is an object with that member.
-  bool contains(const std::string& key) const;
-  JsonView operator[](const std::string& key) const;
-  JsonView operator[](Index i) const;
-  /// Number of elements of an array.
-  Index size() const;
-  /// Names of the members of an object, sorted.
-  std::vector<std::string> keys() const;
-
-  /// Reads bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is not
-  /// an integer, and an integer must fit.
-  template <class T>
-  T as() const {
-    T out{};
-    get(out);
-    return out;
-  }
-  /// The member `key` if it is there and not null, else `otherwise`.
-  template <class T>
-  T value_or(const std::string& key, T otherwise) const {
-    return contains(key) && !(*value_)[key].is_null() ? (*this)[key].as<T>() : otherwise;
-  }
-  std::string value_or(const std::string& key, const char* otherwise) const;
-
- private:
-  struct Inner {};
-  JsonView(const nlohmann::json& value, std::string path, Inner)
-      : value_(&value), path_(std::move(path)), is_root_(false) {}
-
-  [[noreturn]] void fail(std::string_view wanted) const;
-
-  void get(bool& out) const;
-  void get(std::string& out) const;
-  template <std::floating_point T>
-  void get(T& out) const {
-    if (!value_->is_number()) fail("a number");
-    out = value_->get<T>();
-  }
-  template <std::integral T>
-  void get(T& out) const {
-    if (value_->is_number_float()) return get_whole(out);
-    if (!value_->is_number_integer()) fail("an integer");
-    const bool fits = value_->is_number_unsigned() ? std::in_range<T>(value_->get<std::uint64_t>())
-                                                   : std::in_range<T>(value_->get<std::int64_t>());
-    if (!fits) raise<config_error>(107, path_, ": ", value_->dump(), " is out of range");
-    out = value_->get<T>();
-  }
-  /// Reads 20.0 as an integer, because Python writes such numbers.
-  template <std::integral T>
-  void get_whole(T& out) const {
-    const auto number = value_->get<double>();
-    if (!(std::abs(number) < 0x1p53) || number != std::trunc(number)) fail("an integer");
-    if (!std::in_range<T>(static_cast<std::int64_t>(number))) fail("a smaller integer");
-    out = static_cast<T>(number);
-  }
-  template <class T>
-  void get(std::vector<T>& out) const {
-    for (Index i = 0; i < size(); ++i) out.push_back((*this)[i].as<T>());
-  }
-  template <class T>
-  void get(std::map<std::string, T>& out) const {
-    for (const std::string& key : keys()) out[key] = (*this)[key].template as<T>();
-  }
-
-  const nlohmann::json* value_;
-  std::string path_;
-  bool is_root_ = true;
-};
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FILE_JSON_IPP  // <motionlang/file/json.ipp>
-#define MOTIONLANG_HAS_FILE_JSON_IPP
-// Bodies of json.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-MOTIONLANG_BODY std::string json_place(std::string_view text, std::size_t byte) {
-  const std::string_view before = text.substr(0, std::min(byte, text.size()));
-  const std::size_t line = before.rfind('\n') + 1;  // npos + 1 = 0
-  return concat_text(std::count(before.begin(), before.end(), '\n') + 1, ":", before.size() - line + 1);
-}
-
-MOTIONLANG_BODY void raise_json(std::string_view text, std::size_t byte, std::string_view name, std::string_view what) {
-  raise<io_error>(403, name, ":", json_place(text, byte), ": ", what);
-}
-
-MOTIONLANG_BODY std::size_t json_string_end(std::string_view text, std::size_t quote) {
-  std::size_t at = quote + 1;
-  while (at < text.size() && text[at] != '"') at += text[at] == '\\' ? 2 : 1;
-  return at < text.size() ? at + 1 : text.npos;
-}
-
-/// Number of members of all objects in a document.
-inline std::size_t json_members(const nlohmann::json& document) {
-  std::size_t count = document.is_object() ? document.size() : 0;
-  if (document.is_structured()) {
-    for (const auto& value : document) count += json_members(value);
-  }
-  return count;
-}
-
-/// Throws io_error 403 for a name that is duplicated in an object of the well-formed document in a part of the text.
-inline void refuse_json_repetition(std::string_view text, std::size_t begin, std::size_t size, std::string_view name) {
-  std::vector<std::map<std::string, std::size_t>> objects;  // around the place, with their names
-  const std::size_t end = begin + size;
-  for (std::size_t at = begin; at < end;) {
-    const std::size_t start = at++;
-    if (text[start] == '{') objects.emplace_back();
-    if (text[start] == '}') objects.pop_back();
-    if (text[start] != '"') continue;
-    at = json_string_end(text, start);
-    const std::size_t next = text.find_first_not_of(" \t\r\n", at);
-    if (next >= end || text[next] != ':') continue;  // a value
-    const std::string key = nlohmann::json::parse(text.substr(start, at - start)).get<std::string>();
-    const auto [first, is_new] = objects.back().emplace(key, start);
-    if (!is_new)
-      raise_json(text, start, name,
-                 concat_text("the name '", key, "' is duplicated, first at ", json_place(text, first->second)));
-  }
-}
-
-MOTIONLANG_BODY nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::size_t size,
-                                               std::string_view name) {
-  const std::string_view part = text.substr(begin, size);
-  std::size_t names = 0;
-  const auto shallow = [&](int depth, nlohmann::json::parse_event_t event, const nlohmann::json&) {
-    names += event == nlohmann::json::parse_event_t::key;
-    if (depth > max_json_depth) raise<io_error>(403, name, ": nested deeper than ", max_json_depth, " levels");
-    return true;
-  };
-  const auto malformed = [&](const nlohmann::json::parse_error& e) -> bool {
-    const std::string_view message = e.what();
-    const std::size_t detail = message.find(": ");  // behind id and position
-    raise_json(text, begin + (e.byte == 0 ? 0 : e.byte - 1), name,
-               detail == message.npos ? message : message.substr(detail + 2));
-  };
-  const auto too_large = [&](const nlohmann::json::out_of_range& e) -> bool {  // ... parsing '1e999'
-    const std::string_view message = e.what();
-    const std::size_t number = message.find('\'') + 1;
-    const std::size_t at = part.find(message.substr(number, message.rfind('\'') - number));
-    raise_json(text, begin + std::min(at, size), name, "a number beyond the range of double");
-  };
-  nlohmann::json document;
-  const auto parse = [&] { document = nlohmann::json::parse(part, shallow, has_exceptions); };
-  guard<nlohmann::json::parse_error>([&] { guard<nlohmann::json::out_of_range>(parse, too_large); }, malformed);
-  if (document.is_discarded())
-    raise_json(text, begin, name, "not JSON, or a number beyond the range of double");  // no exceptions
-  if (names != json_members(document)) refuse_json_repetition(text, begin, size, name);
-  return document;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY nlohmann::json parse_json(std::string_view text, std::string_view name) {
-  return detail::parse_json_part(text, 0, text.size(), name);
-}
-
-MOTIONLANG_BODY nlohmann::json read_json(const FilePath& path) { return parse_json(read_file(path), path.string()); }
-
-MOTIONLANG_BODY bool JsonView::contains(const std::string& key) const {
-  return value_->is_object() && value_->contains(key);
-}
-
-MOTIONLANG_BODY JsonView JsonView::operator[](const std::string& key) const {
-  if (!value_->is_object()) fail("an object");
-  const auto member = value_->find(key);
-  if (member == value_->end()) raise<config_error>(107, path_, ": has no member '", key, "'");
-  return {*member, path_ + (is_root_ ? ": " : ".") + key, Inner{}};
-}
-
-MOTIONLANG_BODY JsonView JsonView::operator[](Index i) const {
-  if (i < 0 || i >= size()) raise<config_error>(107, path_, ": no element ", i, " among ", size());
-  return {(*value_)[static_cast<std::size_t>(i)], concat_text(path_, is_root_ ? ": [" : "[", i, "]"), Inner{}};
-}
-
-MOTIONLANG_BODY Index JsonView::size() const {
-  if (!value_->is_array()) fail("an array");
-  return static_cast<Index>(value_->size());
-}
-
-MOTIONLANG_BODY std::vector<std::string> JsonView::keys() const {
-  if (!value_->is_object()) fail("an object");
-  std::vector<std::string> out;
-  for (const auto& member : value_->items()) out.push_back(member.key());
-  return out;
-}
-
-MOTIONLANG_BODY std::string JsonView::value_or(const std::string& key, const char* otherwise) const {
-  return value_or(key, std::string(otherwise));
-}
-
-MOTIONLANG_BODY void JsonView::fail(std::string_view wanted) const {
-  raise<config_error>(107, path_, ": expected ", wanted, ", found ", value_->type_name());
-}
-
-MOTIONLANG_BODY void JsonView::get(bool& out) const {
-  if (!value_->is_boolean()) fail("true or false");
-  out = value_->get<bool>();
-}
-
-MOTIONLANG_BODY void JsonView::get(std::string& out) const {
-  if (!value_->is_string()) fail("a string");
-  out = value_->get_ref<const std::string&>();
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
@@ -915,117 +239,6 @@ MOTIONLANG_NAMESPACE_END
 /// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. Also the checksums of zip, gzip and
 /// zlib. Nothing here compresses. zlib would do the same, but programs would have to link it. This library needs only
 /// its headers to read .npz, .pt and .gz. tests/unit/file compares with data that zlib packed.
-
-#ifndef MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP  // <motionlang/file/detail/bytes.hpp>
-#define MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP
-/// Little-endian numbers in byte buffers (checked reading, appending), and base64.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-static_assert(std::endian::native == std::endian::little, "the files are little-endian and are copied as they are");
-
-template <class T>
-concept Plain = std::is_trivially_copyable_v<T>;
-
-/// The value stored at `at`. Throws io_error 402 if it is not inside. Messages contain `what` and `file`.
-template <Plain T>
-T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file, std::string_view what) {
-  if (at > bytes.size() || bytes.size() - at < sizeof(T)) {
-    raise<io_error>(402, file, ": ends inside ", what, " at byte ", at, " (", counted(bytes.size(), "byte"), ")");
-  }
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof(T));
-  return value;
-}
-
-/// `size` bytes from `at`. Throws io_error 402 if they are not inside.
-std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
-                                 std::string_view file, std::string_view what);
-
-inline void append_bytes(std::vector<std::byte>& out, std::span<const std::byte> bytes) {
-  if (bytes.empty()) return;
-  const std::size_t size = out.size();
-  out.resize(size + bytes.size());
-  std::memcpy(out.data() + size, bytes.data(), bytes.size());  // vector::insert makes GCC 12 warn of overflow at -O3
-}
-inline void append_text(std::vector<std::byte>& out, std::string_view text) {
-  append_bytes(out, std::as_bytes(std::span(text.data(), text.size())));
-}
-template <Plain T>
-void append_value(std::vector<std::byte>& out, const T& value) {
-  append_bytes(out, std::as_bytes(std::span(&value, 1)));
-}
-
-inline std::string_view as_text(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-/// Source  RFC 4648, section 4.
-std::string to_base64(std::span<const std::byte> bytes);
-
-/// Skips white space. Messages contain `name`. Throws io_error 403 for any other character outside the alphabet.
-std::vector<std::byte> from_base64(std::string_view text, std::string_view name = "text");
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FILE_DETAIL_BYTES_IPP  // <motionlang/file/detail/bytes.ipp>
-#define MOTIONLANG_HAS_FILE_DETAIL_BYTES_IPP
-// Bodies of bytes.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-MOTIONLANG_BODY std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
-                                                 std::string_view file, std::string_view what) {
-  if (at > bytes.size() || bytes.size() - at < size) {
-    raise<io_error>(402, file, ": ", what, " needs ", counted(size, "byte"), " at byte ", at, ", the file has ",
-                    bytes.size());
-  }
-  return bytes.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(size));
-}
-
-inline constexpr std::string_view base64_alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-MOTIONLANG_BODY std::string to_base64(std::span<const std::byte> bytes) {
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0u);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      out += i + k <= bytes.size() ? base64_alphabet[group >> (18 - 6 * k) & 63u] : '=';
-    }
-  }
-  return out;
-}
-
-MOTIONLANG_BODY std::vector<std::byte> from_base64(std::string_view text, std::string_view name) {
-  std::vector<std::byte> out;
-  out.reserve(text.size() / 4 * 3 + 3);
-  std::uint32_t group = 0;
-  int bits = 0;
-  for (std::size_t i = 0; i < text.size() && text[i] != '='; ++i) {
-    if (text[i] == '\n' || text[i] == '\r' || text[i] == ' ') continue;
-    const std::size_t digit = base64_alphabet.find(text[i]);
-    if (digit == std::string_view::npos) raise<io_error>(403, name, ": character ", i, " is not of base64");
-    group = (group << 6 | static_cast<std::uint32_t>(digit)) & 0xFFFFFFu;
-    if ((bits += 6) >= 8) out.push_back(static_cast<std::byte>(group >> (bits -= 8) & 255u));
-  }
-  return out;
-}
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -4288,786 +3501,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_FILE_SAFETENSORS_HPP  // <motionlang/file/safetensors.hpp>
-#define MOTIONLANG_HAS_FILE_SAFETENSORS_HPP
-/// Reads safetensors files without a copy, and writes them. Includes no JSON library (see detail/json_cursor.hpp).
-///
-///     const auto file = SafetensorsFile::open("weights.safetensors");
-///     for (const TensorView& t : file.tensors()) use(t);              // sorted by name
-///     std::vector<float> bias = values_of<float>(file.tensor("head.bias"));
-///
-/// Layout   8 bytes: length N of the header; N bytes: JSON, name -> {dtype, shape, data_offsets}, "__metadata__" -> map
-///          of strings; the rest: data, without holes
-/// Checked  Everything is checked before any tensor is handed out: lengths, strict JSON, UTF-8, unique names, products
-///          without overflow, ranges that tile the data exactly. Memory stays below a small multiple of the header, and
-///          nothing is allocated for what a file merely claims.
-/// Caution  If another process shortens a file while it is mapped, the program ends (SIGBUS). write_file never shortens
-///          one
-
-#ifndef MOTIONLANG_HAS_FILE_TENSOR_SET_HPP  // <motionlang/file/tensor_set.hpp>
-#define MOTIONLANG_HAS_FILE_TENSOR_SET_HPP
-/// Named tensors of a file: the result of every reader of weights, and the source from which modules are filled.
-
-#ifndef MOTIONLANG_HAS_FILE_TENSOR_VIEW_HPP  // <motionlang/file/tensor_view.hpp>
-#define MOTIONLANG_HAS_FILE_TENSOR_VIEW_HPP
-/// A tensor as stored in a file: name, element type, shape, bytes. Every reader of arrays returns these, and every
-/// writer takes them. Nothing is converted before somebody asks for values.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-// clang-format off
-/// Element types of safetensors files. Values of types up to F64 can be read. For the others only the size is known.
-enum class DType : std::uint8_t {
-  BOOL, U8, I8, U16, I16, U32, I32, U64, I64, F16, BF16, F32, F64,
-  F8_E5M2, F8_E4M3, F8_E8M0, F8_E4M3FNUZ, F8_E5M2FNUZ, F4, F6_E2M3, F6_E3M2, C64
-};
-
-struct DTypeInfo {
-  std::string_view name;
-  int bits;
-};
-inline constexpr std::array<DTypeInfo, 22> dtype_table{{
-    {"BOOL", 8}, {"U8", 8}, {"I8", 8}, {"U16", 16}, {"I16", 16}, {"U32", 32}, {"I32", 32}, {"U64", 64}, {"I64", 64},
-    {"F16", 16}, {"BF16", 16}, {"F32", 32}, {"F64", 64},
-    {"F8_E5M2", 8}, {"F8_E4M3", 8}, {"F8_E8M0", 8}, {"F8_E4M3FNUZ", 8}, {"F8_E5M2FNUZ", 8},
-    {"F4", 4}, {"F6_E2M3", 6}, {"F6_E3M2", 6}, {"C64", 64}}};
-// clang-format on
-
-constexpr const DTypeInfo& info(DType t) { return dtype_table[static_cast<std::size_t>(t)]; }
-std::string to_string(DType t);
-constexpr std::optional<DType> parse_dtype(std::string_view name) {
-  for (std::size_t i = 0; i < dtype_table.size(); ++i) {
-    if (dtype_table[i].name == name) return static_cast<DType>(i);
-  }
-  return std::nullopt;
-}
-/// True if values of this type are whole numbers.
-constexpr bool is_integer(DType t) { return t <= DType::I64; }
-
-/// The element type for a C++ number.
-template <class T>
-requires std::integral<T> || std::floating_point<T>
-consteval DType dtype_of() {
-  if constexpr (std::same_as<T, bool>) return DType::BOOL;
-  if constexpr (std::floating_point<T>) return sizeof(T) == 4 ? DType::F32 : DType::F64;
-  constexpr std::array table{DType::U8, DType::U16, DType::U32, DType::U64};
-  constexpr auto size = static_cast<unsigned>(std::bit_width(sizeof(T)) - 1);
-  return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
-}
-
-/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, for calculations, has
-/// at most six.
-class FileShape {
- public:
-  static constexpr int max_rank = 64;
-
-  FileShape() = default;
-  FileShape(const Shape& shape);
-  FileShape(std::initializer_list<Index> sizes) : FileShape(std::span<const Index>(sizes.begin(), sizes.size())) {}
-  explicit FileShape(std::span<const Index> sizes);
-  /// Throws shape_error 206 for more than six.
-  operator Shape() const { return Shape(std::span<const Index>(sizes_)); }
-
-  int rank() const { return static_cast<int>(sizes_.size()); }
-  Index operator[](int axis) const { return sizes_[static_cast<std::size_t>(axis)]; }
-  Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
-  std::span<const Index> sizes() const { return sizes_; }
-  /// Number of elements.
-  Index count() const;
-  /// Throws shape_error 205 for a negative size, 206 for more than 64 of them.
-  void push_back(Index n);
-  friend bool operator==(const FileShape&, const FileShape&) = default;
-  friend bool operator==(const FileShape& a, const Shape& b) { return a == FileShape(b); }
-
- private:
-  std::vector<Index> sizes_;
-};
-
-/// "(2, 60, 512)"
-std::string to_string(const FileShape& s);
-
-/// Row-major, without strides. Does not own its bytes.
-struct TensorView {
-  std::string name;
-  DType dtype = DType::F32;
-  FileShape shape;
-  std::span<const std::byte> bytes;
-};
-
-/// A view of values in memory, for writing.
-template <class T>
-TensorView tensor_view(std::string name, const FileShape& shape, std::span<const T> values) {
-  if (static_cast<std::size_t>(shape.count()) != values.size()) {
-    raise<shape_error>(205, "tensor_view: ", counted(values.size(), "value"), " for '", name, "' of shape ", shape);
-  }
-  return {std::move(name), dtype_of<T>(), shape, std::as_bytes(values)};
-}
-
-/// The values themselves, without a copy, if the view holds aligned Ts.
-template <class T>
-std::optional<std::span<const T>> direct(const TensorView& view) {
-  if (view.dtype != dtype_of<T>() || reinterpret_cast<std::uintptr_t>(view.bytes.data()) % alignof(T) != 0) {
-    return std::nullopt;
-  }
-  return std::span(reinterpret_cast<const T*>(view.bytes.data()), view.bytes.size() / sizeof(T));
-}
-
-namespace detail {
-
-template <class Stored, class T, class Decode>
-void convert(const TensorView& view, std::span<T> out, Decode decode) {
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    Stored s;
-    std::memcpy(&s, view.bytes.data() + i * sizeof(Stored), sizeof(Stored));
-    out[i] = decode(s);
-  }
-}
-
-template <class Stored, class T>
-void convert_numbers(const TensorView& view, std::span<T> out) {
-  convert<Stored>(view, out, [&](Stored s) {
-    if constexpr (std::integral<Stored> && std::integral<T>) {
-      if (!std::in_range<T>(s)) {
-        raise<io_error>(407, "tensor '", view.name, "': ", s, " does not fit into the requested integer type");
-      }
-    }
-    return static_cast<T>(s);
-  });
-}
-
-}  // namespace detail
-
-/// Copies all values, converted to T. Numbers of every kind become float or double; only whole numbers become integers.
-/// Throws shape_error 205 if the sizes differ, io_error 404 for an unreadable element type, and 407 if the values are
-/// of another kind than T or do not fit.
-template <class T>
-void copy_values(const TensorView& view, std::span<T> out) {
-  if (view.bytes.size() * 8 != out.size() * static_cast<std::size_t>(info(view.dtype).bits)) {
-    raise<shape_error>(205, "tensor '", view.name, "' of shape ", view.shape, " does not have ",
-                       counted(out.size(), "value"));
-  }
-  if constexpr (std::integral<T>) {
-    if (!is_integer(view.dtype)) {
-      raise<io_error>(407, "tensor '", view.name, "' holds ", view.dtype, ", not whole numbers");
-    }
-  }
-  switch (view.dtype) {
-    case DType::BOOL:
-      return detail::convert<std::uint8_t>(view, out, [](std::uint8_t b) { return static_cast<T>(b != 0); });
-    case DType::U8:
-      return detail::convert_numbers<std::uint8_t>(view, out);
-    case DType::I8:
-      return detail::convert_numbers<std::int8_t>(view, out);
-    case DType::U16:
-      return detail::convert_numbers<std::uint16_t>(view, out);
-    case DType::I16:
-      return detail::convert_numbers<std::int16_t>(view, out);
-    case DType::U32:
-      return detail::convert_numbers<std::uint32_t>(view, out);
-    case DType::I32:
-      return detail::convert_numbers<std::int32_t>(view, out);
-    case DType::U64:
-      return detail::convert_numbers<std::uint64_t>(view, out);
-    case DType::I64:
-      return detail::convert_numbers<std::int64_t>(view, out);
-    case DType::F16:
-      return detail::convert<std::uint16_t>(view, out, [](auto h) { return static_cast<T>(half_to_float(h)); });
-    case DType::BF16:
-      return detail::convert<std::uint16_t>(view, out, [](auto b) { return static_cast<T>(bfloat16_to_float(b)); });
-    case DType::F32:
-      return detail::convert_numbers<float>(view, out);
-    case DType::F64:
-      return detail::convert_numbers<double>(view, out);
-    default:
-      raise<io_error>(404, "tensor '", view.name, "': elements of type ", view.dtype, " are not supported");
-  }
-}
-
-template <class T>
-std::vector<T> values_of(const TensorView& view) {
-  std::vector<T> out(static_cast<std::size_t>(view.shape.count()));
-  copy_values(view, std::span<T>(out));
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FILE_TENSOR_VIEW_IPP  // <motionlang/file/tensor_view.ipp>
-#define MOTIONLANG_HAS_FILE_TENSOR_VIEW_IPP
-// Bodies of tensor_view.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::string to_string(DType t) { return std::string(info(t).name); }
-
-MOTIONLANG_BODY FileShape::FileShape(const Shape& shape) {
-  for (int i = 0; i < shape.rank(); ++i) push_back(shape[i]);
-}
-
-MOTIONLANG_BODY FileShape::FileShape(std::span<const Index> sizes) {
-  for (const Index n : sizes) push_back(n);
-}
-
-MOTIONLANG_BODY Index FileShape::count() const {
-  // If one size is 0, the others may have any value.
-  if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;
-  Index n = 1;
-  for (const Index size : sizes_) n *= size;
-  return n;
-}
-
-MOTIONLANG_BODY void FileShape::push_back(Index n) {
-  if (n < 0) raise<shape_error>(205, "FileShape: negative size ", n);
-  if (rank() == max_rank) raise<shape_error>(206, "FileShape: more than ", max_rank, " axes");
-  sizes_.push_back(n);
-}
-
-MOTIONLANG_BODY std::string to_string(const FileShape& s) { return detail::shape_text(s.sizes()); }
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-class TensorSet {
- public:
-  /// The name of the file, for messages.
-  const std::string& name() const { return name_; }
-  /// Keeps the bytes of all tensors alive.
-  const std::shared_ptr<const void>& owner() const { return owner_; }
-
-  /// All tensors, sorted by name.
-  std::span<const TensorView> tensors() const { return tensors_; }
-  std::vector<std::string> names() const;
-  /// Null if no tensor has that name.
-  const TensorView* find(std::string_view tensor) const;
-  /// Throws io_error 406, with the most similar name, if no tensor has that name.
-  const TensorView& tensor(std::string_view tensor) const;
-
- protected:
-  TensorSet(std::string name, std::shared_ptr<const void> owner) : name_(std::move(name)), owner_(std::move(owner)) {}
-
-  std::string name_;
-  std::shared_ptr<const void> owner_;
-  std::vector<TensorView> tensors_;
-};
-
-/// A checksum of names, types, shapes and bytes of tensors in any order, in hexadecimal. Equal weights have equal
-/// checksums.
-std::string tensors_checksum(std::span<const TensorView> tensors);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FILE_TENSOR_SET_IPP  // <motionlang/file/tensor_set.ipp>
-#define MOTIONLANG_HAS_FILE_TENSOR_SET_IPP
-// Bodies of tensor_set.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::vector<std::string> TensorSet::names() const {
-  std::vector<std::string> out;
-  for (const TensorView& t : tensors_) out.push_back(t.name);
-  return out;
-}
-
-MOTIONLANG_BODY const TensorView* TensorSet::find(std::string_view tensor) const {
-  const auto t = std::lower_bound(tensors_.begin(), tensors_.end(), tensor,
-                                  [](const TensorView& a, std::string_view b) { return a.name < b; });
-  return t != tensors_.end() && t->name == tensor ? &*t : nullptr;
-}
-
-MOTIONLANG_BODY const TensorView& TensorSet::tensor(std::string_view tensor) const {
-  const TensorView* t = find(tensor);
-  if (t != nullptr) return *t;
-  const std::string like = nearest_name(tensor, names());
-  raise<io_error>(406, name_, ": no tensor '", tensor, "' among ", tensors_.size(),
-                  like.empty() ? "" : concat_text("; the file has '", like, "'"));
-}
-
-MOTIONLANG_BODY std::string tensors_checksum(std::span<const TensorView> tensors) {
-  std::vector<const TensorView*> sorted;
-  for (const TensorView& t : tensors) sorted.push_back(&t);
-  std::sort(sorted.begin(), sorted.end(), [](const TensorView* a, const TensorView* b) { return a->name < b->name; });
-  std::uint64_t hash = 1;
-  for (const TensorView* t : sorted) {
-    const std::string about = concat_text(t->name, " ", t->dtype, " ", t->shape);
-    hash = detail::content_hash(t->bytes, detail::content_hash(std::as_bytes(std::span(about)), hash));
-  }
-  return detail::hexadecimal(hash);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-class JsonCursor;
-}
-
-class SafetensorsFile : public TensorSet {
- public:
-  /// The longest header that is read, as in the reference implementation.
-  static constexpr std::uint64_t max_header = 100'000'000;
-
-  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than 64
-  /// axes), 405 (impossible sizes).
-  static SafetensorsFile open(const FilePath& path);
-  /// A file in memory. `owner` keeps the bytes alive; without an owner they must outlive the object. Messages contain
-  /// `name`.
-  static SafetensorsFile from_bytes(std::span<const std::byte> bytes, std::string name = "safetensors data",
-                                    std::shared_ptr<const void> owner = {});
-
-  const std::map<std::string, std::string>& metadata() const { return metadata_; }
-
- private:
-  using Cursor = detail::JsonCursor;
-  static constexpr std::size_t prefix = 8;  // bytes of the header length
-
-  struct Range {
-    std::uint64_t begin, end;
-    std::size_t declared_at;  // in the header, for messages
-  };
-
-  SafetensorsFile(std::span<const std::byte> bytes, std::string name, std::shared_ptr<const void> owner);
-
-  void read_metadata(Cursor& json);
-
-  Range read_entry(Cursor& json, const std::string& name, std::span<const std::byte> data);
-
-  static DType read_dtype(Cursor& json);
-
-  static FileShape read_shape(Cursor& json);
-
-  /// Checks that the range has exactly the bytes that shape and type need. The product of the sizes, also of those that
-  /// are not 0, must not overflow.
-  static void check_size(const Cursor& json, const TensorView& view, const Range& range);
-
-  /// Checks that the ranges follow each other without overlap or hole and end at the end of the data.
-  static void check_tiling(const Cursor& json, std::vector<Range>& ranges, std::uint64_t size);
-
-  std::map<std::string, std::string> metadata_;
-};
-
-/// The bytes of a file. Tensors are sorted by element size, largest first, then by name. The data begin at a multiple
-/// of 8, so every element is aligned. The bytes are read back before they are returned. A duplicate name, a size that
-/// does not fit the shape, or text that is not UTF-8 throws the io_error of the reader.
-std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tensors,
-                                         const std::map<std::string, std::string>& metadata = {{"format", "pt"}});
-
-/// Writes a file in one step: readers see the old one or the new one. Throws io_error 401, and what safetensors_bytes
-/// throws. Python tools accept the file because of the metadata {"format": "pt"}.
-void write_safetensors(const FilePath& path, std::span<const TensorView> tensors,
-                       const std::map<std::string, std::string>& metadata = {{"format", "pt"}});
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FILE_SAFETENSORS_IPP  // <motionlang/file/safetensors.ipp>
-#define MOTIONLANG_HAS_FILE_SAFETENSORS_IPP
-// Bodies of safetensors.hpp.
-
-#ifndef MOTIONLANG_HAS_FILE_DETAIL_JSON_CURSOR_HPP  // <motionlang/file/detail/json_cursor.hpp>
-#define MOTIONLANG_HAS_FILE_DETAIL_JSON_CURSOR_HPP
-/// A strict reader for the small JSON subset of a safetensors header. It walks over the text and stores only keys.
-/// file/json.hpp reads general documents.
-///
-/// nlohmann's SAX reader does the same work, but adds 1.5 s of compilation to every translation unit that opens a
-/// weight file (GCC 12, -O0). This one adds 0.2 s. It is stricter than JSON: no duplicate name in an object, nesting up
-/// to `max_depth`.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail {
-
-class JsonCursor {
- public:
-  static constexpr int max_depth = 4;
-  static constexpr std::size_t max_members = 100'000;  // of an object, which takes many times the memory of its text
-
-  /// `offset` is the place of the text in the file, for messages.
-  JsonCursor(std::string_view text, std::string_view file, std::size_t offset)
-      : text_(text), file_(file), offset_(offset) {}
-
-  /// Throws io_error with the file and the byte of position `at`.
-  [[noreturn]] void fail(int id, std::size_t at, std::string_view what) const {
-    raise<io_error>(id, file_, ": byte ", offset_ + at, ": ", what);
-  }
-  std::size_t position() const { return at_; }
-
-  void skip_space() {
-    while (at_ < text_.size() && (peek() == ' ' || peek() == '\n' || peek() == '\r' || peek() == '\t')) ++at_;
-  }
-  bool at_end() const { return at_ == text_.size(); }
-  /// The next character, '\0' at the end.
-  char peek() const { return at_end() ? '\0' : text_[at_]; }
-
-  /// Skips white space, and c if it follows. Returns true if c was there.
-  bool accept(char c) {
-    skip_space();
-    if (at_end() || text_[at_] != c) return false;
-    ++at_;
-    return true;
-  }
-  void expect(char c) {
-    if (!accept(c)) fail(403, at_, concat_text("expected '", c, at_end() ? "', but the header ends" : "'"));
-  }
-
-  /// An object. Calls on_value(key) for every member, which must read its value.
-  template <class F>
-  void object(F on_value) {
-    enter();
-    expect('{');
-    std::set<std::string> keys;
-    if (!accept('}')) {
-      do {
-        const std::size_t start = at_;
-        const auto [key, is_new] = keys.insert(string());
-        if (keys.size() > max_members) fail(405, start, concat_text("more than ", max_members, " names in one object"));
-        if (!is_new) fail(403, start, "the name '" + *key + "' is duplicated in one object");
-        expect(':');
-        on_value(*key);
-      } while (accept(','));
-      expect('}');
-    }
-    --depth_;
-  }
-
-  /// An array. Calls on_value() for every element, which must read it.
-  template <class F>
-  void array(F on_value) {
-    enter();
-    expect('[');
-    if (!accept(']')) {
-      do on_value();
-      while (accept(','));
-      expect(']');
-    }
-    --depth_;
-  }
-
-  std::string string() {
-    expect('"');
-    std::string out;
-    for (;;) {
-      const std::size_t start = at_;
-      if (at_end()) fail(403, at_, "a string has no end");
-      const char32_t c = decode_utf8(text_, at_);
-      if (c == invalid_code_point) fail(403, start, "not UTF-8");
-      if (c < 0x20) fail(403, start, "a control character in a string");
-      if (c == '"') return out;
-      if (c == '\\')
-        escape(out);
-      else
-        out += text_.substr(start, at_ - start);
-    }
-  }
-
-  /// An integer in 0 ... 2^63-1, written with digits only.
-  std::int64_t count() {
-    skip_space();
-    std::int64_t n = 0;
-    const char* first = text_.data() + at_;
-    const auto [end, status] = std::from_chars(first, text_.data() + text_.size(), n);
-    const auto digits = static_cast<std::size_t>(end - first);
-    if (digits == 0 || *first == '-') fail(403, at_, "expected an integer of at least 0");
-    if (status != std::errc{}) fail(405, at_, "an integer above 2^63 - 1");
-    if (digits > 1 && *first == '0') fail(403, at_, "an integer with a leading zero");
-    at_ += digits;
-    if (peek() == '.' || peek() == 'e' || peek() == 'E') fail(403, at_, "a fraction where an integer is due");
-    return n;
-  }
-
-  /// Skips any value.
-  void skip_value() {
-    skip_space();
-    const char c = peek();
-    if (c == '{') return object([&](const std::string&) { skip_value(); });
-    if (c == '[') return array([&] { skip_value(); });
-    if (c == '"') return void(string());
-    if (c == '-' || (c >= '0' && c <= '9')) return skip_number();
-    for (std::string_view word : {"true", "false", "null"}) {
-      if (text_.substr(at_).starts_with(word)) return void(at_ += word.size());
-    }
-    fail(403, at_, "expected a value");
-  }
-
- private:
-  void enter() {
-    if (++depth_ > max_depth) fail(403, at_, "nested too deeply");
-  }
-
-  void skip_digits() {
-    const std::size_t start = at_;
-    while (peek() >= '0' && peek() <= '9') ++at_;
-    if (at_ == start) fail(403, at_, "expected a digit");
-  }
-  void skip_number() {
-    if (peek() == '-') ++at_;
-    if (peek() == '0')
-      ++at_;
-    else
-      skip_digits();
-    if (peek() == '.') ++at_, skip_digits();
-    if (peek() == 'e' || peek() == 'E') {
-      ++at_;
-      if (peek() == '+' || peek() == '-') ++at_;
-      skip_digits();
-    }
-  }
-
-  void escape(std::string& out) {
-    constexpr std::string_view letters = "\"\\/bfnrt", meaning = "\"\\/\b\f\n\r\t";
-    const char c = peek();
-    if (c == 'u') {
-      ++at_;
-      return append_utf8(out, escaped_code_point());
-    }
-    const std::size_t i = letters.find(c);
-    if (at_end() || i == letters.npos) fail(403, at_, "an unknown escape in a string");
-    out += meaning[i];
-    ++at_;
-  }
-  char32_t escaped_code_point() {
-    const std::size_t start = at_;
-    const char32_t high = four_hex_digits();
-    if (high < 0xD800 || high > 0xDFFF) return high;
-    if (high < 0xDC00 && text_.substr(at_).starts_with("\\u")) {
-      at_ += 2;
-      const char32_t low = four_hex_digits();
-      if (low >= 0xDC00 && low <= 0xDFFF) return 0x10000 + ((high - 0xD800) << 10) + (low - 0xDC00);
-    }
-    fail(403, start, "half of a surrogate pair");
-  }
-  char32_t four_hex_digits() {
-    const std::string_view digits = text_.substr(at_, 4);
-    unsigned value = 0;
-    const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
-    if (status != std::errc{} || end != digits.data() + 4) fail(403, at_, "expected four hexadecimal digits");
-    at_ += 4;
-    return value;
-  }
-
-  std::string_view text_, file_;
-  std::size_t offset_, at_ = 0;
-  int depth_ = 0;
-};
-
-}  // namespace detail
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY SafetensorsFile SafetensorsFile::open(const FilePath& path) {
-  const auto file = MappedFile::open(path);
-  return from_bytes(file->bytes(), path.string(), file);
-}
-
-MOTIONLANG_BODY SafetensorsFile SafetensorsFile::from_bytes(std::span<const std::byte> bytes, std::string name,
-                                                            std::shared_ptr<const void> owner) {
-  return SafetensorsFile(bytes, std::move(name), std::move(owner));
-}
-
-MOTIONLANG_BODY SafetensorsFile::SafetensorsFile(std::span<const std::byte> bytes, std::string name,
-                                                 std::shared_ptr<const void> owner)
-    : TensorSet(std::move(name), std::move(owner)) {
-  const auto length = detail::load<std::uint64_t>(bytes, 0, name_, "the header length");
-  if (length > max_header)
-    raise<io_error>(405, name_, ": a header of ", counted(length, "byte"), "; at most ", max_header,
-                    ". Is it a .safetensors file?");
-  const auto header = detail::slice(bytes, prefix, length, name_, "the header");
-  Cursor json(detail::as_text(header), name_, prefix);
-  const auto data = bytes.subspan(prefix + static_cast<std::size_t>(length));
-
-  std::vector<Range> ranges;
-  if (json.peek() != '{') json.fail(403, 0, "a header has to begin with '{'");
-  json.object([&](const std::string& key) {
-    if (key == "__metadata__")
-      read_metadata(json);
-    else
-      ranges.push_back(read_entry(json, key, data));
-  });
-  json.skip_space();
-  if (!json.at_end()) json.fail(403, json.position(), "text behind the header's object");
-  check_tiling(json, ranges, data.size());
-  detail::sort(tensors_, [](const TensorView& a, const TensorView& b) { return a.name < b.name; });
-}
-
-MOTIONLANG_BODY void SafetensorsFile::read_metadata(Cursor& json) {
-  json.object([&](const std::string& key) { metadata_[key] = json.string(); });
-}
-
-MOTIONLANG_BODY SafetensorsFile::Range SafetensorsFile::read_entry(Cursor& json, const std::string& name,
-                                                                   std::span<const std::byte> data) {
-  TensorView view{.name = name, .dtype = {}, .shape = {}, .bytes = {}};
-  std::vector<std::int64_t> offsets;
-  bool has_type = false, has_shape = false;
-  const std::size_t at = json.position();
-  json.object([&](const std::string& member) {
-    if (member == "dtype") {
-      view.dtype = read_dtype(json);
-      has_type = true;
-    } else if (member == "shape") {
-      view.shape = read_shape(json);
-      has_shape = true;
-    } else if (member == "data_offsets") {
-      json.array([&] {
-        if (offsets.size() == 2) json.fail(403, json.position(), "more than two data_offsets");
-        offsets.push_back(json.count());
-      });
-    } else {
-      json.skip_value();
-    }
-  });
-  if (!has_type || !has_shape || offsets.size() != 2) {
-    json.fail(403, at, "tensor '" + view.name + "' lacks one of dtype, shape, data_offsets [begin, end]");
-  }
-  const Range range{static_cast<std::uint64_t>(offsets[0]), static_cast<std::uint64_t>(offsets[1]), at};
-  check_size(json, view, range);
-  if (range.end > data.size()) {
-    json.fail(
-        402, at,
-        concat_text("tensor '", view.name, "' ends at ", range.end, ", the data have ", counted(data.size(), "byte")));
-  }
-  view.bytes = data.subspan(range.begin, range.end - range.begin);
-  tensors_.push_back(std::move(view));
-  return range;
-}
-
-MOTIONLANG_BODY DType SafetensorsFile::read_dtype(Cursor& json) {
-  const std::size_t at = json.position();
-  const std::string text = json.string();
-  const auto dtype = parse_dtype(text);
-  if (!dtype) json.fail(404, at, "unknown dtype '" + text + "'");
-  return *dtype;
-}
-
-MOTIONLANG_BODY FileShape SafetensorsFile::read_shape(Cursor& json) {
-  FileShape shape;
-  json.array([&] {
-    if (shape.rank() == FileShape::max_rank) {
-      json.fail(404, json.position(), concat_text("more than ", FileShape::max_rank, " axes are not supported"));
-    }
-    shape.push_back(json.count());
-  });
-  return shape;
-}
-
-MOTIONLANG_BODY void SafetensorsFile::check_size(const Cursor& json, const TensorView& view, const Range& range) {
-  constexpr std::uint64_t most_bits = std::uint64_t{1} << 62;
-  std::uint64_t bits = static_cast<std::uint64_t>(info(view.dtype).bits);
-  bool empty = false;
-  for (int axis = 0; axis < view.shape.rank(); ++axis) {
-    const auto n = static_cast<std::uint64_t>(view.shape[axis]);
-    empty = empty || n == 0;
-    if (n > 1 && bits > most_bits / n) {
-      json.fail(405, range.declared_at, concat_text("tensor '", view.name, "': shape ", view.shape, " is too large"));
-    }
-    bits *= n > 1 ? n : 1;
-  }
-  if (empty) bits = 0;
-  if (range.begin > range.end || bits % 8 != 0 || range.end - range.begin != bits / 8) {
-    json.fail(405, range.declared_at,
-              concat_text("tensor '", view.name, "': ", view.dtype, " ", view.shape, " does not fill data_offsets [",
-                          range.begin, ", ", range.end, "]"));
-  }
-}
-
-MOTIONLANG_BODY void SafetensorsFile::check_tiling(const Cursor& json, std::vector<Range>& ranges, std::uint64_t size) {
-  detail::sort(ranges,
-               [](const Range& a, const Range& b) { return a.begin != b.begin ? a.begin < b.begin : a.end < b.end; });
-  std::uint64_t end = 0;
-  for (const Range& r : ranges) {
-    if (r.begin != end) {
-      json.fail(
-          403, r.declared_at,
-          concat_text("data_offsets [", r.begin, ", ", r.end, "] ",
-                      r.begin < end ? "overlap the range before, which ends at " : "leave a hole after byte ", end));
-    }
-    end = r.end;
-  }
-  if (end != size)
-    json.fail(403, 0,
-              concat_text(counted(size - end, "byte of data belongs", "bytes of data belong"), " to no tensor"));
-}
-
-namespace detail {
-
-/// A JSON string. Throws io_error 403 if the text is not UTF-8.
-inline void append_json_string(std::string& out, std::string_view text) {
-  if (!is_utf8(text)) raise<io_error>(403, "safetensors: the name '", text, "' is not UTF-8");
-  constexpr std::string_view digits = "0123456789abcdef";
-  out += '"';
-  for (char c : text) {
-    if (c == '"' || c == '\\') {
-      out += '\\', out += c;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      out += "\\u00";
-      out += digits[static_cast<std::size_t>(c >> 4)], out += digits[static_cast<std::size_t>(c & 15)];
-    } else {
-      out += c;
-    }
-  }
-  out += '"';
-}
-
-inline std::string safetensors_header(std::span<const TensorView* const> order,
-                                      const std::map<std::string, std::string>& metadata) {
-  std::string json = "{";
-  const auto separate = [&] { json += json.size() > 1 ? "," : ""; };
-  if (!metadata.empty()) {
-    json += "\"__metadata__\":";
-    char before = '{';
-    for (const auto& [key, value] : metadata) {
-      json += std::exchange(before, ',');
-      append_json_string(json, key), json += ':', append_json_string(json, value);
-    }
-    json += '}';
-  }
-  std::size_t at = 0;
-  for (const TensorView* t : order) {
-    separate();
-    append_json_string(json, t->name);
-    json += concat_text(":{\"dtype\":\"", t->dtype, "\",\"shape\":[", join_text(t->shape.sizes(), ","),
-                        "],\"data_offsets\":[", at, ",", at + t->bytes.size(), "]}");
-    at += t->bytes.size();
-  }
-  json += '}';
-  json.append((8 - json.size() % 8) % 8, ' ');
-  return json;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tensors,
-                                                         const std::map<std::string, std::string>& metadata) {
-  std::vector<const TensorView*> order;
-  std::size_t size = 0;
-  for (const TensorView& t : tensors) order.push_back(&t), size += t.bytes.size();
-  detail::sort(order, [](const TensorView* a, const TensorView* b) {
-    const int bits_a = info(a->dtype).bits, bits_b = info(b->dtype).bits;
-    return bits_a != bits_b ? bits_a > bits_b : a->name < b->name;
-  });
-  const std::string header = detail::safetensors_header(order, metadata);
-  std::vector<std::byte> out;
-  out.reserve(sizeof(std::uint64_t) + header.size() + size);
-  detail::append_value(out, std::uint64_t{header.size()});
-  detail::append_text(out, header);
-  for (const TensorView* t : order) detail::append_bytes(out, t->bytes);
-  SafetensorsFile::from_bytes(out, "safetensors to be written");
-  return out;
-}
-
-MOTIONLANG_BODY void write_safetensors(const FilePath& path, std::span<const TensorView> tensors,
-                                       const std::map<std::string, std::string>& metadata) {
-  write_file(path, safetensors_bytes(tensors, metadata));
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
 #ifndef MOTIONLANG_HAS_FILE_TENSOR_MEMORY_HPP  // <motionlang/file/tensor_memory.hpp>
 #define MOTIONLANG_HAS_FILE_TENSOR_MEMORY_HPP
 /// Keeps the bytes of tensors alive, and limits the memory that a file may use: readers of weights ask here before they
@@ -5117,6 +3550,145 @@ MOTIONLANG_BODY void TensorMemory::spend(std::uint64_t bytes) {
     raise<io_error>(405, name_, ": needs ", counted(bytes, "byte"), " more than a file of its size justifies");
   }
   left_ -= bytes;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FILE_TORCH_ARCHIVE_HPP  // <motionlang/file/torch_archive.hpp>
+#define MOTIONLANG_HAS_FILE_TORCH_ARCHIVE_HPP
+/// Writes files as torch.save does: a zip archive with the pickle of dictionaries, numbers, texts and tensors.
+///
+///     TorchArchive archive;
+///     archive.begin("text_encoder");                 // a dictionary inside
+///     for (const TensorView& t : store.views()) archive.tensor(t.name, t);
+///     archive.end();
+///     archive.number("epoch", 3);
+///     write_file("finest.tar", archive.finish());
+///
+/// torch.load reads it, also with weights_only=True: the pickle names nothing but torch's own tensors.
+/// Source  pytorch/pytorch torch/serialization.py (_save) and torch/_utils.py (_rebuild_tensor_v2)
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Entries are added in order; `begin` opens a dictionary inside, `end` closes it.
+class TorchArchive {
+ public:
+  TorchArchive() : pickle_("\x80\x02}") {}
+
+  void begin(std::string_view key);
+  void end() { pickle_ += 's'; }
+  void number(std::string_view key, std::int32_t value);
+  void text(std::string_view key, std::string_view value);
+  /// Throws config_error 101 for another type than F16, F32 and F64.
+  void tensor(std::string_view key, const TensorView& view);
+  /// The whole file. Throws io_error 405 if it would need ZIP64.
+  std::vector<std::byte> finish();
+
+  /// A tensor that is the whole file, as the statistics of TMR and STMC are.
+  static std::vector<std::byte> of_tensor(const TensorView& view);
+
+ private:
+  std::vector<std::byte> archive() const;
+  void put_integer(std::int64_t value);
+  void put_text(std::string_view value);
+  void put_tensor(const TensorView& view);
+
+  std::string pickle_;
+  std::vector<std::vector<std::byte>> storages_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_TORCH_ARCHIVE_IPP  // <motionlang/file/torch_archive.ipp>
+#define MOTIONLANG_HAS_FILE_TORCH_ARCHIVE_IPP
+// Bodies of torch_archive.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY void TorchArchive::begin(std::string_view key) {
+  put_text(key);
+  pickle_ += '}';
+}
+
+MOTIONLANG_BODY void TorchArchive::number(std::string_view key, std::int32_t value) {
+  put_text(key);
+  put_integer(value);
+  pickle_ += 's';
+}
+
+MOTIONLANG_BODY void TorchArchive::text(std::string_view key, std::string_view value) {
+  put_text(key);
+  put_text(value);
+  pickle_ += 's';
+}
+
+MOTIONLANG_BODY void TorchArchive::tensor(std::string_view key, const TensorView& view) {
+  put_text(key);
+  put_tensor(view);
+  pickle_ += 's';
+}
+
+MOTIONLANG_BODY std::vector<std::byte> TorchArchive::finish() {
+  pickle_ += '.';
+  return archive();
+}
+
+MOTIONLANG_BODY std::vector<std::byte> TorchArchive::of_tensor(const TensorView& view) {
+  TorchArchive out;
+  out.pickle_ = "\x80\x02";
+  out.put_tensor(view);
+  return out.finish();
+}
+
+MOTIONLANG_BODY std::vector<std::byte> TorchArchive::archive() const {
+  ZipWriter zip;
+  zip.add("archive/data.pkl", std::as_bytes(std::span(pickle_)));
+  for (std::size_t i = 0; i < storages_.size(); ++i) zip.add("archive/data/" + std::to_string(i), storages_[i]);
+  zip.add("archive/version", std::as_bytes(std::span("3\n", 2)));
+  return zip.finish();
+}
+
+MOTIONLANG_BODY void TorchArchive::put_integer(std::int64_t value) {
+  const auto n = static_cast<std::uint32_t>(value);
+  pickle_ += 'J';
+  for (int shift = 0; shift < 32; shift += 8) pickle_ += static_cast<char>(n >> shift & 0xff);
+}
+
+MOTIONLANG_BODY void TorchArchive::put_text(std::string_view value) {
+  const auto n = static_cast<std::uint32_t>(value.size());
+  pickle_ += 'X';
+  for (int shift = 0; shift < 32; shift += 8) pickle_ += static_cast<char>(n >> shift & 0xff);
+  pickle_ += value;
+}
+
+MOTIONLANG_BODY void TorchArchive::put_tensor(const TensorView& view) {
+  const char* type = view.dtype == DType::F32   ? "FloatStorage"
+                     : view.dtype == DType::F64 ? "DoubleStorage"
+                     : view.dtype == DType::F16 ? "HalfStorage"
+                                                : nullptr;
+  if (type == nullptr) raise<config_error>(101, "TorchArchive: '", view.name, "' of type ", to_string(view.dtype));
+  pickle_ += "ctorch._utils\n_rebuild_tensor_v2\n((";
+  put_text("storage");
+  pickle_.append("ctorch\n").append(type).append("\n");
+  put_text(std::to_string(storages_.size()));
+  put_text("cpu");
+  put_integer(view.shape.count());
+  pickle_ += "tQ";
+  put_integer(0);
+  pickle_ += '(';
+  for (int axis = 0; axis < view.shape.rank(); ++axis) put_integer(view.shape[axis]);
+  pickle_ += "t(";
+  for (int axis = 0; axis < view.shape.rank(); ++axis) {
+    Index stride = 1;
+    for (int k = axis + 1; k < view.shape.rank(); ++k) stride *= view.shape[k];
+    put_integer(stride);
+  }
+  pickle_ +=
+      "t\x89"
+      "ccollections\nOrderedDict\n)RtR";
+  storages_.emplace_back(view.bytes.begin(), view.bytes.end());
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -14392,12 +12964,15 @@ inline std::filesystem::path features_file(const DataSources& sources, const Ann
                     "' is not a path of a clip");
   return sources.data / (motion.path + ".npy");
 }
+/// True for the features of STMC, whose data are of AMASS alone, with ready-made rows of its own program.
+inline bool is_stmc(const RowMaker& maker) { return maker.name == "smplrifke"; }
 /// The rows of a motion of the annotation file: features as they are, or a clip.
 inline std::vector<float> annotated_rows(const DataSources& sources, ClipFolder& clips, const RowMaker& maker,
                                          const AnnotatedMotion& motion) {
   const auto npy = features_file(sources, motion);
   if (std::filesystem::exists(npy))
-    return detail::read_rows(npy, {ready_made_form(maker, npy).width()}, /*any_number=*/true);
+    return detail::read_rows(npy, {is_stmc(maker) ? maker.width : ready_made_form(maker, npy).width()},
+                             /*any_number=*/true);
   ClipLine line{sources.annotations.string() + ": " + motion.id, motion.id, motion.path, 0, 0, {}, {}};
   clips.find(line);
   return made_rows(maker, resample(read_clip(sources.data, line), maker.fps));
@@ -14422,6 +12997,10 @@ inline void add_annotations(DescribedMotions& out, const DataSources& sources, c
         training_annotations(motion, part == 2 ? "test" : "train", config.min_seconds, config.max_seconds);
     out.left_out.add(why_other_length(config), id, std::ssize(motion.annotations) - std::ssize(texts));
     if (texts.empty()) continue;
+    if (is_stmc(maker) && motion.path.find("humanact12") != std::string::npos) {
+      out.left_out.add("of HumanAct12, which has no poses of SMPL", id, std::ssize(texts));
+      continue;
+    }
     DescribedMotion d{id, motion.path, annotated_rows(sources, clips, maker, motion), {}};
     if (!all_finite(d.rows)) {
       out.left_out.add(why_not_finite, id, std::ssize(texts));
@@ -14837,6 +13416,12 @@ std::size_t drop_momentary_texts(AnnotatedMotion& motion);
 std::map<std::string, std::string> caption_files(const std::vector<AnnotatedMotion>& motions,
                                                  const std::string& folder = "texts");
 
+/// Converts BABEL's or annotation JSON to annotation JSON (.json), or to caption files in the folder texts/ of `out`, a
+/// folder without extension. Returns lines about the result. Texts of no duration do not go into caption files.
+/// Throws  config_error 103 for another extension; option_error 102 if `out` is `in`; what read_annotated_texts,
+///         caption_files and the writers throw
+std::string convert_texts(const std::filesystem::path& in, const std::filesystem::path& out);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_ANNOTATED_TEXTS_IPP  // <motionlang/datasets/annotated_texts.ipp>
@@ -14885,6 +13470,33 @@ MOTIONLANG_BODY std::map<std::string, std::string> caption_files(const std::vect
   return files;
 }
 
+MOTIONLANG_BODY std::string convert_texts(const std::filesystem::path& in, const std::filesystem::path& out) {
+  const bool folder = !out.has_extension();
+  if (!folder && file_kind(out) != ".json")
+    raise<config_error>(103, out.string(),
+                        ": texts of motions are written to .json, or into a folder as caption files, not '",
+                        file_kind(out), "'");
+  InputFiles{in}.refuse(out);
+  auto motions = read_annotated_texts(in);
+  std::string notes;
+  if (folder) {
+    std::size_t momentary = 0;
+    for (AnnotatedMotion& m : motions) momentary += drop_momentary_texts(m);
+    if (momentary > 0)
+      notes = concat_text(in.string(), ": ", counted(momentary, "text of no duration is", "texts of no duration are"),
+                          " left out\n");
+    const auto files = caption_files(motions, out.string());
+    make_output_folder("output", out / "texts");
+    for (const auto& [name, text] : files) write_file(out / "texts" / name, text);
+  } else {
+    write_annotations(out, motions);
+  }
+  std::size_t texts = 0;
+  for (const AnnotatedMotion& m : motions) texts += m.annotations.size();
+  return concat_text(notes, (folder ? out / "texts" : out).string(), ": ", counted(texts, "text"), " of ",
+                     counted(motions.size(), "motion"), "\n");
+}
+
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
@@ -14907,12 +13519,13 @@ DataConfig split_config(const Data& c) {
 }
 
 struct SincDataConfig {
-  std::string types = "seg+seq+spatial_pairs";       // what the model learns, in any order; separate_pairs may be added
-  Index shortest = 15, window = 300;                 // frames; a longer item gives `window` from a random place
-  Index longest = 800;                               // for validation
-  Index simultaneous_max = 4;                        // labels at the same time
-  double proportion = 0.5;                           // share of single actions that get a partner with other parts
-  bool random = false;                               // combine any actions, with random parts
+  std::string types = "seg+seq+spatial_pairs";  // what the model learns, in any order; separate_pairs may be added
+  Index shortest = 15, window = 300;            // frames; a longer item gives `window` from a random place
+  Index longest = 800;                          // for validation
+  Index simultaneous_max = 4;                   // labels at the same time
+  double proportion = 0.5;                      // share of single actions that get a partner with other parts
+  bool random = false;                          // combine any actions, with random parts
+  bool shuffle = false;  // several labels in random order, as in the paper; the released program keeps them
   double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
   std::uint64_t split_seed = 1;
 
@@ -14928,8 +13541,8 @@ struct SincDataConfig {
     using C = SincDataConfig;
     return motionlang::fields("types", &C::types, "shortest", &C::shortest, "window", &C::window, "longest",
                               &C::longest, "simultaneous_max", &C::simultaneous_max, "proportion", &C::proportion,
-                              "random", &C::random, "test_share", &C::test_share, "validation_share",
-                              &C::validation_share, "split_seed", &C::split_seed);
+                              "random", &C::random, "shuffle", &C::shuffle, "test_share", &C::test_share,
+                              "validation_share", &C::validation_share, "split_seed", &C::split_seed);
   }
 };
 
@@ -14971,6 +13584,13 @@ struct BabelItems {
   std::vector<BabelItem> items;
   LeftOut left_out{};
 };
+namespace detail {
+
+/// JSON of words and their replacements; empty for "". Throws io_error 401, 403, config_error 107.
+SpellingTable read_spelling(const std::filesystem::path& path);
+
+}  // namespace detail
+
 /// Makes the items of a sequence of this many frames.
 using BabelReader = std::function<BabelItems(const BabelSequence& sequence, Index frames, const SpellingTable& spelling,
                                              bool training)>;
@@ -14990,6 +13610,14 @@ BabelReader teach_reader(const TeachDataConfig& config);
 /// Throws io_error 401, 403, ... for files, with the place; io_error 403 if there is nothing to train on
 DescribedMotions read_babel_motions(const BabelSources& sources, const std::string& features, const DataConfig& shares,
                                     const BabelReader& reader, Progress progress);
+
+/// Whole sequences with the texts of their segments, for the search of moments. Sequences without segments are left
+/// out, and segments of T-poses and transitions.
+/// maker   of the rows, at its own rate
+/// part    0: training, 1: validation, 2: test, as the sources split them; -1: all
+/// Throws  as read_babel_motions; io_error 403 if no sequence is left
+std::vector<DescribedMotion> read_babel_sequences(const BabelSources& sources, const RowMaker& maker,
+                                                  const DataConfig& shares, int part, Progress progress);
 
 MOTIONLANG_NAMESPACE_END
 
@@ -15257,7 +13885,7 @@ inline std::vector<BabelEntry> babel_entries(const BabelSources& sources, const 
   return out;
 }
 
-inline SpellingTable read_spelling(const std::filesystem::path& path) {
+MOTIONLANG_BODY SpellingTable read_spelling(const std::filesystem::path& path) {
   if (path.empty()) return {};
   const auto document = read_json(path);
   const auto words = JsonView(document, path.string()).as<std::map<std::string, std::string>>();
@@ -15410,6 +14038,170 @@ MOTIONLANG_BODY DescribedMotions read_babel_motions(const BabelSources& sources,
   return out;
 }
 
+MOTIONLANG_BODY std::vector<DescribedMotion> read_babel_sequences(const BabelSources& sources, const RowMaker& maker,
+                                                                  const DataConfig& shares, int part,
+                                                                  Progress progress) {
+  const auto spelling = detail::read_spelling(sources.spelling);
+  const auto entries = detail::babel_entries(sources, shares);
+  std::vector<DescribedMotion> found(entries.size());
+  std::mutex mutex;
+  Index done = 0;
+  parallel_for(std::ssize(entries), [&](Index i) {
+    const detail::BabelEntry& e = entries[static_cast<std::size_t>(i)];
+    if ((part < 0 || e.part == part) && !e.sequence.frame_annotations.empty()) {
+      auto clip = read_clip(sources.data, e.clip);
+      clip.fps = corrected_amass_fps(e.clip.clip, clip.fps);
+      DescribedMotion& m = found[static_cast<std::size_t>(i)];
+      if (clip.seconds() >= detail::least_seconds) {
+        const auto rows = maker.rows(resample(clip, maker.fps));
+        m = {e.sequence.id, e.clip.clip, {rows.begin(), rows.end()}, {}};
+      }
+      const Index frames = std::ssize(m.rows) / maker.width;
+      for (const BabelAnnotation& a : e.sequence.frame_annotations) {
+        for (const BabelSegment& s : babel_segments(a.labels, maker.fps, frames, spelling))
+          m.texts.push_back({s.text, {s.start, s.end - s.start}});
+      }
+    }
+    const std::lock_guard lock(mutex);
+    progress(++done, std::ssize(entries));
+  });
+  std::erase_if(found, [](const DescribedMotion& m) { return m.texts.empty(); });
+  if (found.empty()) raise<io_error>(403, sources.babel.string(), ": no sequence with segments");
+  return found;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_DATASETS_BODY_PART_LINES_HPP  // <motionlang/datasets/body_part_lines.hpp>
+#define MOTIONLANG_HAS_DATASETS_BODY_PART_LINES_HPP
+/// Questions and answers about body parts in files, and the table that is made of the answers.
+///
+///     {"label": "wave", "prompt": "Instructions: ..."}            a line for each question
+///     {"label": "wave", "answer": "right arm"}                    a line for each answer
+///     {"wave": ["", "", "right arm"], ...}                        the table, which datasets/body_part_table.hpp reads
+///     wave <tab> 0 <tab> 0 <tab> 0 <tab> 1 <tab> 0 <tab> 0        what people say, in the order of sinc_part_names
+///
+/// In what people say, 0.5 stands for a part that may move or not; it does not count.
+/// Source  thesis B.2.1, table B.1; SINC (Athanasiou et al., ICCV 2023)
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Answers in order: a label, and what the model said.
+using BodyPartAnswers = std::vector<std::pair<std::string, std::string>>;
+
+/// A line of JSON for each label.
+std::string body_part_questions(std::span<const std::string> labels, BodyPartPrompt form);
+/// Throws io_error 403 for a line that is not JSON, config_error 107 if it lacks a text for label or answer.
+BodyPartAnswers parse_body_part_answers(std::string_view text, std::string_view name = "answers");
+/// Answers in the lines above or in a table of SINC's form, by what the file holds. Throws io_error 401, 403,
+/// config_error 107.
+BodyPartAnswers read_body_part_answers(const FilePath& path);
+/// The table as SINC has it. A label with several answers gets the last one.
+std::string body_part_table_text(const BodyPartAnswers& answers);
+
+/// The parts that people name for labels, (labels, 6).
+struct BodyPartTruth {
+  std::vector<std::string> labels;
+  std::vector<double> wanted;
+};
+/// Lines that begin with # are comments. Throws io_error 403 with the line for other fields than a label and six of 0,
+/// 0.5 and 1.
+BodyPartTruth parse_body_part_truth(std::string_view text, std::string_view name = "truth");
+
+/// Labels of BABEL as train-sinc takes them: those of segments and, without segments, of whole sequences; sorted. No
+/// motion is read.
+std::vector<std::string> babel_labels(const FilePath& babel, const FilePath& spelling = "");
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_BODY_PART_LINES_IPP  // <motionlang/datasets/body_part_lines.ipp>
+#define MOTIONLANG_HAS_DATASETS_BODY_PART_LINES_IPP
+// Bodies of body_part_lines.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string body_part_questions(std::span<const std::string> labels, BodyPartPrompt form) {
+  std::string out;
+  for (const std::string& label : labels) {
+    nlohmann::ordered_json line;
+    line["label"] = label, line["prompt"] = body_part_prompt(label, form);
+    out += line.dump() + "\n";
+  }
+  return out;
+}
+
+MOTIONLANG_BODY BodyPartAnswers parse_body_part_answers(std::string_view text, std::string_view name) {
+  BodyPartAnswers out;
+  detail::for_each_line(text, [&](std::string_view line, Index number) {
+    if (detail::trim(line).empty()) return;
+    const std::string place = concat_text(name, ":", number);
+    const nlohmann::json document = parse_json(line, place);
+    const JsonView view(document, place);
+    out.emplace_back(view["label"].as<std::string>(), view["answer"].as<std::string>());
+  });
+  return out;
+}
+
+MOTIONLANG_BODY BodyPartAnswers read_body_part_answers(const FilePath& path) {
+  const std::string text = read_file(path);
+  const auto first = text.find('\n');
+  const bool lines = text.substr(0, first).find("\"answer\"") != text.npos;
+  if (lines) return parse_body_part_answers(text, path.string());
+  const nlohmann::json document = parse_json(text, path.string());
+  const JsonView view(document, path.string());
+  BodyPartAnswers out;
+  for (const std::string& label : view.keys()) out.emplace_back(label, view[label][2].as<std::string>());
+  return out;
+}
+
+MOTIONLANG_BODY std::string body_part_table_text(const BodyPartAnswers& answers) {
+  nlohmann::ordered_json table = nlohmann::ordered_json::object();
+  for (const auto& [label, answer] : answers) table[label] = {"", "", answer};
+  return table.dump(1) + "\n";
+}
+
+MOTIONLANG_BODY BodyPartTruth parse_body_part_truth(std::string_view text, std::string_view name) {
+  BodyPartTruth out;
+  detail::for_each_line(text, [&](std::string_view line, Index number) {
+    if (detail::trim(line).empty() || line.front() == '#') return;
+    std::vector<std::string> fields;
+    for (std::size_t begin = 0; begin <= line.size();) {
+      const std::size_t end = std::min(line.find('\t', begin), line.size());
+      fields.emplace_back(detail::trim(line.substr(begin, end - begin)));
+      begin = end + 1;
+    }
+    if (fields.size() != 1 + sinc_part_count)
+      raise<io_error>(403, name, ":", number, ": ", counted(fields.size(), "field"), ", expected a label and six");
+    out.labels.push_back(fields.front());
+    for (std::size_t p = 1; p < fields.size(); ++p) {
+      const std::string& f = fields[p];
+      if (f != "0" && f != "0.5" && f != "1") raise<io_error>(403, name, ":", number, ": '", f, "' is not 0, 0.5 or 1");
+      out.wanted.push_back(f == "1" ? 1 : f == "0" ? 0 : 0.5);
+    }
+  });
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> babel_labels(const FilePath& babel, const FilePath& spelling) {
+  const auto words = detail::read_spelling(spelling.string());
+  SincDataConfig config;
+  config.types = "seg+seq";
+  config.shortest = 1;
+  const BabelReader reader = sinc_reader(config);
+  const auto file = BabelFile::open(babel);
+  std::set<std::string> found;
+  for (const std::string& id : file.ids()) {
+    const BabelSequence sequence = file.load(id);
+    const Index frames = std::lround(sequence.dur * babel_fps);
+    for (const BabelItem& item : reader(sequence, std::max<Index>(frames, 1), words, true).items) {
+      for (const DescribedText& t : item.texts) found.insert(t.text);
+    }
+  }
+  return {found.begin(), found.end()};
+}
+
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
@@ -15489,6 +14281,9 @@ std::vector<std::string> caption_words(std::string_view text);
 
 /// Lines about whole clips count as segments of no length, since clips are not read.
 CaptionCard caption_card(const std::vector<ClipLine>& lines);
+
+/// The card as lines: each folder and all of them, then the verbs, the most frequent first.
+std::string describe_card(const CaptionCard& card);
 
 MOTIONLANG_NAMESPACE_END
 
@@ -15571,6 +14366,35 @@ MOTIONLANG_BODY CaptionCard caption_card(const std::vector<ClipLine>& lines) {
     card.folders[detail::folder_of_clip(clip)].without_overlap += seconds;
   }
   return card;
+}
+
+namespace detail {
+
+inline std::string card_row(const std::string& name, const CaptionCard::Folder& f) {
+  return formatted("  %-52s %5zu clips %6zu segments %7.1f min %7.1f min without overlaps %7zu captions\n",
+                   printable(name).c_str(), f.clips.size(), f.segments, f.seconds / 60, f.without_overlap / 60,
+                   f.captions);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string describe_card(const CaptionCard& card) {
+  std::string out;
+  for (const auto& [name, folder] : card.folders) out += detail::card_row(name, folder);
+  out += detail::card_row("all", card.all);
+  out += concat_text(card.captions.size(), " different captions, ", card.words.size(), " different words, ",
+                     card.verbs.size(), " verbs with the segments that show them:\n");
+  std::vector<std::pair<std::size_t, std::string>> verbs;
+  for (const auto& [verb, segments] : card.verbs) verbs.emplace_back(segments, verb);
+  std::ranges::sort(verbs, [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::size_t column = 0;
+  for (const auto& [segments, verb] : verbs) {
+    const std::string next = concat_text(" ", printable(verb), " ", segments);
+    if (column + next.size() > 118) out += "\n", column = 0;
+    out += (column == 0 ? " " : "") + next;
+    column += next.size();
+  }
+  return out + "\n";
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -15930,6 +14754,81 @@ MOTIONLANG_BODY std::string LabelSentences::operator()(std::span<const std::stri
     const auto words = words_.find(std::string(plain));
     if (words == words_.end()) raise<config_error>(103, tags_.string(), ": no words of '", plain, "'");
     return words->second;
+  });
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_DATASETS_LABEL_TAGS_HPP  // <motionlang/datasets/label_tags.hpp>
+#define MOTIONLANG_HAS_DATASETS_LABEL_TAGS_HPP
+/// The words of labels with their parts of speech. Sentences of several labels take their verbs from here, so that any
+/// two labels can be joined in training, and "walk while wave" becomes "walk while waveing", as published.
+///
+///     const LabelTags tags("labels.txt");                                   // lines "wave#wave/VERB#0.0#0.0"
+///     tags.join(std::vector<std::string>{"walk", "wave"}, Conjunction::while_);
+///
+/// Source   thesis B.2.2; SINC sinc/model/sinc.py gerund_augment
+/// Differs  spaCy tags whole sentences there. Here a label has the same tags in every sentence
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+class LabelTags {
+ public:
+  /// Throws what read_captions throws.
+  explicit LabelTags(const FilePath& file);
+
+  /// Throws config_error 103, with the labels, if the file lacks labels of these motions.
+  void require(const std::vector<DescribedMotion>& motions) const;
+  /// As join_labels, with the -ing form of the second verb after "while" and "during". Throws config_error 103 for a
+  /// label that the file lacks.
+  std::string join(std::span<const std::string> labels, Conjunction conjunction) const;
+
+ private:
+  std::string file_;
+  std::map<std::string, std::vector<TaggedWord>> words_;  // of labels
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_LABEL_TAGS_IPP  // <motionlang/datasets/label_tags.ipp>
+#define MOTIONLANG_HAS_DATASETS_LABEL_TAGS_IPP
+// Bodies of label_tags.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY LabelTags::LabelTags(const FilePath& file) : file_(file.string()) {
+  for (MotionCaption& c : read_captions(file)) words_.insert_or_assign(c.text, std::move(c.words));
+}
+
+MOTIONLANG_BODY void LabelTags::require(const std::vector<DescribedMotion>& motions) const {
+  std::set<std::string> missing;
+  for (const DescribedMotion& m : motions) {
+    for (const DescribedText& t : m.texts) {
+      if (!words_.contains(t.text)) missing.insert(t.text);
+    }
+  }
+  if (missing.empty()) return;
+  std::string lines;
+  for (const std::string& label : missing) lines += "\n" + label;
+  raise<config_error>(103, file_, ": no words of ", counted(missing.size(), "label"), ":", lines);
+}
+
+MOTIONLANG_BODY std::string LabelTags::join(std::span<const std::string> labels, Conjunction conjunction) const {
+  if (labels.empty() || (conjunction != Conjunction::while_ && conjunction != Conjunction::during))
+    return join_labels(labels, conjunction);
+  return join_labels(labels, conjunction, [&](std::string_view) {
+    std::vector<TaggedWord> words;
+    for (const std::string& label : labels) {
+      const auto own = words_.find(label);
+      if (own == words_.end()) raise<config_error>(103, file_, ": no words of '", label, "'");
+      if (!words.empty())
+        words.push_back(conjunction == Conjunction::while_ ? TaggedWord{"while", "SCONJ"}
+                                                           : TaggedWord{"during", "ADP"});
+      words.insert(words.end(), own->second.begin(), own->second.end());
+    }
+    return words;
   });
 }
 
@@ -16377,7 +15276,8 @@ inline constexpr double training_fps = 20;
 inline constexpr Index longest_rest = 3;
 
 /// The words that samples add to captions.
-inline constexpr std::string_view added_caption_words = "while and slowly quickly backwards";
+inline constexpr std::string_view added_caption_words =
+    "while and then slowly quickly backwards in a circle curve along the half quarter to clockwise counterclockwise";
 
 struct SampleOptions {
   Index shortest = 16, longest = 196;  // frames
@@ -16389,6 +15289,8 @@ struct SampleOptions {
   double stretch = 0.5;  // the slowest factor at which one whole action fills a longer sample
   double tempo = 0.15;   // probability of half or nearly twice the speed; the caption says so
   double reverse = 0.3;  // probability that steady walking ahead is played backwards; the caption says so
+  double curve = 0.6;    // probability that steady walking or running ahead is bent; the caption says so
+  double then = 0.12;    // probability that a second action follows; the caption has both
 };
 
 class TrainingSet {
@@ -16407,7 +15309,8 @@ class TrainingSet {
   /// A sample that depends only on the generator. It is one of these:
   ///   - a segment: mirrored, faster or slower, with its cycle repeated if it has one, or a part of it
   ///   - an action in its own time and then its continuation, if the table has one
-  ///   - a segment slower or faster, or backwards in time, if the caption can say so
+  ///   - a segment slower or faster, backwards in time, or along a curve, if the caption can say so
+  ///   - two segments one after the other, under both captions
   ///   - a segment about the legs with the arms of another one about the arms, under either caption or both (as SINC).
   ///     The legs may be those of a person who stands or sits still, under a caption that does not mention arms
   ///   - one of these with the caption "", sometimes
@@ -16416,6 +15319,9 @@ class TrainingSet {
  private:
   Motion variant(const CaptionedSegment& s, Index frames, bool mirrored, double tempo, Philox& rng,
                  const SampleOptions& options) const;
+  /// A segment and one that begins in a similar pose, blended into each other; nothing if none was found in few tries.
+  std::optional<std::pair<Motion, std::string>> two_actions(Index frames, bool mirrored, Philox& rng,
+                                                            const SampleOptions& options) const;
   /// Segments of which one is drawn, the likelier the larger its weight.
   struct Choice {
     std::vector<std::size_t> segments{};
@@ -16437,6 +15343,12 @@ class TrainingSet {
 /// The caption of steady walking that is played backwards in time: "forward" and "ahead" become "backwards". Nothing
 /// for captions that name no direction, or say more than that.
 std::optional<std::string> reversed_caption(const std::string& caption);
+
+/// The caption of steady walking or running along a curve: "forward" and "ahead" become "in a circle to the left", "to
+/// the right", ...  Nothing for captions that name no direction, or say more than that.
+/// turn     radians in all, above 0 to the left
+/// wording  chooses among the words for that turn
+std::optional<std::string> curved_caption(const std::string& caption, double turn, std::uint32_t wording);
 
 /// Exchanges "left" and "right", and "clockwise" and "counterclockwise", word by word.
 std::string mirrored_caption(const std::string& caption);
@@ -16556,6 +15468,14 @@ inline bool legs_are_still(const Motion& motion) {
   return stays_on_the_ground(motion);
 }
 
+/// True for captions of walking or running ahead that say no more than how.
+inline bool goes_ahead_only(const std::string& caption) {
+  return has_word(caption, {"forward", "ahead"}) &&
+         has_word(caption, {"walk", "step", "go", "pace", "mov", "stroll", "run", "jog", "sprint"}) &&
+         !has_word(caption, {"left", "right", "turn", "up", "down", "stair", "back", "stop", "then", "and", "climb",
+                             "lean", "without"});
+}
+
 /// Captions that do not say what arms and hands do.
 inline std::vector<std::string> without_arms(const std::vector<std::string>& captions) {
   std::vector<std::string> out;
@@ -16583,14 +15503,29 @@ MOTIONLANG_BODY std::string mirrored_caption(const std::string& caption) {
 }
 
 MOTIONLANG_BODY std::optional<std::string> reversed_caption(const std::string& caption) {
-  if (!detail::has_word(caption, {"forward", "ahead"}) ||
-      !detail::has_word(caption, {"walk", "step", "go", "pace", "mov", "stroll"}) ||
-      detail::has_word(caption, {"left", "right", "turn", "up", "down", "stair", "back", "stop", "then", "and", "climb",
-                                 "lean", "without"}))
-    return std::nullopt;
+  if (!detail::goes_ahead_only(caption) || detail::has_word(caption, {"run", "jog", "sprint"})) return std::nullopt;
   return detail::word_by_word(caption, [](const std::string& word) -> std::string {
     return word.starts_with("forward") || word == "ahead" ? "backwards" : word;
   });
+}
+
+MOTIONLANG_BODY std::optional<std::string> curved_caption(const std::string& caption, double turn,
+                                                          std::uint32_t wording) {
+  const double degrees = std::abs(turn) * 180 / std::numbers::pi;
+  if (!detail::goes_ahead_only(caption) || degrees < 35) return std::nullopt;
+  const std::string side = turn > 0 ? "left" : "right", clock = turn > 0 ? "counterclockwise" : "clockwise";
+  std::vector<std::string> words{"in a curve to the " + side, "along a curve to the " + side};
+  if (degrees < 150) words.push_back("to the " + side);
+  if (degrees > 60 && degrees < 120) words.push_back("in a quarter circle to the " + side);
+  if (degrees > 150 && degrees < 240) words = {"in a half circle to the " + side, "in a curve to the " + side};
+  if (degrees >= 240)
+    words = {"in a circle", "in a circle to the " + side, clock + " in a circle", "in a " + clock + " circle"};
+  bool said = false;
+  const std::string out = detail::word_by_word(caption, [&](const std::string& word) -> std::string {
+    const bool way = word.starts_with("forward") || word == "ahead" || word.starts_with("straight");
+    return !way ? word : std::exchange(said, true) ? "" : words[wording % words.size()];
+  });
+  return join_text(detail::caption_words(out), " ", [](const std::string& word) { return word; });
 }
 
 MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data,
@@ -16703,6 +15638,33 @@ MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index fra
   return mirrored ? mirror(m) : m;
 }
 
+MOTIONLANG_BODY std::optional<std::pair<Motion, std::string>> TrainingSet::two_actions(
+    Index frames, bool mirrored, Philox& rng, const SampleOptions& options) const {
+  constexpr Index blend = 8;          // frames
+  constexpr double most_apart = 0.2;  // metres, as a mean over the joints
+  const auto drawn = [&] {
+    const CaptionedSegment& s = pick(all_, rng);
+    const std::string& c = s.captions[rng.below(static_cast<std::uint32_t>(s.captions.size()))];
+    return std::pair(variant(s, frames / 2, mirrored, 1, rng, options), mirrored ? mirrored_caption(c) : c);
+  };
+  const auto short_enough = [&](const Motion& m, Index others) {
+    return m.frames() > 2 * blend && m.frames() + others - blend <= options.longest;
+  };
+  const auto [first, said] = drawn();
+  if (!short_enough(first, 2 * blend)) return std::nullopt;
+  const Index joints = first.skeleton.size();
+  const auto end = detail::poses_in_place(crop(first, first.frames() - 1, first.frames()));
+  for (int tries = 0; tries < 6; ++tries) {
+    const auto [second, says] = drawn();
+    if (!short_enough(second, first.frames())) continue;
+    const auto start = detail::poses_in_place(crop(second, 0, 1));
+    if (detail::pose_distance(end.data(), start.data(), joints) > most_apart) continue;
+    const char* const between[] = {" and then ", " then ", " and ", ", then "};
+    return std::pair(blend_into(first, second, blend), said + between[rng.below(4)] + says);
+  }
+  return std::nullopt;
+}
+
 MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions& options) const {
   const Index range = options.longest - options.shortest;
   // Short lengths are more frequent than long ones, because most texts of a timeline last a few seconds.
@@ -16718,7 +15680,11 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
   const auto bases = [&]() -> const Choice& {
     return !still_.empty() && rng.uniform() < options.still ? still_ : bases_;
   };
-  if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
+  auto both = rng.uniform() < options.then ? two_actions(frames, mirrored, rng, options) : std::nullopt;
+  if (both) {
+    motion = std::move(both->first);
+    sample.caption = std::move(both->second);
+  } else if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
     const CaptionedSegment &base = pick(bases(), rng), &overlay = pick(overlays_, rng);
     const auto with = variant(overlay, frames, mirrored, 1, rng, options);
     BodyParts parts = overlay.parts;
@@ -16750,6 +15716,14 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
     if (backwards && rng.uniform() < options.reverse) {
       motion = detail::reversed_motion(motion);
       sample.caption = *backwards;
+    } else if (s.loop && detail::goes_ahead_only(sample.caption) && rng.uniform() < options.curve) {
+      const bool runs = detail::has_word(sample.caption, {"run", "jog", "sprint"});
+      const double radius = (0.7 + 1.3 * rng.uniform()) * (runs ? 2 : 1), turn = path_length(motion) / radius;
+      const bool left = rng.uniform() < 0.5;
+      if (const auto bent = curved_caption(sample.caption, left ? turn : -turn, rng.below(16))) {
+        motion = curved_path(motion, (left ? 1 : -1) / radius);
+        sample.caption = *bent;
+      }
     }
   }
   if (motion.frames() < 4) return draw(rng.split("again"), options);
@@ -16758,6 +15732,112 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
   sample.features.assign(features.begin(), features.end());
   sample.frames = motion.frames();
   return sample;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_DATASETS_WORD_COUNTS_HPP  // <motionlang/datasets/word_counts.hpp>
+#define MOTIONLANG_HAS_DATASETS_WORD_COUNTS_HPP
+/// Words and verbs of the texts of a data set, to compare data sets.
+///
+/// Source  TEACH (thesis annex A), figure A.3: tokens that appear at least n times, and texts with each verb
+/// Differs there a tagger finds the verbs. Here verbs are those of a list, in any of their forms
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// All texts of a table of captions, or (.json) of a file of annotations or of BABEL. Throws what their readers throw.
+std::vector<std::string> texts_of_file(const std::filesystem::path& path);
+
+/// How often each word occurs; words are in lower case, without punctuation.
+std::map<std::string, std::size_t> word_counts(std::span<const std::string> texts);
+/// The number of words that occur at least `least` times.
+std::size_t words_at_least(const std::map<std::string, std::size_t>& counts, std::size_t least);
+
+/// The verbs with which texts command: "walk" of "walk along" (datasets/caption_card.hpp).
+std::vector<std::string> commanded_verbs(std::span<const std::string> texts);
+/// The number of texts with each of the verbs, in any form that text/word_forms.hpp knows. Verbs without a text are
+/// left out.
+std::map<std::string, std::size_t> verb_counts(std::span<const std::string> texts, std::span<const std::string> verbs);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_WORD_COUNTS_IPP  // <motionlang/datasets/word_counts.ipp>
+#define MOTIONLANG_HAS_DATASETS_WORD_COUNTS_IPP
+// Bodies of word_counts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Letters, digits, apostrophes and inner hyphens make words.
+inline std::vector<std::string> plain_words(std::string_view text) {
+  std::vector<std::string> out(1);
+  for (const char c : text) {
+    const char l = lower(c);
+    const bool part = (l >= 'a' && l <= 'z') || (l >= '0' && l <= '9') || l == '\'' || l == '-' || (l & 0x80) != 0;
+    if (part)
+      out.back() += l;
+    else if (!out.back().empty())
+      out.emplace_back();
+  }
+  for (std::string& w : out) {
+    while (!w.empty() && (w.back() == '-' || w.back() == '\'')) w.pop_back();
+    while (!w.empty() && (w.front() == '-' || w.front() == '\'')) w.erase(0, 1);
+  }
+  std::erase(out, "");
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<std::string> texts_of_file(const std::filesystem::path& path) {
+  std::vector<std::string> out;
+  if (path.extension() == ".json") {
+    for (const AnnotatedMotion& m : read_annotated_texts(path)) {
+      for (const Annotation& a : m.annotations) out.push_back(a.text);
+    }
+  } else {
+    for (const ClipLine& line : read_captions(path, path.parent_path()))
+      out.insert(out.end(), line.texts.begin(), line.texts.end());
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::map<std::string, std::size_t> word_counts(std::span<const std::string> texts) {
+  std::map<std::string, std::size_t> out;
+  for (const std::string& text : texts) {
+    for (const std::string& word : detail::plain_words(text)) ++out[word];
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::size_t words_at_least(const std::map<std::string, std::size_t>& counts, std::size_t least) {
+  return static_cast<std::size_t>(
+      std::count_if(counts.begin(), counts.end(), [&](const auto& word) { return word.second >= least; }));
+}
+
+MOTIONLANG_BODY std::vector<std::string> commanded_verbs(std::span<const std::string> texts) {
+  std::set<std::string> out;
+  for (const std::string& text : texts) out.insert(commanded_verb(text));
+  out.erase("");
+  return {out.begin(), out.end()};
+}
+
+MOTIONLANG_BODY std::map<std::string, std::size_t> verb_counts(std::span<const std::string> texts,
+                                                               std::span<const std::string> verbs) {
+  const std::set<std::string> known(verbs.begin(), verbs.end());
+  std::map<std::string, std::size_t> out;
+  for (const std::string& text : texts) {
+    std::set<std::string> said;
+    for (const std::string& word : detail::plain_words(text)) {
+      const std::string form = known_form(word, [&](const std::string& w) { return known.contains(w); });
+      if (known.contains(form)) said.insert(form);
+    }
+    for (const std::string& verb : said) ++out[verb];
+  }
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -16871,6 +15951,12 @@ bool is_below(const std::filesystem::path& path, const std::filesystem::path& fo
 /// Removes the clips of a file, or of all files below a folder, from an index. Returns the number of these clips.
 Index remove_below(MotionIndex& index, const FilePath& path);
 
+/// A line for each clip of an index, with tabs: path and animation, start, end, frames per second, frames, captions,
+/// licence.
+std::string listed_clips(const MotionIndex& index);
+/// The size of an index after an update, and what the update changed, as lines.
+std::string describe_update(const MotionIndex& index, const IndexReport& report);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SEARCH_INDEX_FOLDER_IPP  // <motionlang/search/index_folder.ipp>
@@ -16891,6 +15977,7 @@ inline std::string checksum_of_lines(const std::vector<ClipLine>& lines) {
   std::string all;
   for (const ClipLine& line : lines) {
     all += concat_text(line.start, "\t", line.end);
+    if (!line.animation.empty()) all += "#" + line.animation;
     for (const std::string& text : line.texts) all += "\t" + text;
     all += "\n";
   }
@@ -17111,7 +16198,9 @@ MOTIONLANG_BODY std::vector<IndexUpdate::Prepared> IndexUpdate::prepare(const Fi
     if (found == lines_of_.end())
       take(m, nullptr);
     else
-      for (const ClipLine& line : found->second) take(m, &line);
+      for (const ClipLine& line : found->second) {
+        if (line.animation.empty() || line.animation == m.name) take(m, &line);
+      }
   }
   return out;
 }
@@ -17145,6 +16234,24 @@ MOTIONLANG_BODY IndexReport update_index(MotionIndex& index, const FilePath& fol
   return update.report();
 }
 
+MOTIONLANG_BODY std::string listed_clips(const MotionIndex& index) {
+  std::string out;
+  for (const IndexedClip& c : index.clips()) {
+    out += printable(c.path + (c.name.empty() ? "" : "#" + c.name));
+    out += formatted("\t%.2f\t%.2f\t%g\t%td\t", c.start, c.end, c.fps, c.frames);
+    out += printable(join_text(c.captions, " | ")) + "\t" + printable(c.license) + "\n";
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string describe_update(const MotionIndex& index, const IndexReport& report) {
+  std::string out = concat_text(counted(index.count(), "clip"), ", ", counted(index.moments().size(), "moment"), " (",
+                                report.added, " added, ", report.removed, " removed, ", report.renamed, " renamed, ",
+                                report.unchanged, " unchanged, ", report.skipped.size(), " skipped)\n");
+  if (report.relicensed > 0) out += counted(report.relicensed, "file has", "files have") + " another license now\n";
+  return out;
+}
+
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
@@ -17159,592 +16266,6 @@ MOTIONLANG_NAMESPACE_END
 ///     IndexUpdate update(kept.index(), "clips", tmr);
 ///     update.run();
 ///     if (kept.needs_writing(update.report())) kept.write();
-
-#ifndef MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_HPP  // <motionlang/search/vector_graph.hpp>
-#define MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_HPP
-/// Approximate search over many vectors with hnswlib, if its header is installed (Debian: libhnswlib-dev). It finds
-/// most of the nearest, in time that grows with the logarithm of the gallery. Without hnswlib, which needs exceptions,
-/// every search is exact.
-///
-///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of this many vectors or more
-///     write_motion_index("moves.index", index, graphs);
-///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
-///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
-///     // The graphs again, extended by the added vectors.
-///     graphs = motion_graphs(more, 100'000, {}, &file);
-///
-/// The graph holds numbers of vectors, not the vectors. These are read from the index file.
-///
-/// Source  Malkov and Yashunin, "Efficient and robust approximate nearest neighbor search using hierarchical navigable
-///         small world graphs" (TPAMI 2020)
-
-#ifndef MOTIONLANG_HAS_SEARCH_MOTION_INDEX_FILE_HPP  // <motionlang/search/motion_index_file.hpp>
-#define MOTIONLANG_HAS_SEARCH_MOTION_INDEX_FILE_HPP
-/// A MotionIndex as one file. Its vectors are used in place.
-///
-///     MotionIndex index = read_motion_index("moves.index");
-///     index.add(clip);
-///    write_motion_index("moves.index", index);                     // the old file stays complete until then
-///
-/// Layout   safetensors, so any reader of it can load the vectors, with
-///             clips, moments, captions   F32 (n, width), rows of length 1
-///             moment_frames              I64 (moments, 3): clip, first frame, frames
-///             about                      U8: JSON, {"model": {...}, "clips": [{"path", "modified", ...}, ...]}
-///             graph_clips, graph_moments U8, if there is one: search/vector_graph.hpp
-///         and "format", "version" and "checksum" (of all tensors) in the metadata
-/// Checked  Everything is checked before any vector is handed out: a file that was cut off or changed is refused
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Further entries of an index file: bytes by the name of their tensor ("graph_clips").
-using IndexExtras = std::map<std::string, std::vector<std::byte>>;
-
-namespace detail {
-
-inline constexpr const char *index_format = "motionlang.index", *index_version = "1";
-
-}  // namespace detail
-
-/// An open index file.
-class MotionIndexFile {
- public:
-  /// Throws io_error 401, 402 (ends too early), 403 (not an index, or damaged), 404 (another version), 405, 406, 407;
-  /// config_error 107; numeric_error 302
-  static MotionIndexFile open(const FilePath& path);
-  static MotionIndexFile from_bytes(std::span<const std::byte> bytes, std::string name = "index",
-                                    std::shared_ptr<const void> owner = {});
-
-  const std::string& name() const { return file_.name(); }
-  const MotionIndex& index() const { return index_; }
-  /// The bytes of another tensor. Nothing if it does not exist.
-  std::span<const std::byte> extra(std::string_view name) const;
-
- private:
-  explicit MotionIndexFile(SafetensorsFile file) : file_(std::move(file)), index_(read(file_)) {}
-
-  static MotionIndex read(const SafetensorsFile& file);
-
-  SafetensorsFile file_;
-  MotionIndex index_;
-};
-
-inline MotionIndex read_motion_index(const FilePath& path) { return MotionIndexFile::open(path).index(); }
-
-std::vector<std::byte> motion_index_bytes(const MotionIndex& index, const IndexExtras& extras = {});
-/// Throws io_error 401.
-void write_motion_index(const FilePath& path, const MotionIndex& index, const IndexExtras& extras = {});
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_SEARCH_MOTION_INDEX_FILE_IPP  // <motionlang/search/motion_index_file.ipp>
-#define MOTIONLANG_HAS_SEARCH_MOTION_INDEX_FILE_IPP
-// Bodies of motion_index_file.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-inline nlohmann::ordered_json index_about(const MotionIndex& index) {
-  const IndexModel& m = index.model();
-  nlohmann::ordered_json clips = nlohmann::ordered_json::array();
-  for (const IndexedClip& c : index.clips()) {
-    nlohmann::ordered_json clip{{"path", c.path}, {"modified", c.modified}, {"bytes", c.bytes},  {"start", c.start},
-                                {"end", c.end},   {"fps", c.fps},           {"frames", c.frames}};
-    if (!c.content.empty()) clip["content"] = c.content;
-    if (!c.lines.empty()) clip["lines"] = c.lines;
-    if (!c.name.empty()) clip["name"] = c.name;
-    if (!c.captions.empty()) clip["captions"] = c.captions;
-    if (!c.license.empty()) clip["license"] = c.license;
-    clips.push_back(std::move(clip));
-  }
-  return {{"model",
-           {{"id", m.id},
-            {"path", m.path},
-            {"text_encoder", m.text_encoder},
-            {"width", m.width},
-            {"fps", m.fps},
-            {"windows", m.windows},
-            {"stride", m.stride}}},
-          {"clips", std::move(clips)}};
-}
-
-inline IndexModel index_model(const JsonView& v) {
-  return {v["id"].as<std::string>(), v["path"].as<std::string>(), v.value_or("text_encoder", ""),
-          v["width"].as<Index>(),    v["fps"].as<double>(),       v["windows"].as<std::vector<Index>>(),
-          v["stride"].as<Index>()};
-}
-
-inline IndexedClip indexed_clip(const JsonView& v) {
-  IndexedClip c{.path = v["path"].as<std::string>(),
-                .name = v.value_or("name", ""),
-                .modified = v["modified"].as<std::int64_t>(),
-                .bytes = v["bytes"].as<std::int64_t>(),
-                .content = v.value_or("content", ""),
-                .lines = v.value_or("lines", ""),
-                .start = v["start"].as<double>(),
-                .end = v["end"].as<double>(),
-                .fps = v["fps"].as<double>(),
-                .frames = v["frames"].as<Index>(),
-                .captions = {},
-                .license = v.value_or("license", "")};
-  if (v.contains("captions")) c.captions = v["captions"].as<std::vector<std::string>>();
-  return c;
-}
-
-/// The rows of a tensor in their place, or a copy if they are not aligned there.
-inline VectorTable index_rows(const SafetensorsFile& file, const std::string& name, Index width) {
-  const TensorView& t = file.tensor(name);
-  if (t.dtype != DType::F32 || t.shape.rank() != 2 || t.shape[1] != width)
-    raise<io_error>(407, file.name(), ": '", name, "' is ", t.dtype, " ", t.shape, ", not F32 vectors of ", width);
-  const auto rows = direct<float>(t);
-  if (rows && file.owner() != nullptr) return {*rows, file.owner()};
-  VectorTable copied;
-  copied.append(values_of<float>(t));
-  return copied;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY MotionIndexFile MotionIndexFile::open(const FilePath& path) {
-  const auto file = MappedFile::open(path);
-  return from_bytes(file->bytes(), path.string(), file);
-}
-
-MOTIONLANG_BODY MotionIndexFile MotionIndexFile::from_bytes(std::span<const std::byte> bytes, std::string name,
-                                                            std::shared_ptr<const void> owner) {
-  return MotionIndexFile(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
-}
-
-MOTIONLANG_BODY std::span<const std::byte> MotionIndexFile::extra(std::string_view name) const {
-  const TensorView* t = file_.find(name);
-  return t == nullptr ? std::span<const std::byte>{} : t->bytes;
-}
-
-MOTIONLANG_BODY MotionIndex MotionIndexFile::read(const SafetensorsFile& file) {
-  const auto about_file = [&](const char* key) {
-    const auto found = file.metadata().find(key);
-    return found == file.metadata().end() ? std::string() : found->second;
-  };
-  if (about_file("format") != detail::index_format) raise<io_error>(403, file.name(), ": not an index of motionlang");
-  if (about_file("version") != detail::index_version)
-    raise<io_error>(404, file.name(), ": version ", about_file("version"), " of an index, expected ",
-                    detail::index_version);
-  if (const std::string found = tensors_checksum(file.tensors()); found != about_file("checksum"))
-    raise<io_error>(403, file.name(), ": damaged: its checksum is ", found, ", it was written with ",
-                    about_file("checksum"));
-
-  const TensorView& about = file.tensor("about");
-  if (about.dtype != DType::U8) raise<io_error>(407, file.name(), ": 'about' is ", about.dtype, ", not U8");
-  const std::string where = file.name() + ": about";
-  const auto document = parse_json(detail::as_text(about.bytes), where);
-  const JsonView view(document, where);
-  IndexModel model = detail::index_model(view["model"]);
-  const JsonView list = view["clips"];
-  std::vector<IndexedClip> clips;
-  for (Index i = 0; i < list.size(); ++i) clips.push_back(detail::indexed_clip(list[i]));
-
-  const TensorView& frames = file.tensor("moment_frames");
-  if (frames.shape.rank() != 2 || frames.shape[1] != 3)
-    raise<io_error>(407, file.name(), ": 'moment_frames' is ", frames.shape, ", not three numbers for each moment");
-  const auto numbers = values_of<std::int64_t>(frames);
-  std::vector<MotionIndex::Moment> moments;
-  for (std::size_t i = 0; i < numbers.size(); i += 3) {
-    const auto number = [&](std::size_t j) { return static_cast<Index>(numbers[i + j]); };
-    moments.push_back({number(0), {number(1), number(2)}});
-  }
-
-  const auto rows = [&](const char* name) { return detail::index_rows(file, name, model.width); };
-  VectorTable clip_rows = rows("clips"), moment_rows = rows("moments"), caption_rows = rows("captions");
-  return MotionIndex(file.name(), std::move(model), std::move(clips), std::move(moments), std::move(clip_rows),
-                     std::move(moment_rows), std::move(caption_rows));
-}
-
-MOTIONLANG_BODY std::vector<std::byte> motion_index_bytes(const MotionIndex& index, const IndexExtras& extras) {
-  const Index width = index.model().width;
-  const std::string about = detail::index_about(index).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  std::vector<std::int64_t> frames;
-  for (const auto& m : index.moments()) frames.insert(frames.end(), {m.clip, m.frames.first, m.frames.length});
-  const auto rows = [&](const char* name, std::span<const float> values) {
-    return tensor_view(name, {std::ssize(values) / width, width}, values);
-  };
-  std::vector<TensorView> tensors{rows("clips", index.clip_rows()),
-                                  rows("moments", index.moment_rows()),
-                                  rows("captions", index.caption_rows()),
-                                  tensor_view<std::int64_t>("moment_frames", {std::ssize(index.moments()), 3}, frames),
-                                  {"about", DType::U8, {std::ssize(about)}, std::as_bytes(std::span(about))}};
-  for (const auto& [name, bytes] : extras) tensors.push_back({name, DType::U8, {std::ssize(bytes)}, bytes});
-  return safetensors_bytes(
-      tensors,
-      {{"format", detail::index_format}, {"version", detail::index_version}, {"checksum", tensors_checksum(tensors)}});
-}
-
-MOTIONLANG_BODY void write_motion_index(const FilePath& path, const MotionIndex& index, const IndexExtras& extras) {
-  write_file(path, motion_index_bytes(index, extras));
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#if __has_include(<hnswlib/hnswlib.h>) && defined(__cpp_exceptions)
-#define MOTIONLANG_HAS_HNSWLIB 1
-#else
-#define MOTIONLANG_HAS_HNSWLIB 0
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-#if MOTIONLANG_HAS_HNSWLIB
-
-struct VectorGraphOptions {
-  Index links = 16;    // of a vector, on all levels above the lowest
-  Index effort = 200;  // candidates to consider when a vector is added
-};
-
-namespace detail {
-class GraphSpace;
-class HnswGraph;
-}  // namespace detail
-
-class VectorGraph : public VectorSearch {
- public:
-  /// rows      (count, width) of length 1, which must outlive the object unless an owner keeps them
-  /// progress  is called with the number of vectors in the graph
-  /// Vectors are added one after the other, so that the same rows always give the same graph.
-  static VectorGraph build(std::span<const float> rows, Index width, const VectorGraphOptions& options = {},
-                           Progress progress = {}, std::shared_ptr<const void> owner = {});
-  /// A graph that was built for these rows. Throws io_error 401, 402, 403, config_error 101.
-  static VectorGraph from_bytes(std::span<const std::byte> bytes, std::span<const float> rows, Index width,
-                                const std::string& name = "graph", std::shared_ptr<const void> owner = {});
-  /// A graph that was built for the first `known` of these rows, extended by the others. It differs from the graph that
-  /// build() makes of all, but finds as many. Throws io_error 401, 402, 403, config_error 101.
-  static VectorGraph extended(std::span<const std::byte> bytes, Index known, std::span<const float> rows, Index width,
-                              Progress progress = {}, const std::string& name = "graph",
-                              std::shared_ptr<const void> owner = {});
-  VectorGraph(VectorGraph&&) noexcept;
-  VectorGraph& operator=(VectorGraph&&) noexcept;
-  ~VectorGraph() override;
-  std::vector<std::byte> bytes() const;
-
-  Index count() const override { return std::ssize(rows_) / width_; }
-  Index width() const override { return width_; }
-  std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const override;
-
- private:
-  VectorGraph(std::span<const float> rows, Index width, std::shared_ptr<const void> owner);
-  void add_from(Index first, Progress progress);
-
-  std::span<const float> rows_;
-  Index width_;
-  std::shared_ptr<const void> owner_;
-  std::unique_ptr<detail::GraphSpace> space_;
-  std::unique_ptr<detail::HnswGraph> graph_;
-};
-
-#endif
-
-namespace detail {
-
-/// Rows of an index that can have a graph, and its name in the file.
-struct GraphRows {
-  const char* name;
-  std::span<const float> rows;
-};
-/// Those with `least` rows or more.
-std::vector<GraphRows> graph_rows(const MotionIndex& index, Index least);
-
-}  // namespace detail
-
-/// True if the file has the graphs that motion_graphs would make.
-bool has_graphs(const MotionIndexFile& file, Index least);
-
-/// Graphs for the clips and the moments of an index, if there are at least `least` of them; none without hnswlib. If
-/// the rows of `before` are the first of these, its graph is extended by the others. Throws io_error 401, 402, 403.
-IndexExtras motion_graphs(const MotionIndex& index, Index least, Progress progress = {},
-                          const MotionIndexFile* before = nullptr);
-
-/// Searches with the graphs in the file. Without graphs it scans with `storage`. The file must outlive it. Throws
-/// io_error 401, 402, 403.
-MotionSearch open_motion_search(const MotionIndexFile& file, bool exact = false,
-                                ScanStorage storage = ScanStorage::float32);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_IPP  // <motionlang/search/vector_graph.ipp>
-#define MOTIONLANG_HAS_SEARCH_VECTOR_GRAPH_IPP
-// Bodies of vector_graph.hpp.
-
-#if MOTIONLANG_HAS_HNSWLIB
-#ifndef NO_MANUAL_VECTORIZATION
-// Distances are ours: those of hnswlib bring functions that two translation units must not both define.
-#define NO_MANUAL_VECTORIZATION
-#endif
-#include <hnswlib/hnswlib.h>
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-#if MOTIONLANG_HAS_HNSWLIB
-
-namespace detail {
-
-/// A vector in the form of hnswlib: the number of a row, or -1 and the vector of a query.
-struct GraphPoint {
-  std::int64_t row = -1;
-  const float* vector = nullptr;
-};
-
-/// 1 - cosine between points. hnswlib keeps a pointer to this object.
-class GraphSpace : public hnswlib::SpaceInterface<float> {
- public:
-  GraphSpace(const float* rows, Index width) : rows_(rows), width_(width), dot_(RowScan<float>::dot_function()) {}
-  GraphSpace(const GraphSpace&) = delete;
-  GraphSpace& operator=(const GraphSpace&) = delete;
-
-  std::size_t get_data_size() override { return sizeof(std::int64_t); }
-  hnswlib::DISTFUNC<float> get_dist_func() override { return &distance; }
-  void* get_dist_func_param() override { return this; }
-
- private:
-  const float* vector_of(const void* point) const {
-    std::int64_t row;
-    std::memcpy(&row, point, sizeof row);
-    return row >= 0 ? rows_ + row * width_ : static_cast<const GraphPoint*>(point)->vector;
-  }
-  static float distance(const void* a, const void* b, const void* space) {
-    const auto& self = *static_cast<const GraphSpace*>(space);
-    float cosine = 0;
-    self.dot_(self.vector_of(a), 1, self.width_, self.vector_of(b), &cosine);
-    return 1 - cosine;
-  }
-
-  const float* rows_;
-  Index width_;
-  decltype(RowScan<float>::dot_function()) dot_;
-};
-
-class HnswGraph : public hnswlib::HierarchicalNSW<float> {
- public:
-  using hnswlib::HierarchicalNSW<float>::HierarchicalNSW;
-};
-
-/// Checks every link of a saved graph, so that hnswlib can follow it without checks. Throws io_error 402, 403.
-inline void check_graph(std::span<const std::byte> bytes, Index vectors, const std::string& name) {
-  struct Header {
-    std::uint64_t offset_level0, capacity, count, element, label_offset, data_offset;
-    std::int32_t top;
-    std::uint32_t entry;
-    std::uint64_t links, links0, m;
-    double mult;
-    std::uint64_t effort;
-  };
-  const auto wrong = [&](const char* what) { raise<io_error>(403, name, ": a graph with ", what); };
-  const auto h = load<Header>(bytes, 0, name, "the header of a graph");
-  constexpr std::uint64_t id = sizeof(std::uint32_t), most_links = 10000;
-  const auto n = static_cast<std::uint64_t>(vectors);
-  if (h.count != n || h.capacity != n) wrong("another number of vectors");
-  if (h.links < 1 || h.links > most_links || h.links0 != 2 * h.links || h.m != h.links) wrong("wrong numbers of links");
-  const std::uint64_t lowest = id + h.links0 * id, upper = id + h.links * id;
-  if (h.effort < h.m || !(std::abs(h.mult * std::log(static_cast<double>(h.m)) - 1) < 1e-6)) wrong("a wrong effort");
-  if (h.offset_level0 != 0 || h.data_offset != lowest || h.label_offset != lowest + 8 || h.element != lowest + 16)
-    wrong("wrong sizes");
-  const std::size_t base = sizeof(Header);
-  slice(bytes, base, static_cast<std::size_t>(n * h.element), name, "a graph");
-  std::vector<std::size_t> place;    // of the upper levels of each vector
-  std::vector<std::uint64_t> level;  // of each vector
-  std::size_t at = base + static_cast<std::size_t>(n * h.element);
-  for (std::uint64_t i = 0; i < n; ++i) {
-    const auto size = load<std::uint32_t>(bytes, at, name, "a graph");
-    place.push_back(at + id), level.push_back(size / upper);
-    if (size % upper != 0 || level.back() > 1000) wrong("a list of links of a wrong size");
-    slice(bytes, at + id, size, name, "a graph");
-    at += id + size;
-  }
-  if (at != bytes.size()) wrong("something behind its end");
-  if (n > 0 && (h.entry >= n || h.top < 0 || level[h.entry] != static_cast<std::uint64_t>(h.top)))
-    wrong("a wrong beginning");
-  const auto check_links = [&](std::size_t list, std::uint64_t most, std::uint64_t on_level) {
-    const auto count = load<std::uint32_t>(bytes, list, name, "a graph");
-    if (count > most) wrong("too many links");
-    for (std::uint32_t k = 0; k < count; ++k) {
-      const auto to = load<std::uint32_t>(bytes, list + id + k * id, name, "a graph");
-      if (to >= n || level[to] < on_level) wrong("a link to nowhere");
-    }
-  };
-  for (std::uint64_t i = 0; i < n; ++i) {
-    const auto element = base + static_cast<std::size_t>(i * h.element);
-    check_links(element, h.links0, 0);
-    const auto row = load<std::int64_t>(bytes, element + static_cast<std::size_t>(h.data_offset), name, "a graph");
-    const auto label = load<std::int64_t>(bytes, element + static_cast<std::size_t>(h.label_offset), name, "a graph");
-    if (row < 0 || row >= vectors || label != row) wrong("an unknown vector");
-    for (std::uint64_t l = 0; l < level[i]; ++l)
-      check_links(place[i] + static_cast<std::size_t>(l * upper), h.links, l + 1);
-  }
-}
-
-/// A file that only we see, for a library that only reads and writes files.
-class ScratchFile {
- public:
-  ScratchFile() {
-    const int file = system::create_temporary(path_);
-    if (file < 0) raise<io_error>(401, "cannot make ", path_, ": ", std::strerror(errno));
-    ::close(file);
-  }
-  ~ScratchFile() { std::remove(path_.c_str()); }
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-}  // namespace detail
-
-MOTIONLANG_BODY VectorGraph VectorGraph::build(std::span<const float> rows, Index width,
-                                               const VectorGraphOptions& options, Progress progress,
-                                               std::shared_ptr<const void> owner) {
-  VectorGraph g(rows, width, std::move(owner));
-  g.graph_ = std::make_unique<detail::HnswGraph>(
-      g.space_.get(), static_cast<std::size_t>(std::max<Index>(1, g.count())), static_cast<std::size_t>(options.links),
-      static_cast<std::size_t>(options.effort));
-  g.add_from(0, progress);
-  return g;
-}
-
-MOTIONLANG_BODY VectorGraph VectorGraph::from_bytes(std::span<const std::byte> bytes, std::span<const float> rows,
-                                                    Index width, const std::string& name,
-                                                    std::shared_ptr<const void> owner) {
-  return extended(bytes, detail::whole_rows("VectorGraph", rows.size(), width), rows, width, {}, name,
-                  std::move(owner));
-}
-
-MOTIONLANG_BODY VectorGraph VectorGraph::extended(std::span<const std::byte> bytes, Index known,
-                                                  std::span<const float> rows, Index width, Progress progress,
-                                                  const std::string& name, std::shared_ptr<const void> owner) {
-  VectorGraph g(rows, width, std::move(owner));
-  if (known > g.count()) raise<config_error>(101, name, ": a graph of ", counted(known, "vector"), " for ", g.count());
-  detail::check_graph(bytes, known, name);
-  const detail::ScratchFile file;
-  write_file(file.path(), bytes);
-  detail::guard<std::exception>(
-      [&] {
-        g.graph_ = std::make_unique<detail::HnswGraph>(g.space_.get(), file.path(), false,
-                                                       static_cast<std::size_t>(g.count()));
-      },
-      [&](const std::exception& e) -> bool { raise<io_error>(403, name, ": ", e.what()); });
-  g.graph_->num_deleted_ = 0;  // hnswlib does not set it
-  // otherwise every addition draws the same levels
-  g.graph_->level_generator_.seed(static_cast<std::uint32_t>(known + 1));
-  g.add_from(known, progress);
-  return g;
-}
-
-MOTIONLANG_BODY VectorGraph::VectorGraph(VectorGraph&&) noexcept = default;
-MOTIONLANG_BODY VectorGraph& VectorGraph::operator=(VectorGraph&&) noexcept = default;
-MOTIONLANG_BODY VectorGraph::~VectorGraph() = default;
-
-MOTIONLANG_BODY std::vector<std::byte> VectorGraph::bytes() const {
-  const detail::ScratchFile file;
-  graph_->saveIndex(file.path());
-  const auto mapped = MappedFile::open(file.path());
-  return {mapped->bytes().begin(), mapped->bytes().end()};
-}
-
-MOTIONLANG_BODY std::vector<std::vector<Neighbour>> VectorGraph::search(std::span<const float> queries, Index k) const {
-  if (k < 0) raise<config_error>(101, "VectorGraph: the ", k, " nearest");
-  const Index n = detail::whole_rows("VectorGraph: queries", queries.size(), width_);
-  const std::vector<float> units = unit_rows(queries, width_);
-  std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(n));
-  k = std::min(k, count());
-  if (k == 0) return out;
-  // hnswlib follows as many candidates as wanted.
-  const auto candidates = static_cast<std::size_t>(std::max<Index>(100, 2 * k));
-  parallel_for(n, [&](Index q) {
-    const float* query = units.data() + q * width_;
-    const detail::GraphPoint point{-1, query};
-    NearestK best(k);
-    for (auto found = graph_->searchKnn(&point, candidates); !found.empty(); found.pop()) {
-      const auto row = static_cast<Index>(found.top().second);
-      best.offer({row, exact_cosine(query, rows_.data() + row * width_, width_)});
-    }
-    out[static_cast<std::size_t>(q)] = best.take();
-  });
-  return out;
-}
-
-MOTIONLANG_BODY VectorGraph::VectorGraph(std::span<const float> rows, Index width, std::shared_ptr<const void> owner)
-    : rows_(rows), width_(width), owner_(std::move(owner)) {
-  require_unit_rows("VectorGraph", rows, width);
-  space_ = std::make_unique<detail::GraphSpace>(rows.data(), width);
-}
-
-MOTIONLANG_BODY void VectorGraph::add_from(Index first, Progress progress) {
-  for (Index i = first; i < count(); ++i) {
-    if ((i - first) % 256 == 0) progress(i, count());
-    const detail::GraphPoint point{i};
-    graph_->addPoint(&point, static_cast<hnswlib::labeltype>(i));
-  }
-  progress(count(), count());
-}
-
-#endif
-
-MOTIONLANG_BODY std::vector<detail::GraphRows> detail::graph_rows(const MotionIndex& index, Index least) {
-  std::vector<GraphRows> out;
-  for (const GraphRows& g : {GraphRows{"graph_clips", index.clip_rows()}, {"graph_moments", index.moment_rows()}})
-    if (std::ssize(g.rows) / index.model().width >= std::max<Index>(1, least)) out.push_back(g);
-  return out;
-}
-
-MOTIONLANG_BODY bool has_graphs(const MotionIndexFile& file, Index least) {
-  const auto wanted = detail::graph_rows(file.index(), least);
-  return std::all_of(wanted.begin(), wanted.end(), [&](const auto& g) { return !file.extra(g.name).empty(); });
-}
-
-MOTIONLANG_BODY IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[maybe_unused]] Index least,
-                                          [[maybe_unused]] Progress progress,
-                                          [[maybe_unused]] const MotionIndexFile* before) {
-  IndexExtras out;
-#if MOTIONLANG_HAS_HNSWLIB
-  const Index width = index.model().width;
-  for (const auto& [name, rows] : detail::graph_rows(index, least)) {
-    const auto graph = before != nullptr ? before->extra(name) : std::span<const std::byte>{};
-    std::span<const float> known;
-    if (!graph.empty()) {
-      for (const auto& old : detail::graph_rows(before->index(), 1))
-        if (std::string_view(old.name) == name) known = old.rows;
-    }
-    const bool only_added =
-        !known.empty() && known.size() <= rows.size() && std::equal(known.begin(), known.end(), rows.begin());
-    out[name] = (only_added ? VectorGraph::extended(graph, std::ssize(known) / width, rows, width, progress,
-                                                    before->name() + ": " + name)
-                            : VectorGraph::build(rows, width, {}, progress))
-                    .bytes();
-  }
-#endif
-  return out;
-}
-
-MOTIONLANG_BODY MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unused]] bool exact,
-                                                ScanStorage storage) {
-  std::shared_ptr<const VectorSearch> clips, moments;
-#if MOTIONLANG_HAS_HNSWLIB
-  const auto graph = [&](const char* name, std::span<const float> rows) -> std::shared_ptr<const VectorSearch> {
-    const auto bytes = file.extra(name);
-    if (exact || bytes.empty()) return {};
-    return std::make_shared<VectorGraph>(
-        VectorGraph::from_bytes(bytes, rows, file.index().model().width, file.name() + ": " + name));
-  };
-  clips = graph("graph_clips", file.index().clip_rows());
-  moments = graph("graph_moments", file.index().moment_rows());
-#endif
-  return MotionSearch(file.index(), std::move(clips), std::move(moments), storage);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -17813,8 +16334,8 @@ MOTIONLANG_NAMESPACE_END
 /// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
 ///
 /// Packed         a config.json of "format": "motionlang" that says "published": weights/pack_run.hpp made it from the
-///                folder of a system. It counts as that system, with its options and weights.safetensors. A folder of
-///                tm2t is always packed, even if trained here
+///                folder of a system. It counts as that system, with its options and weights.safetensors. Folders of
+///                tm2t and of MDM of actions are always packed, even if trained here
 /// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats,
 ///                *_stats or meta
 /// Source         what the training programs of these repositories write (EQUATIONS.md lists the repositories)
@@ -17961,11 +16482,13 @@ MOTIONLANG_BODY std::vector<FileValue> options_of_config(const RunFolder& run) {
   return out;
 }
 
-/// Replaces a packed folder's description by that of the run from which it was made.
+/// Replaces a packed folder's description by that of the run from which it was made. TM2T and MDM of actions have no
+/// other form, even if trained here.
 inline void unpack(RunFolder& run) {
   const FileValue *published = run.option("published"), *system = run.option("system");
   if (run.system != "motionlang" || system == nullptr) return;
-  if ((published == nullptr || to_string(*published) != "true") && to_string(*system) != "tm2t") return;
+  const bool same_form = to_string(*system) == "tm2t" || run.option("config/num_actions") != nullptr;
+  if ((published == nullptr || to_string(*published) != "true") && !same_form) return;
   run.system = to_string(*system);
   if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // their folders look alike
   run.options = options_of_config(run);
@@ -18156,86 +16679,54 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_SEARCH_SEARCH_HPP  // <motionlang/search/search.hpp>
-#define MOTIONLANG_HAS_SEARCH_SEARCH_HPP
-/// One call for a search: the clips, moments or captions of an index that are nearest to a vector.
+#ifndef MOTIONLANG_HAS_SEARCH_TEXT_SIMILARITY_HPP  // <motionlang/search/text_similarity.hpp>
+#define MOTIONLANG_HAS_SEARCH_TEXT_SIMILARITY_HPP
+/// The similarity of a text and a motion over time: the text against a window around each frame.
 ///
-///     const MotionIndexFile index = MotionIndexFile::open("moves.index");
-///     for (const MotionHit& hit : search(index, tmr.encode_text("a person jumps"), {.top = 10}))
-///       use(clip_of(index.index(), hit).path, hit.start, hit.end);
+///     const auto over_time = text_similarity(tmr, "a person sits down", motion, 20);
 ///
-/// For many queries, open the search once with open_motion_search (search/vector_graph.hpp).
+/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.4; thesis figures 5.8 and 5.9: windows of 20 frames, at
+///         20 frames per second
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The vectors that are compared with the query.
-enum class SearchFor {
-  clips,    // whole clips
-  moments,  // windows of clips
-  captions  // the captions of clips, not their motion
+struct SimilarityOverTime {
+  double fps = 0;                     // of the model
+  std::vector<FrameSlice> windows{};  // one around each frame (metrics/retrieval.hpp)
+  std::vector<double> similarity{};   // cosine, of each frame
+  Index best = 0;                     // the first frame with the largest
 };
 
-struct SearchOptions {
-  Index top = 10;  // number of results
-  SearchFor what = SearchFor::clips;
-  double most_overlap = 0.3;  // intersection over union above which two moments of one clip are one hit
-  bool exact = false;         // compare with all vectors, even if the index has a graph
-  ScanStorage storage = ScanStorage::float32;  // for a comparison with all vectors; does not affect the answers
-};
-
-/// Best first. Throws config_error 101 for top < 0, 102 for moments of an index without any, numeric_error 301, 302 for
-/// a query that is not finite or of length 0, shape_error 205 for one of another width.
-std::vector<MotionHit> search(const MotionSearch& index, std::span<const float> query,
-                              const SearchOptions& options = {});
-/// Opens the search of an index for one query. Also throws io_error 401, 402, 403.
-std::vector<MotionHit> search(const MotionIndexFile& index, std::span<const float> query,
-                              const SearchOptions& options = {});
-
-/// The clip of a hit.
-inline const IndexedClip& clip_of(const MotionIndex& index, const MotionHit& hit) {
-  return index.clips()[static_cast<std::size_t>(hit.clip)];
-}
-/// The cosine of a hit as a score from 0 to 1.
-inline double score_of(const MotionHit& hit) { return (static_cast<double>(hit.score) + 1) / 2; }
-/// The number of clips, moments or captions that are compared with a query.
-Index gallery_size(const MotionIndex& index, SearchFor what);
+/// width   frames of a window
+/// Throws  config_error 101 for a width below 1; numeric_error 302 for a motion without frames; what the encoder throws
+SimilarityOverTime text_similarity(const SearchEncoder& encoder, const std::string& text, const Motion& motion,
+                                   Index width);
 
 MOTIONLANG_NAMESPACE_END
 
-#ifndef MOTIONLANG_HAS_SEARCH_SEARCH_IPP  // <motionlang/search/search.ipp>
-#define MOTIONLANG_HAS_SEARCH_SEARCH_IPP
-// Bodies of search.hpp.
+#ifndef MOTIONLANG_HAS_SEARCH_TEXT_SIMILARITY_IPP  // <motionlang/search/text_similarity.ipp>
+#define MOTIONLANG_HAS_SEARCH_TEXT_SIMILARITY_IPP
+// Bodies of text_similarity.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-MOTIONLANG_BODY std::vector<MotionHit> search(const MotionSearch& index, std::span<const float> query,
-                                              const SearchOptions& options) {
-  switch (options.what) {
-    case SearchFor::moments:
-      return index.moments(query, options.top, options.most_overlap);
-    case SearchFor::captions:
-      return index.captions(query, options.top);
-    case SearchFor::clips:
-      break;
+MOTIONLANG_BODY SimilarityOverTime text_similarity(const SearchEncoder& encoder, const std::string& text,
+                                                   const Motion& motion, Index width) {
+  const std::vector<float> rows = encoder.rows_of(motion);
+  SimilarityOverTime out{.fps = encoder.model().fps, .windows = moment_windows(encoder.frames(rows), width)};
+  if (out.windows.empty()) raise<numeric_error>(302, "text_similarity: motion '", motion.name, "' has no frames");
+  const Index latent = encoder.model().width;
+  const auto moments = unit_rows(encoder.encode_windows(rows, out.windows), latent),
+             query = unit_rows(encoder.encode_texts(std::span(&text, 1)), latent);
+  for (std::size_t w = 0; w < out.windows.size(); ++w) {
+    double sum = 0;
+    for (std::size_t c = 0; c < static_cast<std::size_t>(latent); ++c)
+      sum += static_cast<double>(query[c]) * static_cast<double>(moments[w * static_cast<std::size_t>(latent) + c]);
+    out.similarity.push_back(sum);
   }
-  return index.clips(query, options.top);
-}
-
-MOTIONLANG_BODY std::vector<MotionHit> search(const MotionIndexFile& index, std::span<const float> query,
-                                              const SearchOptions& options) {
-  return search(open_motion_search(index, options.exact, options.storage), query, options);
-}
-
-MOTIONLANG_BODY Index gallery_size(const MotionIndex& index, SearchFor what) {
-  switch (what) {
-    case SearchFor::moments:
-      return std::ssize(index.moments());
-    case SearchFor::captions:
-      return std::ssize(index.caption_clips());
-    case SearchFor::clips:
-      break;
-  }
-  return index.count();
+  out.best =
+      static_cast<Index>(std::max_element(out.similarity.begin(), out.similarity.end()) - out.similarity.begin());
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -18299,10 +16790,11 @@ MOTIONLANG_NAMESPACE_END
 /// statistics of the features, its configuration. How to make it, and its folder.
 ///
 ///     config.json            weights/model_folder.hpp, with the configuration of the training; "vocabulary" of word
-///                            pieces; "about"
+///                            pieces; "similarity", the scale of a TMR (metrics/similarity_scale.hpp); "about"
 ///     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean,
 ///                            motion_normalizer.std, log_temperature; textencoder.text_model.* of a DistilBERT that was
-///                            trained with it, as in TEMOS
+///                            trained with it, as in TEMOS; words.vectors.* of a model with vectors of words
+///                            (weights/word_vector_file.hpp)
 ///     text_encoder/          its config.json and tokenizer
 ///
 ///     const auto file = read_text_motion_config(folder);         // also of a published TMR
@@ -18341,16 +16833,22 @@ struct TextMotionNetworkConfig {
 /// The form in which the model's text encoder receives texts.
 struct TextTokensConfig {
   std::string encoder =
-      "distilbert";        // states of a language model (a folder or a cache), or "word_pieces": learned here
-  Index width = 768;       // of a token
-  Index vocabulary = 800;  // of word pieces
-  bool finetune = false;   // DistilBERT is also trained
+      "distilbert";           // states of a language model (a folder or a cache), or "word_pieces": learned here
+  Index width = 768;          // of a token
+  Index vocabulary = 800;     // of word pieces; with vectors of words, all words that occur twice instead
+  bool finetune = false;      // DistilBERT is also trained
+  double hidden_words = 0.3;  // training: probability that only the vector of a word is used, if it has one
+  double strange_words = 0;   // training of TMR with word pieces: probability that a text gets words of other subjects
 
-  void require_sound() const { require_value("width", width, width >= 1 && width <= 65'536, "1 to 65536"); }
+  void require_sound() const {
+    require_value("width", width, width >= 1 && width <= 65'536, "1 to 65536");
+    require_value("hidden_words", hidden_words, hidden_words >= 0 && hidden_words <= 1, "0 to 1");
+    require_value("strange_words", strange_words, strange_words >= 0 && strange_words <= 1, "0 to 1");
+  }
   static constexpr auto fields() {
     using C = TextTokensConfig;
     return motionlang::fields("encoder", &C::encoder, "width", &C::width, "vocabulary", &C::vocabulary, "finetune",
-                              &C::finetune);
+                              &C::finetune, "hidden_words", &C::hidden_words, "strange_words", &C::strange_words);
   }
 };
 
@@ -18362,6 +16860,7 @@ struct TextMotionLossConfig {
   bool learned_temperature = false;  // for info_nce; training starts from that value, as for CLIP
   double threshold = 0.8;            // texts more similar than that are not negatives; 0: all are
   double margin = 10;
+  Index strangers = 0;  // for info_nce and word pieces: texts in a step that no motion shows (text/stranger_texts.hpp)
   bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // the terms that kl and latent weight
 
   void require_sound() const {
@@ -18371,14 +16870,15 @@ struct TextMotionLossConfig {
                                       {"contrastive", contrastive},
                                       {"margin", margin}})
       require_value(name, value, value >= 0, "0 or more");
+    require_value("strangers", strangers, strangers >= 0 && strangers <= 65'536, "0 to 65536");
   }
   static constexpr auto fields() {
     using C = TextMotionLossConfig;
     return motionlang::fields("recons", &C::recons, "kl", &C::kl, "latent", &C::latent, "contrastive", &C::contrastive,
                               "contrastive_loss", &C::contrastive_loss, "temperature", &C::temperature,
                               "learned_temperature", &C::learned_temperature, "threshold", &C::threshold, "margin",
-                              &C::margin, "cross_modal_kl", &C::cross_modal_kl, "gaussian_kl", &C::gaussian_kl,
-                              "embedding", &C::embedding);
+                              &C::margin, "strangers", &C::strangers, "cross_modal_kl", &C::cross_modal_kl,
+                              "gaussian_kl", &C::gaussian_kl, "embedding", &C::embedding);
   }
 };
 
@@ -18413,12 +16913,19 @@ struct SincNetworkConfig {
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
   std::string activation = "gelu";
+  std::string texts =
+      "joined";  // several labels are one sentence; "separate": texts of their own (SINC-STE); "latents": each its own
 
-  void require_sound() const { require_sizes(*this); }
+  void require_sound() const {
+    require_sizes(*this);
+    if (texts != "joined" && texts != "separate" && texts != "latents")
+      raise<config_error>(103, "texts '", texts, "' is not joined, separate or latents");
+  }
   static constexpr auto fields() {
     using C = SincNetworkConfig;
     return motionlang::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers,
-                              "num_heads", &C::num_heads, "dropout", &C::dropout, "activation", &C::activation);
+                              "num_heads", &C::num_heads, "dropout", &C::dropout, "activation", &C::activation, "texts",
+                              &C::texts);
   }
 };
 
@@ -21460,15 +19967,105 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// A model with licence and provenance from `about`, and the other entries as the member "about".
 ModelFolder described_model(const std::string& system, std::map<std::string, std::string> about);
 
+/// Vectors of words beside the weights: weights/word_vector_file.hpp, with `prefix` before the names of their tensors.
+struct ModelWordVectors {
+  const WordVectors& vectors;
+  std::string prefix;
+};
+
 /// Writes config.json and weights.safetensors over the existing ones. The weights are written first, so that a
 /// config.json always has its weights. Throws io_error 401, and what model_config_text throws.
-void overwrite_model(const std::filesystem::path& folder, const ModelFolder& model, const TensorStore& weights);
+/// words  null: none
+void overwrite_model(const std::filesystem::path& folder, const ModelFolder& model, const TensorStore& weights,
+                     const ModelWordVectors* words = nullptr);
 
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TRAINED_MODEL_IPP  // <motionlang/weights/trained_model.ipp>
 #define MOTIONLANG_HAS_WEIGHTS_TRAINED_MODEL_IPP
 // Bodies of trained_model.hpp.
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP  // <motionlang/weights/word_vector_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP
+/// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
+///
+///     write_word_vectors("words.safetensors", table, {{"license", "PDDL 1.0"}});
+///     const WordVectors vectors = read_word_vectors("words.safetensors");
+///
+/// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
+/// Metadata   vector_words: a word on each line, sorted; for people: license, provenance
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The entry of the words in the metadata.
+inline constexpr const char* vector_words_entry = "vector_words";
+
+/// The vectors of a file whose tensors begin with `prefix`; none if it has no list of words. Throws io_error 406, 407,
+/// config_error 107.
+WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix = "");
+/// The same from any file of weights. `list`: the entry vector_words of its metadata.
+WordVectors listed_word_vectors(const TensorSet& file, std::string_view list, const std::string& prefix = "");
+/// Adds them to what is about to be written. The views are of `vectors`, which has to outlive them.
+void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
+                        const WordVectors& vectors, const std::string& prefix = "");
+
+/// Throws config_error 103 if the file has no word vectors, and what stored_word_vectors throws.
+WordVectors read_word_vectors(const FilePath& path);
+/// Throws io_error 401.
+void write_word_vectors(const FilePath& path, const WordVectors& vectors,
+                        const std::map<std::string, std::string>& about = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP  // <motionlang/weights/word_vector_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP
+// Bodies of word_vector_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY WordVectors listed_word_vectors(const TensorSet& file, std::string_view list,
+                                                const std::string& prefix) {
+  const TensorView &codes = file.tensor(prefix + "codes"), &scales = file.tensor(prefix + "scales");
+  std::vector<std::string> words;
+  detail::for_each_line(list, [&](std::string_view word, Index) { words.emplace_back(word); });
+  if (scales.shape.rank() != 1 || codes.dtype != DType::I8 ||
+      codes.shape != FileShape{std::ssize(words), scales.shape[0]})
+    raise<io_error>(407, file.name(), ": tensors '", codes.name, "' (", codes.dtype, ", ", codes.shape, ") and '",
+                    scales.name, "' ", scales.shape, " are not vectors of ", counted(words.size(), "word"));
+  return {std::move(words), values_of<std::int8_t>(codes), values_of<float>(scales), file.name()};
+}
+
+MOTIONLANG_BODY WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix) {
+  const auto found = file.metadata().find(vector_words_entry);
+  return found == file.metadata().end() ? WordVectors() : listed_word_vectors(file, found->second, prefix);
+}
+
+MOTIONLANG_BODY void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
+                                        const WordVectors& vectors, const std::string& prefix) {
+  if (vectors.empty()) return;
+  metadata[vector_words_entry] = join_text(vectors.words(), "\n");
+  tensors.push_back(tensor_view(prefix + "codes", {vectors.size(), vectors.width()}, vectors.codes()));
+  tensors.push_back(tensor_view(prefix + "scales", {vectors.width()}, vectors.scales()));
+}
+
+MOTIONLANG_BODY WordVectors read_word_vectors(const FilePath& path) {
+  const auto file = SafetensorsFile::open(path);
+  WordVectors out = stored_word_vectors(file);
+  if (out.empty()) raise<config_error>(103, file.name(), ": metadata '", vector_words_entry, "' is missing");
+  return out;
+}
+
+MOTIONLANG_BODY void write_word_vectors(const FilePath& path, const WordVectors& vectors,
+                                        const std::map<std::string, std::string>& about) {
+  std::vector<TensorView> tensors;
+  auto metadata = about;
+  store_word_vectors(tensors, metadata, vectors);
+  write_safetensors(path, tensors, metadata);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -21481,10 +20078,13 @@ MOTIONLANG_BODY ModelFolder described_model(const std::string& system, std::map<
 }
 
 MOTIONLANG_BODY void overwrite_model(const std::filesystem::path& folder, const ModelFolder& model,
-                                     const TensorStore& weights) {
+                                     const TensorStore& weights, const ModelWordVectors* words) {
   const std::string config = model_config_text(model, (folder / "config.json").string());
   std::filesystem::create_directories(folder);
-  write_safetensors(folder / "weights.safetensors", weights.views(), {{"format", "motionlang"}});
+  auto tensors = weights.views();
+  std::map<std::string, std::string> metadata{{"format", "motionlang"}};
+  if (words != nullptr) store_word_vectors(tensors, metadata, words->vectors, words->prefix);
+  write_safetensors(folder / "weights.safetensors", tensors, metadata);
   write_file(folder / "config.json", std::string_view(config));
 }
 
@@ -21563,7 +20163,7 @@ struct TextMotionModel {
   /// or from `states`, which has all texts.
   Sequences<B> tokens(std::span<const std::string> texts, const EmbeddingCache* states,
                       const Context& context = {}) const {
-    if (words) return (*words)(texts).tokens;
+    if (words) return (*words)(texts, context).tokens;
     if (language) return (*language)(texts, context);
     if (states == nullptr)
       raise<config_error>(102, "this model reads the states of a language model: `text_encoder` names it");
@@ -21628,14 +20228,15 @@ struct TrainedSystem<Teach> {
 /// New weights, with statistics that change nothing. Throws what TrainedSystem::sizes throws.
 template <template <class> class System, Backend B>
 TextMotionModel<B, System> make_text_motion(const typename TrainedSystem<System>::Config& c, Index width,
-                                            std::optional<WordPiece> pieces, const Philox& rng) {
+                                            std::optional<WordPiece> pieces, const Philox& rng,
+                                            WordVectors vectors = {}) {
   using Trained = TrainedSystem<System>;
   TextMotionModel<B, System> m;
   auto init = rng.split("system"), words = rng.split("words");
   const auto sizes = Trained::sizes(c, width);
   if (const auto temperature = Trained::temperature(c)) m.log_temperature = Tensor<B, 0>(std::log(*temperature));
   m.system = System<B>(sizes, init);
-  if (pieces) m.words.emplace(std::move(*pieces), c.text.width, words);
+  if (pieces) m.words.emplace(std::move(*pieces), c.text.width, words, std::move(vectors), c.text.hidden_words);
   m.motion_normalizer = Normalizer<B>::identity(width);
   m.motion_normalizer.eps = Trained::normalizer_eps;
   return m;
@@ -21650,7 +20251,14 @@ struct TextModelFile {
   std::optional<WordPiece> pieces;
   std::optional<LanguageModelFiles> language{};  // of the trained language model
   std::optional<RunFolder> published{};          // for a published folder
+  SimilarityScale similarity{};                  // of a TMR; empty if the file has none
 };
+
+/// As config.json has it.
+nlohmann::ordered_json similarity_json(const SimilarityScale& scale);
+/// Throws config_error 107 for missing members, and for shares and cosines that do not ascend.
+SimilarityScale read_similarity(const JsonView& view);
+
 using TextMotionFile = TextModelFile<TextMotionConfig>;
 
 /// Reads the contents of an open config.json; `path` appears in messages. Throws config_error 101, 103, 107, io_error
@@ -21664,6 +20272,7 @@ TextModelFile<Config> text_model_file(const ModelFolder& model, const std::strin
     const JsonView view(others, path);
     file.pieces = WordPiece(view["vocabulary"].as<std::vector<std::string>>(), path + ": vocabulary");
   }
+  if (others.contains("similarity")) file.similarity = read_similarity(JsonView(others, path)["similarity"]);
   return file;
 }
 /// Reads that of a TMR or a TEMOS of our training, or of a published TMR. Throws io_error 401, 403, config_error 103,
@@ -21675,12 +20284,28 @@ TextModelFile<Config> read_babel_config(const std::filesystem::path& folder) {
   return text_model_file<Config>(read_model_folder(folder), (folder / "config.json").string());
 }
 
+namespace detail {
+/// The beginning of the names of the tensors of word vectors, which are constants.
+inline constexpr const char* word_vector_tensors = "words.vectors.";
+
+/// Those beside the weights, if there are any. Throws what listed_word_vectors throws.
+WordVectors word_vectors_of(const WeightFile& weights);
+/// Fills a model, except its vectors of words. Throws what load_module throws.
+template <Module M>
+void load_text_motion_tensors(M& model, const TensorSet& weights) {
+  KeyReport report = load_module_partly(model, weights);
+  std::erase_if(report.unexpected, [](const std::string& name) { return name.starts_with(word_vector_tensors); });
+  if (!report.missing.empty() || !report.unexpected.empty()) raise_key_mismatch(weights.name(), report);
+}
+}  // namespace detail
+
 /// Writes config.json and weights.safetensors over the existing ones. `about`: license and provenance, which are
 /// required, data, command, ... Throws what overwrite_model throws.
+/// similarity  null: none
 template <template <class> class System, Backend B>
 void save_text_motion(const std::filesystem::path& folder, const TextMotionModel<B, System>& model,
                       const typename TrainedSystem<System>::Config& config, double fps,
-                      const std::map<std::string, std::string>& about) {
+                      const std::map<std::string, std::string>& about, const SimilarityScale* similarity = nullptr) {
   TensorStore store;
   store.add_module(model);
   auto description = described_model(TrainedSystem<System>::name, about);
@@ -21689,8 +20314,11 @@ void save_text_motion(const std::filesystem::path& folder, const TextMotionModel
   description.text_encoder = config.text.encoder;
   description.config = config_json(config);
   if (model.words) description.others["vocabulary"] = model.words->tokenizer.vocabulary();
+  if (similarity != nullptr && !similarity->empty()) description.others["similarity"] = similarity_json(*similarity);
   if (model.language) write_language_model_files(folder / "text_encoder", model.language->files);
-  overwrite_model(folder, description, store);
+  const WordVectors none, &vectors = model.words ? model.words->vectors : none;
+  const ModelWordVectors words{vectors, detail::word_vector_tensors};
+  overwrite_model(folder, description, store, &words);
 }
 /// Throws what the readers throw; io_error 401 if there are no statistics, config_error 102 for features of another
 /// width.
@@ -21712,7 +20340,7 @@ TmrModel<B> load_published_tmr(const TensorSet& weights, const RunFolder& run, c
 /// The model with the weights of an open file. Throws what the readers throw; config_error 102 for one of another
 /// system.
 template <template <class> class System, Backend B>
-TextMotionModel<B, System> load_text_motion(const TensorSet& weights,
+TextMotionModel<B, System> load_text_motion(const WeightFile& weights,
                                             const TextModelFile<typename TrainedSystem<System>::Config>& file) {
   using Trained = TrainedSystem<System>;
   if (file.system != Trained::name)
@@ -21722,9 +20350,10 @@ TextMotionModel<B, System> load_text_motion(const TensorSet& weights,
     if (file.published) return load_published_tmr<B>(weights, *file.published, features);
   }
   const auto room = detail::room_of(weights);
-  auto model = make_text_motion<System, B>(file.config, features.width, file.pieces, Philox{});
+  auto model =
+      make_text_motion<System, B>(file.config, features.width, file.pieces, Philox{}, detail::word_vectors_of(weights));
   if (file.language) model.language.emplace(*file.language);
-  load_module(model, weights);
+  detail::load_text_motion_tensors(model, weights);
   prepare(model);
   return model;
 }
@@ -21777,10 +20406,10 @@ struct DiffusionRun {
   MdmConfig mdm{};
   MotionDiffuseConfig motiondiffuse{};
   Index steps = 1000;
-  std::string schedule = "cosine";  // or linear
+  std::string schedule = "cosine";  // or linear, chen (Chen 2023)
   double fps = 20;
   std::string features;               // smplrifke, guoh3dfeats
-  std::string text_encoder = "clip";  // or bert, none
+  std::string text_encoder = "clip";  // or bert, none; word_pieces: a small DistilBERT that was trained with the model
 
   Index width() const {
     return system == "stmc" ? mdm_smpl.nfeats : system == "mdm" ? mdm.nfeats : motiondiffuse.input_feats;
@@ -21921,11 +20550,122 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_WEIGHTS_DIFFUSION_RUN_IPP
 // Bodies of diffusion_run.hpp.
 
+#ifndef MOTIONLANG_HAS_WEIGHTS_OWN_TEXT_ENCODER_HPP  // <motionlang/weights/own_text_encoder.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_OWN_TEXT_ENCODER_HPP
+/// A small text encoder that is trained together with a denoiser: a DistilBERT of a few layers with word pieces of the
+/// training texts. Its folder has the form of Hugging Face, so load_text_encoder reads it.
+///
+///     const auto pieces = own_vocabulary(texts, 800);
+///     const OwnTextEncoder<B> encoder({.vocabulary = std::ssize(pieces), .width = 128}, pieces, true, rng);
+///     write_own_text_encoder("run/model/text_encoder", encoder);
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Ids of a text with its marks of start and end; the rest is cut off.
+inline constexpr Index own_text_longest = 64;
+
+/// The marks of BERT, and up to `size` word pieces of the texts.
+std::vector<std::string> own_vocabulary(std::span<const std::string> texts, Index size);
+
+struct OwnTokenizer {
+  static constexpr bool is_option = true;  // holds no tensors
+  std::shared_ptr<const BertTokenizer> pieces{};
+  BertConfig sizes{};
+  bool pooled = true;  // one vector for each text, the mean of its states; otherwise all states
+};
+
+template <Backend B>
+struct OwnTextEncoder {
+  DistilBert<B> network;
+  OwnTokenizer tokenizer;
+
+  static constexpr auto fields() {
+    using M = OwnTextEncoder;
+    return motionlang::fields("network", &M::network, "tokenizer", &M::tokenizer);
+  }
+  OwnTextEncoder() = default;
+  /// sizes.vocabulary and sizes.positions follow from the rest.
+  OwnTextEncoder(BertConfig sizes, const std::vector<std::string>& vocabulary, bool pooled, Rng auto& rng) {
+    sizes.vocabulary = std::ssize(vocabulary), sizes.positions = own_text_longest;
+    BertTokenizerOptions options;
+    options.longest = own_text_longest, options.truncate = true;
+    tokenizer = {std::make_shared<const BertTokenizer>(vocabulary, options), sizes, pooled};
+    network = DistilBert<B>(sizes, rng);
+  }
+
+  TextFeatures<B> operator()(std::span<const std::string> texts, const Context& context = {}) const {
+    const ModuleScope scope(*this);
+    auto states = network(tokenize(*tokenizer.pieces, texts), context);
+    if (tokenizer.pooled) return TextFeatures<B>::pooled(mean_rows(states.tokens));
+    for (Index i = 0; i < states.count(); ++i) states.end_position.push_back(states.tokens.offsets.length(i) - 1);
+    return states;
+  }
+};
+
+namespace detail {
+/// config.json and vocab.txt.
+void write_own_tokenizer(const std::filesystem::path& folder, const OwnTokenizer& tokenizer);
+}  // namespace detail
+
+/// Writes config.json, vocab.txt and model.safetensors over the existing ones. Throws io_error 401.
+template <Backend B>
+void write_own_text_encoder(const std::filesystem::path& folder, const OwnTextEncoder<B>& encoder) {
+  TensorStore store;
+  store.add_module(encoder.network);
+  std::filesystem::create_directories(folder);
+  write_safetensors(folder / "model.safetensors", store.views(), {{"format", "pt"}});
+  detail::write_own_tokenizer(folder, encoder.tokenizer);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_OWN_TEXT_ENCODER_IPP  // <motionlang/weights/own_text_encoder.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_OWN_TEXT_ENCODER_IPP
+// Bodies of own_text_encoder.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<std::string> own_vocabulary(std::span<const std::string> texts, Index size) {
+  const WordPiece learned = WordPiece::learn(texts, size);
+  std::vector<std::string> out{"[PAD]"};
+  out.insert(out.end(), learned.vocabulary().begin(), learned.vocabulary().end());
+  for (const char* mark : {".", ",", "'", "-"}) {
+    if (std::find(out.begin(), out.end(), mark) == out.end()) out.emplace_back(mark);
+  }
+  return out;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY void write_own_tokenizer(const std::filesystem::path& folder, const OwnTokenizer& tokenizer) {
+  const BertConfig& c = tokenizer.sizes;
+  const nlohmann::ordered_json config{{"model_type", "distilbert"},
+                                      {"dim", c.width},
+                                      {"n_heads", c.heads},
+                                      {"n_layers", c.layers},
+                                      {"hidden_dim", c.d_ff},
+                                      {"vocab_size", c.vocabulary},
+                                      {"max_position_embeddings", c.positions},
+                                      {"activation", "gelu"},
+                                      {"pad_token_id", c.padding}};
+  std::string pieces;
+  for (const std::string& piece : tokenizer.pieces->vocabulary()) pieces += piece + "\n";
+  write_file(folder / "config.json", std::string_view(config.dump(2) + "\n"));
+  write_file(folder / "vocab.txt", std::string_view(pieces));
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY GaussianDiffusion DiffusionRun::diffusion() const {
-  return schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = steps})
-                              : GaussianDiffusion(CosineSchedule{.steps = steps});
+  if (schedule == "linear") return GaussianDiffusion(LinearSchedule{.steps = steps});
+  if (schedule == "chen") return GaussianDiffusion(ChenCosineSchedule{.steps = steps});
+  return GaussianDiffusion(CosineSchedule{.steps = steps});
 }
 
 MOTIONLANG_BODY FeatureLayout DiffusionRun::layout() const {
@@ -21949,6 +20689,8 @@ inline void read_stmc(DiffusionRun& out, const RunReader& r) {
   out.steps =
       r.number({"diffusion/timesteps", "diffusion/schedule/timesteps", "diffusion/schedule/steps"}, 100, 10'000);
   r.one_of("diffusion/prediction", "x", {"x"});
+  out.schedule = r.one_of("diffusion/noise_schedule", "cosine", {"cosine", "chen"});
+  out.text_encoder = r.one_of("text_encoder_type", "clip", {"clip", "word_pieces"});
   out.mdm_smpl.max_len = std::max(out.mdm_smpl.max_len, out.steps);
   out.fps = r.real("data/motion_loader/fps", 20);
   out.features = "smplrifke";
@@ -21971,14 +20713,15 @@ MOTIONLANG_BODY void read_mdm(DiffusionRun& out, const RunReader& r) {
   c.latent_dim = r.size("input_process.poseEmbedding.weight", 0, {"latent_dim"});
   c.num_layers = r.count(layers, recurrent ? "" : ".linear1.weight", {"layers"});
   if (!recurrent) c.ff_size = r.size(layers + "0.linear1.weight", 0);
+  c.num_heads = r.number({"num_heads"}, c.num_heads, 1024);  // as published 4, which the options do not say
   const bool text = r.has("embed_text.weight"), action = r.has("embed_action.action_embedding");
   c.condition = text ? MdmCondition::text : action ? MdmCondition::action : MdmCondition::none;
   if (action) c.num_actions = r.size("embed_action.action_embedding", 0);
   if (text) c.text_dim = r.size("embed_text.weight", 1);
-  out.text_encoder = !text ? "none" : r.one_of("text_encoder_type", "clip", {"clip", "bert"});
-  c.text_sequence = decoder && out.text_encoder == "bert";
+  out.text_encoder = !text ? "none" : r.one_of("text_encoder_type", "clip", {"clip", "bert", "word_pieces"});
+  c.text_sequence = decoder && out.text_encoder != "clip";
   if (decoder && r.flag("emb_trans_dec", false))
-    c.class_token = out.text_encoder == "bert" ? MdmClassToken::time_only : MdmClassToken::time_plus_text;
+    c.class_token = c.text_sequence ? MdmClassToken::time_only : MdmClassToken::time_plus_text;
   c.mask_frames = r.flag("mask_frames", false);
   out.steps = r.number({"diffusion_steps"}, 1000, 10'000);
   out.schedule = r.one_of("noise_schedule", "cosine", {"cosine", "linear"});
@@ -22002,6 +20745,7 @@ inline void read_motiondiffuse(DiffusionRun& out, const RunReader& r) {
   c.no_eff = r.flag("no_eff", false);
   out.steps = r.number({"diffusion_steps"}, 1000, 10'000);
   out.schedule = "linear";
+  out.text_encoder = r.one_of("text_encoder_type", "clip", {"clip", "word_pieces"});
 }
 
 /// HumanML3D's vector of 22 joints, or KIT's of 21.
@@ -22026,9 +20770,13 @@ inline constexpr const char* clip_places[] = {"text_encoder", "clip", "ViT-B-32.
 
 inline constexpr const char* bert_places[] = {"text_encoder", "distilbert-base-uncased"};
 
+inline constexpr const char* own_places[] = {"text_encoder"};
+
 MOTIONLANG_BODY std::filesystem::path find_text_encoder(const std::filesystem::path& model, const std::string& kind) {
   std::vector<std::string> tried;
-  const auto places = kind == "clip" ? std::span<const char* const>(clip_places) : bert_places;
+  const auto places = kind == "clip"          ? std::span<const char* const>(clip_places)
+                      : kind == "word_pieces" ? std::span<const char* const>(own_places)
+                                              : bert_places;
   for (const auto& folder : {model, folder_around(model)}) {
     for (const char* name : places) {
       std::error_code ignored;
@@ -22039,7 +20787,8 @@ MOTIONLANG_BODY std::filesystem::path find_text_encoder(const std::filesystem::p
   raise<io_error>(401, model.string(), ": its text encoder is not in the folder: give ",
                   kind == "clip" ? "CLIP ViT-B/32 (ViT-B-32.pt with bpe_simple_vocab_16e6.txt.gz, or the folder "
                                    "clip-vit-base-patch32)"
-                                 : "the folder distilbert-base-uncased",
+                  : kind == "word_pieces" ? "the folder text_encoder that its training wrote"
+                                          : "the folder distilbert-base-uncased",
                   "; looked for ", join_text(tried));
 }
 
@@ -22091,6 +20840,11 @@ MOTIONLANG_BODY TextEncoderOptions wanted_text_encoder(const RunFolder& run, con
   if (about.text_encoder == "bert" && !about.mdm.text_sequence)
     raise<io_error>(404, run.folder.string(), ": texts of DistilBERT without a decoder (trans_dec)");
   const bool motiondiffuse = about.system == "motiondiffuse";
+  if (about.text_encoder == "word_pieces") {
+    const bool states = motiondiffuse || about.mdm.text_sequence;
+    return {.text = {.pooling = states ? Pooling::none : Pooling::mean},
+            .limits = {.longest = own_text_longest, .truncate = true}};
+  }
   return about.text_encoder == "bert" ? TextEncoderOptions{}
          : motiondiffuse              ? clip_states()
          : about.system == "mdm"      ? clip_sentences(22)
@@ -22190,6 +20944,7 @@ MOTIONLANG_BODY nlohmann::ordered_json diffusion_options(const DiffusionRun& run
                                     {"nb_registers", c.nb_registers},
                                     {"tx_dim", c.tx_dim},
                                     {"activation", std::string(to_string(c.activation))}};
+    if (run.schedule != "cosine") out["diffusion"]["noise_schedule"] = run.schedule;
   } else if (run.system == "mdm") {
     const MdmConfig& c = run.mdm;
     out = {{"arch", c.arch == MdmArch::gru         ? "gru"
@@ -22202,6 +20957,7 @@ MOTIONLANG_BODY nlohmann::ordered_json diffusion_options(const DiffusionRun& run
            {"text_encoder_type", run.text_encoder},
            {"diffusion_steps", run.steps},
            {"noise_schedule", run.schedule}};
+    if (c.num_heads != MdmConfig{}.num_heads) out["num_heads"] = c.num_heads;
   } else {
     const MotionDiffuseConfig& c = run.motiondiffuse;
     out = {{"latent_dim", c.latent_dim},
@@ -22215,6 +20971,7 @@ MOTIONLANG_BODY nlohmann::ordered_json diffusion_options(const DiffusionRun& run
            {"no_eff", c.no_eff},
            {"diffusion_steps", run.steps}};
   }
+  if (run.text_encoder == "word_pieces") out["text_encoder_type"] = run.text_encoder;
   return out;
 }
 
@@ -22300,6 +21057,11 @@ Sizes babel_sizes(const Network& n, Index width, Index text_width) {
   return c;
 }
 
+MOTIONLANG_BODY WordVectors word_vectors_of(const WeightFile& weights) {
+  const FileValue* list = weights.value(vector_words_entry);
+  return list == nullptr ? WordVectors() : listed_word_vectors(weights, to_string(*list), word_vector_tensors);
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY TmrConfig TrainedSystem<Tmr>::sizes(const TextMotionConfig& c, Index width) {
@@ -22333,13 +21095,40 @@ MOTIONLANG_BODY TemosConfig TrainedSystem<Temos>::sizes(const TextMotionConfig& 
 }
 
 MOTIONLANG_BODY SincConfig TrainedSystem<Sinc>::sizes(const SincTrainingConfig& c, Index width) {
-  return detail::babel_sizes<SincConfig>(c.network, width, c.text.width);
+  auto out = detail::babel_sizes<SincConfig>(c.network, width, c.text.width);
+  const std::string& texts = c.network.texts;
+  out.mode = texts == "separate"  ? SincMode::separate_texts
+             : texts == "latents" ? SincMode::separate_latents
+                                  : SincMode::single;
+  out.legacy_ste_mask = false;  // it needs the states of a language model at places of padding
+  return out;
 }
 
 MOTIONLANG_BODY TeachConfig TrainedSystem<Teach>::sizes(const TeachTrainingConfig& c, Index width) {
   auto out = detail::babel_sizes<TeachConfig>(c.network, width, c.text.width);
   out.hist_frames = c.network.hist_frames, out.z_prev_text = c.network.z_prev_text;
   out.mask_padding = c.network.mask_padding;
+  return out;
+}
+
+MOTIONLANG_BODY nlohmann::ordered_json similarity_json(const SimilarityScale& scale) {
+  return {{"shares", scale.shares}, {"cosines", scale.cosines}, {"least", scale.least}, {"missed", scale.missed},
+          {"fooled", scale.fooled}, {"pairs", scale.pairs},     {"texts", scale.texts}, {"strangers", scale.strangers}};
+}
+
+MOTIONLANG_BODY SimilarityScale read_similarity(const JsonView& view) {
+  SimilarityScale out{.shares = view["shares"].as<std::vector<double>>(),
+                      .cosines = view["cosines"].as<std::vector<double>>(),
+                      .least = view["least"].as<double>(),
+                      .missed = view.value_or("missed", 0.0),
+                      .fooled = view.value_or("fooled", 0.0),
+                      .pairs = view.value_or("pairs", Index{0}),
+                      .texts = view.value_or("texts", Index{0}),
+                      .strangers = view.value_or("strangers", Index{0})};
+  if (out.shares.size() != out.cosines.size() || !std::is_sorted(out.shares.begin(), out.shares.end()) ||
+      !std::is_sorted(out.cosines.begin(), out.cosines.end()))
+    raise<config_error>(107, view.path(), ": ", counted(out.shares.size(), "share"), " and ",
+                        counted(out.cosines.size(), "cosine"), ", expected as many of both, ascending");
   return out;
 }
 
@@ -23041,6 +21830,8 @@ struct TextMotionCheckpoint {
   std::function<Sequences<B>(std::span<const std::string>)> tokens{};
   std::string folder{}, text_encoder{};  // where it was loaded from
   std::string id{};                      // of the weights (tensors_checksum); only for TMR
+  SimilarityScale similarity{};          // of texts and motions; empty if the model has none
+  KnownWords known_words{};              // of a model with vectors of words; empty for others, which cannot tell
 
   /// The means of the latents, (texts, latent).
   Tensor<B, 2> encode_text(std::span<const std::string> texts) const { return model.encode_text(tokens(texts)).mu; }
@@ -23064,6 +21855,10 @@ namespace detail {
 
 /// The system of a folder: "tmr" for a published one, "trained tmr" for our own trainings, ... "" if unknown.
 std::string checkpoint_system(const RunFolder& run);
+
+/// The words with a piece of their own or with a vector. Empty without vectors: pieces alone do not tell the words of
+/// the training texts.
+KnownWords known_words_of(const WordPiece& pieces, const WordVectors& vectors);
 
 /// Encodes each text once with a language model or a cache, and remembers the states.
 template <Backend B>
@@ -23090,9 +21885,12 @@ TextMotionCheckpoint<B, System<B>> checkpoint_of(TextMotionModel<B, System> mode
                                          .fps = file.fps,
                                          .longest = longest,
                                          .folder = folder.string(),
-                                         .text_encoder = options.text_encoder.string()};
+                                         .text_encoder = options.text_encoder.string(),
+                                         .similarity = file.similarity};
   if (model.words) {
-    out.tokens = [words = std::move(*model.words)](std::span<const std::string> texts) { return words(texts).tokens; };
+    const auto words = std::make_shared<const WordPieceTokens<B>>(std::move(*model.words));
+    out.tokens = [words](std::span<const std::string> texts) { return (*words)(texts).tokens; };
+    out.known_words = known_words_of(words->tokenizer, words->vectors);
   } else if (model.language) {
     out.tokens = [language = std::move(*model.language)](std::span<const std::string> texts) {
       return language(texts, {});
@@ -23141,6 +21939,15 @@ namespace detail {
 MOTIONLANG_BODY std::string checkpoint_system(const RunFolder& run) {
   const FileValue* system = run.system == "motionlang" ? run.option("system") : nullptr;
   return system == nullptr ? run.system : "trained " + to_string(*system);
+}
+
+MOTIONLANG_BODY KnownWords known_words_of(const WordPiece& pieces, const WordVectors& vectors) {
+  if (vectors.empty()) return {};
+  std::vector<std::string> words;
+  for (const std::string& piece : pieces.vocabulary()) {
+    if (piece.front() != '#' && piece.front() != '[') words.push_back(piece);
+  }
+  return KnownWords(std::move(words), vectors);
 }
 
 MOTIONLANG_BODY void require_trained(const std::filesystem::path& folder, const std::string& found,
@@ -23235,6 +22042,9 @@ class TmrSearchEncoder final : public SearchEncoder {
     }
     return out;
   }
+
+  const SimilarityScale& similarity() const override { return tmr_.similarity; }
+  KnownWords known_words() const override { return tmr_.known_words; }
 
  private:
   static void append(std::vector<float>& out, const Tensor<B, 2>& rows) {
@@ -23787,63 +22597,183 @@ struct Classifier {
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_HPP  // <motionlang/weights/embed_texts.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_HPP
-/// The embeddings of many texts, in batches: the caches that TMR and STMC read.
+#ifndef MOTIONLANG_HAS_WEIGHTS_DESCRIBE_WEIGHTS_HPP  // <motionlang/weights/describe_weights.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_DESCRIBE_WEIGHTS_HPP
+/// A file or folder of weights as text: its format, its other values, its tensors, and what was skipped.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// True if a file or folder holds weights. Its extension decides if it is a known one, else its first bytes.
+bool holds_weights(const FilePath& path);
+
+/// "12 tensors, 3456 numbers, 0.1 MB, safetensors"
+std::string line_about_weights(const WeightFile& weights);
+/// A line for each value that was skipped.
+std::string lines_about_skipped(const WeightFile& weights);
+
+/// All about a file or folder, with the system of a folder. Throws what open_weights and describe_folder throw.
+std::string describe_weights(const FilePath& path);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_DESCRIBE_WEIGHTS_IPP  // <motionlang/weights/describe_weights.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_DESCRIBE_WEIGHTS_IPP
+// Bodies of describe_weights.hpp.
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_MODEL_SUMMARY_HPP  // <motionlang/weights/model_summary.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_MODEL_SUMMARY_HPP
+/// A summary of a model folder for readers: motions, texts or actions, and networks.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Lines of a name and a value each.
+using ModelSummary = std::vector<std::pair<std::string, std::string>>;
+
+/// For the published ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and MDM of actions, the sizes from their tensors. For folders
+/// of our own trainings, what their config.json says. For other folders, nothing. Throws what the readers of these
+/// folders throw.
+ModelSummary model_summary(const RunFolder& run);
+
+/// The same as text with the system, its files and its licence, a line each: "  system                   tmr". "" for a
+/// folder of an unknown system. Throws what find_run and read_model_folder throw.
+std::string describe_folder(const FilePath& folder);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_MODEL_SUMMARY_IPP  // <motionlang/weights/model_summary.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_MODEL_SUMMARY_IPP
+// Bodies of model_summary.hpp.
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_MDM_ACTION_RUN_HPP  // <motionlang/weights/mdm_action_run.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_MDM_ACTION_RUN_HPP
+/// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the
+/// folders of their repository.
 ///
-///     const auto clip = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());
-///     embed_texts<B>(clip, texts_to_embed("annotations.json")).write("text_embeddings", "ViT-B/32");
+///     // args.json, model000750000.pt
+///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));
+///     const auto motions = run.model.generate(actions, Philox{.seed = 7});
+///
+/// Differs   from models of texts: motions are 60 frames of 6D rotations and the path of the root, not normalised. A
+///           model that was trained without empty actions (cond_mask_prob 0, as in the published command) has no
+///           guidance
+/// Source    MDM model/mdm.py; its training program writes args.json and model*.pt
+/// Throws    as weights/diffusion_run.hpp
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The texts of an annotation file (.json of TMR and STMC) in its order, or the lines of any other file without blank
-/// lines. Throws io_error 401, 403.
-std::vector<std::string> texts_to_embed(const std::filesystem::path& file);
+template <Backend B>
+struct MdmActionRun {
+  MdmActions<B> model;
+  ActorFeatureOptions features{};   // the contents of a frame
+  std::vector<std::string> labels;  // of the classes; empty if they are numbers; "any" for an unconstrained model
+  double fps = 20;                  // of the repository's videos; the data have none
+};
 
-/// batch   texts to encode together
-/// Throws  what EmbeddingCache::add throws; cancelled
-template <Backend B, TextEncoder<B> E>
-EmbeddingCache embed_texts(const E& encoder, std::span<const std::string> texts, Index batch = 32,
-                           Progress progress = {}) {
-  const std::string probe = texts.empty() ? "" : texts.front();
-  EmbeddingCache cache(encoder.template encode<B>(std::span(&probe, 1)).tokens.width());
-  const Index count = std::ssize(texts);
-  for (Index at = 0; at < count; at += batch) {
-    const auto part =
-        texts.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(std::min(batch, count - at)));
-    cache.add<B>(encoder, part);
-    progress(at + std::ssize(part), count);
-  }
-  return cache;
+namespace detail {
+inline constexpr ActorFeatureOptions mdm_action_features{
+    .rotations = PoseRepresentation::rot6d, .translation = true, .global = true};
+/// Throws io_error 404 if it is not a model of actions.
+DiffusionRun mdm_action_sizes(const RunFolder& run, const TensorSet& weights, const RunReader& r);
+/// Those of the options, which a training here writes, or those of the published data set; none if they are numbers.
+std::vector<std::string> mdm_action_labels(const RunFolder& run, const RunReader& r, Index actions);
+}  // namespace detail
+
+/// True if a run folder is MDM's, and either of actions or unconstrained.
+bool is_mdm_action_run(const RunFolder& run);
+
+template <Backend B>
+MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
+  const WeightFile weights = detail::run_weights(run);
+  const detail::RunReader r = detail::reader_of(run, weights);
+  const DiffusionRun about = detail::mdm_action_sizes(run, weights, r);
+  const MdmConfig& c = about.mdm;
+  const bool unconstrained = c.condition == MdmCondition::none;
+  const auto room = detail::room_of(weights);
+  NoInit zeros;
+  MdmActionRun<B> out{
+      .model = {.denoiser = MdmDenoiser<B>(c, zeros),
+                .diffusion = about.diffusion(),
+                .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
+      .features = detail::mdm_action_features,
+      .labels = unconstrained ? std::vector<std::string>{"any"} : detail::mdm_action_labels(run, r, c.num_actions),
+      .fps = r.real("fps", 20)};
+  detail::load_denoiser(out.model.denoiser, weights, r.prefix());
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END
 
-#ifndef MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_IPP  // <motionlang/weights/embed_texts.ipp>
-#define MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_IPP
-// Bodies of embed_texts.hpp.
+#ifndef MOTIONLANG_HAS_WEIGHTS_MDM_ACTION_RUN_IPP  // <motionlang/weights/mdm_action_run.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_MDM_ACTION_RUN_IPP
+// Bodies of mdm_action_run.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-MOTIONLANG_BODY std::vector<std::string> texts_to_embed(const std::filesystem::path& file) {
-  std::vector<std::string> texts;
-  if (file.extension() == ".json") {
-    const auto annotations = AnnotationFile::open(file);
-    for (const std::string& id : annotations.ids()) {
-      for (const Annotation& a : annotations.load(id).annotations) texts.push_back(a.text);
-    }
-    return texts;
+namespace detail {
+
+inline bool is_unconstrained_mdm(const RunFolder& run) {
+  const FileValue *now = run.option("unconstrained"), *before = run.option("cond_mode");
+  return now != nullptr ? to_string(*now) == "true" : before != nullptr && to_string(*before) == "no_cond";
+}
+
+MOTIONLANG_BODY DiffusionRun mdm_action_sizes(const RunFolder& run, const TensorSet& weights, const RunReader& r) {
+  DiffusionRun about;
+  about.system = "mdm";
+  read_mdm(about, r);
+  MdmConfig& c = about.mdm;
+  if (const Index wanted = 25 * size(mdm_action_features.rotations); c.nfeats != wanted)
+    raise<io_error>(404, weights.name(), ": motions of ", counted(c.nfeats, "number"),
+                    " a frame; models of actions have ", wanted);
+  const bool unconstrained = c.condition == MdmCondition::none;
+  if (c.condition == MdmCondition::text || unconstrained != is_unconstrained_mdm(run))
+    raise<io_error>(404, weights.name(), ": not a model of actions");
+  if (unconstrained) c.num_actions = 1;
+  c.crop_frames = r.number({"num_frames"}, 60, 10'000);
+  return about;
+}
+
+MOTIONLANG_BODY std::vector<std::string> mdm_action_labels(const RunFolder& run, const RunReader& r, Index actions) {
+  std::vector<std::string> out;
+  for (Index i = 0; i < actions; ++i) {
+    const FileValue* label = run.option("labels/" + std::to_string(i));
+    if (label == nullptr) return action_labels(r.text("dataset", ""), actions);
+    out.push_back(to_string(*label));
   }
-  const std::string contents = read_file(file);
-  detail::for_each_line(contents, [&](std::string_view line, Index) {
-    if (!detail::trim(line).empty()) texts.emplace_back(line);
-  });
-  return texts;
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY bool is_mdm_action_run(const RunFolder& run) {
+  return run.system == "mdm" && !run.weights.empty() &&
+         (detail::is_unconstrained_mdm(run) ||
+          detail::prefix_of(detail::run_weights(run), "embed_action.action_embedding").has_value());
 }
 
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_TM2T_RUN_HPP  // <motionlang/weights/tm2t_run.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_TM2T_RUN_HPP
+/// TM2T's models from texts to motions and from motions to texts, from the folders of its repository.
+///
+///     const auto run = load_tm2t_run<B>(find_run("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N"));
+///     const auto motions = run.model.generate(run.words.encode<B>(texts), Philox{.seed = 7});        // features
+///     const auto other = load_tm2t_describer<B>(find_run("checkpoints/t2m/M2T_EL4_DL4_NH8_PS"));
+///     const auto described = other.model.describe(features, other.words);
+///
+/// There are three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the
+/// folder of the motion tokenizer, beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors
+/// glove/our_vab_*, in one of the folders above.
+///
+/// Sizes    come from the shapes of the tensors, as does early or late attention. The options must agree with them. The
+///          number of heads comes from the options; the default is 8
+/// Differs  from the published program: `model` holds the parts in the folder and the tokenizer; its other parts are
+///          empty
+/// Source   TM2T networks/modules.py, networks/transformer.py, and the files that its training programs write
+/// Throws   io_error 401 for a missing file, with all places searched; 404 for another model; 406, 407 for tensors;
+///          config_error 102 if the parts do not match
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_GLOVE_FILE_HPP  // <motionlang/weights/glove_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_GLOVE_FILE_HPP
@@ -23934,198 +22864,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_WEIGHTS_GUO_EVALUATOR_FILE_HPP  // <motionlang/weights/guo_evaluator_file.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_GUO_EVALUATOR_FILE_HPP
-/// The published checkpoint of Guo's evaluator.
-///
-///     const auto evaluator = load_guo_evaluator<B>(open_weights("text_mot_match/model/finest.tar", {.path = ""}));
-///
-/// Source  Guo et al. (CVPR 2022), text-to-motion networks/evaluator_wrapper.py
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Sizes of the networks in a file, from the shapes of its tensors. Throws io_error 406, 407.
-GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file);
-
-/// The networks, ready to run. The states of optimisers are skipped. Throws io_error 406, 407, numeric_error 301.
-template <Backend B>
-GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
-  const auto room = detail::room_of(file);
-  NoInit zeros;
-  GuoEvaluator<B> networks(guo_evaluator_config(file), zeros);
-  detail::load_run_module(networks, file, "", [](const std::string& name) { return name.starts_with("opt_"); });
-  prepare(networks);
-  return networks;
-}
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_GUO_EVALUATOR_FILE_IPP  // <motionlang/weights/guo_evaluator_file.ipp>
-#define MOTIONLANG_HAS_WEIGHTS_GUO_EVALUATOR_FILE_IPP
-// Bodies of guo_evaluator_file.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file) {
-  const RunFolder no_options{};
-  const detail::RunReader t(no_options, file, "");
-  const std::string movement = "movement_encoder.main.", text = "text_encoder.";
-  return {.features = t.size(movement + "0.weight", 1) + 4,
-          .movement_hidden = t.size(movement + "0.weight", 0),
-          .movement_latent = t.size(movement + "3.weight", 0),
-          .word = t.size(text + "pos_emb.weight", 0),
-          .pos = t.size(text + "pos_emb.weight", 1),
-          .text_hidden = t.size(text + "hidden", 2),
-          .motion_hidden = t.size("motion_encoder.hidden", 2),
-          .embedding = t.size(text + "output_net.3.weight", 0)};
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_MDM_ACTION_RUN_HPP  // <motionlang/weights/mdm_action_run.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_MDM_ACTION_RUN_HPP
-/// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the
-/// folders of their repository.
-///
-///     // args.json, model000750000.pt
-///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));
-///     const auto motions = run.model.generate(actions, Philox{.seed = 7});
-///
-/// Differs   from models of texts: motions are 60 frames of 6D rotations and the path of the root, not normalised. A
-///           model that was trained without empty actions (cond_mask_prob 0, as in the published command) has no
-///           guidance
-/// Source    MDM model/mdm.py; its training program writes args.json and model*.pt
-/// Throws    as weights/diffusion_run.hpp
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-template <Backend B>
-struct MdmActionRun {
-  MdmActions<B> model;
-  ActorFeatureOptions features{};   // the contents of a frame
-  std::vector<std::string> labels;  // of the classes; empty if they are numbers; "any" for an unconstrained model
-  double fps = 20;                  // of the repository's videos; the data have none
-};
-
-namespace detail {
-inline constexpr ActorFeatureOptions mdm_action_features{
-    .rotations = PoseRepresentation::rot6d, .translation = true, .global = true};
-/// Throws io_error 404 if it is not a model of actions.
-DiffusionRun mdm_action_sizes(const RunFolder& run, const TensorSet& weights, const RunReader& r);
-}  // namespace detail
-
-/// True if a run folder is MDM's, and either of actions or unconstrained.
-bool is_mdm_action_run(const RunFolder& run);
-
-template <Backend B>
-MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
-  const WeightFile weights = detail::run_weights(run);
-  const detail::RunReader r = detail::reader_of(run, weights);
-  const DiffusionRun about = detail::mdm_action_sizes(run, weights, r);
-  const MdmConfig& c = about.mdm;
-  const bool unconstrained = c.condition == MdmCondition::none;
-  const auto room = detail::room_of(weights);
-  NoInit zeros;
-  MdmActionRun<B> out{
-      .model = {.denoiser = MdmDenoiser<B>(c, zeros),
-                .diffusion = about.diffusion(),
-                .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
-      .features = detail::mdm_action_features,
-      .labels = unconstrained ? std::vector<std::string>{"any"} : action_labels(r.text("dataset", ""), c.num_actions)};
-  detail::load_denoiser(out.model.denoiser, weights, r.prefix());
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_MDM_ACTION_RUN_IPP  // <motionlang/weights/mdm_action_run.ipp>
-#define MOTIONLANG_HAS_WEIGHTS_MDM_ACTION_RUN_IPP
-// Bodies of mdm_action_run.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-inline bool is_unconstrained_mdm(const RunFolder& run) {
-  const FileValue *now = run.option("unconstrained"), *before = run.option("cond_mode");
-  return now != nullptr ? to_string(*now) == "true" : before != nullptr && to_string(*before) == "no_cond";
-}
-
-MOTIONLANG_BODY DiffusionRun mdm_action_sizes(const RunFolder& run, const TensorSet& weights, const RunReader& r) {
-  DiffusionRun about;
-  about.system = "mdm";
-  read_mdm(about, r);
-  MdmConfig& c = about.mdm;
-  if (const Index wanted = 25 * size(mdm_action_features.rotations); c.nfeats != wanted)
-    raise<io_error>(404, weights.name(), ": motions of ", counted(c.nfeats, "number"),
-                    " a frame; models of actions have ", wanted);
-  const bool unconstrained = c.condition == MdmCondition::none;
-  if (c.condition == MdmCondition::text || unconstrained != is_unconstrained_mdm(run))
-    raise<io_error>(404, weights.name(), ": not a model of actions");
-  if (unconstrained) c.num_actions = 1;
-  c.crop_frames = r.number({"num_frames"}, 60, 10'000);
-  return about;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY bool is_mdm_action_run(const RunFolder& run) {
-  return run.system == "mdm" && !run.weights.empty() &&
-         (detail::is_unconstrained_mdm(run) ||
-          detail::prefix_of(detail::run_weights(run), "embed_action.action_embedding").has_value());
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_MODEL_SUMMARY_HPP  // <motionlang/weights/model_summary.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_MODEL_SUMMARY_HPP
-/// A summary of a model folder for readers: motions, texts or actions, and networks.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Lines of a name and a value each.
-using ModelSummary = std::vector<std::pair<std::string, std::string>>;
-
-/// For the published ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and MDM of actions, the sizes from their tensors. For folders
-/// of our own trainings, what their config.json says. For other folders, nothing. Throws what the readers of these
-/// folders throw.
-ModelSummary model_summary(const RunFolder& run);
-
-/// The same as text with the system, its files and its licence, a line each: "  system                   tmr". "" for a
-/// folder of an unknown system. Throws what find_run and read_model_folder throw.
-std::string describe_folder(const FilePath& folder);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_MODEL_SUMMARY_IPP  // <motionlang/weights/model_summary.ipp>
-#define MOTIONLANG_HAS_WEIGHTS_MODEL_SUMMARY_IPP
-// Bodies of model_summary.hpp.
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_TM2T_RUN_HPP  // <motionlang/weights/tm2t_run.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_TM2T_RUN_HPP
-/// TM2T's models from texts to motions and from motions to texts, from the folders of its repository.
-///
-///     const auto run = load_tm2t_run<B>(find_run("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N"));
-///     const auto motions = run.model.generate(run.words.encode<B>(texts), Philox{.seed = 7});        // features
-///     const auto other = load_tm2t_describer<B>(find_run("checkpoints/t2m/M2T_EL4_DL4_NH8_PS"));
-///     const auto described = other.model.describe(features, other.words);
-///
-/// There are three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the
-/// folder of the motion tokenizer, beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors
-/// glove/our_vab_*, in one of the folders above.
-///
-/// Sizes    come from the shapes of the tensors, as does early or late attention. The options must agree with them. The
-///          number of heads comes from the options; the default is 8
-/// Differs  from the published program: `model` holds the parts in the folder and the tokenizer; its other parts are
-///          empty
-/// Source   TM2T networks/modules.py, networks/transformer.py, and the files that its training programs write
-/// Throws   io_error 401 for a missing file, with all places searched; 404 for another model; 406, 407 for tensors;
-///          config_error 102 if the parts do not match
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
@@ -24195,16 +22933,40 @@ Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
 
 namespace detail {
 
-/// Everything except the folder's main model, which has this many motion symbols.
+/// Everything except the folder's main model, which has this many motion symbols; 0: it reads features.
 template <Backend B>
 Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index symbols, const Tm2tRunOptions& options) {
   const RunFolder tokenizer_run = tm2t_tokenizer_run(run, options);
   Tm2tRun<B> out{.model = load_tm2t_tokenizer<B>(tokenizer_run), .words = read_glove(tm2t_words(run, options))};
   if (out.width() == 251) out.fps = 12.5;
   const MotionVocabulary vocabulary = out.model.vocabulary();
-  if (symbols != vocabulary.size())
+  if (symbols != 0 && symbols != vocabulary.size())
     raise<config_error>(102, weights.name(), ": has ", counted(symbols, "motion symbol"), ", ",
                         tokenizer_run.weights.string(), " has ", counted(vocabulary.codes, "code"), " and three marks");
+  return out;
+}
+
+}  // namespace detail
+
+namespace detail {
+
+/// The transformer of the paper's baseline (T), from texts to motions.
+template <Backend B>
+Tm2tRun<B> load_tm2t_transformer(const RunFolder& run, const WeightFile& weights, const Tm2tRunOptions& options) {
+  const std::string prefix = "t2m_transformer.";
+  const RunReader r(run, weights, prefix);
+  if (r.has("encoder.src_word_emb.weight"))
+    raise<io_error>(404, weights.name(), ": a transformer that reads numbers of words (t2m_v2), not their vectors");
+  const Seq2SeqConfig config = tm2t_describer_config(r, weights);
+  auto out = tm2t_around<B>(run, weights, config.target_symbols, options);
+  if (config.source_width != out.words.width())
+    raise<config_error>(102, weights.name(), ": reads word vectors of ", counted(config.source_width, "number"),
+                        ", those found have ", out.words.width());
+  const auto room = room_of(weights);
+  NoInit zeros;
+  out.model.t2m_transformer.emplace(config, zeros);
+  load_run_module(
+      *out.model.t2m_transformer, weights, prefix, [](const std::string&) { return false; }, LoadFor::inference);
   return out;
 }
 
@@ -24213,6 +22975,8 @@ Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index sy
 template <Backend B>
 Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {}) {
   const WeightFile weights = detail::tm2t_weights(run);
+  if (weights.find("t2m_transformer.encoder.position_enc.positional_encoding") != nullptr)
+    return detail::load_tm2t_transformer<B>(run, weights, options);
   const std::string prefix = "t2m_model.";
   const detail::RunReader r(run, weights, prefix);
   if (!r.has("motion_decoder_step.input_emb.weight"))
@@ -24235,10 +22999,13 @@ Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& optio
   const WeightFile weights = detail::tm2t_weights(run);
   const std::string prefix = "m2t_transformer.";
   const detail::RunReader r(run, weights, prefix);
-  if (!r.has("encoder.src_word_emb.weight"))
+  if (!r.has("encoder.src_word_emb.weight") && !r.has("encoder.emb.weight"))
     raise<io_error>(404, weights.name(), ": not TM2T's transformer from motions to texts (m2t_transformer)");
   const Seq2SeqConfig config = detail::tm2t_describer_config(r, weights);
   auto out = detail::tm2t_around<B>(run, weights, config.source_symbols, options);
+  if (config.source_symbols == 0 && config.source_width != 4 * out.width())
+    raise<config_error>(102, weights.name(), ": reads four frames of ", counted(config.source_width, "number"),
+                        ", the motions have ", 4 * out.width());
   if (config.target_symbols != out.words.size() + 1)
     raise<config_error>(102, weights.name(), ": writes ", counted(config.target_symbols, "symbol"),
                         ", the words found are ", out.words.size(), " and one for padding");
@@ -24349,9 +23116,12 @@ MOTIONLANG_BODY Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
 MOTIONLANG_BODY Seq2SeqConfig tm2t_describer_config(const RunReader& r, const TensorSet& weights) {
   const std::string encoder = "encoder.layer_stack.", decoder = "decoder.layer_stack.",
                     target = "decoder.trg_word_emb.weight", projection = "trg_word_prj.weight";
-  Seq2SeqConfig c{.source_symbols = r.size("encoder.src_word_emb.weight", 0),
+  const bool symbols = r.has("encoder.src_word_emb.weight");  // or vectors
+  Seq2SeqConfig c{.source_symbols = symbols ? r.size("encoder.src_word_emb.weight", 0) : 0,
+                  .source_width = symbols ? 0 : r.size("encoder.emb.weight", 1),
                   .target_symbols = r.size(target, 0),
-                  .d_model = r.size("encoder.src_word_emb.weight", 1, {"d_model"}),
+                  .d_model = symbols ? r.size("encoder.src_word_emb.weight", 1, {"d_model"})
+                                     : r.size("encoder.emb.weight", 0, {"d_model"}),
                   .d_inner = r.size(encoder + "0.pos_ffn.w_1.weight", 0),
                   .heads = r.number({"n_head"}, 8, 4096),
                   .encoder_layers = r.count(encoder, ".slf_attn.w_qs.weight", {"n_enc_layers"}),
@@ -24382,12 +23152,13 @@ MOTIONLANG_BODY Seq2SeqConfig tm2t_describer_config(const RunReader& r, const Te
 
 MOTIONLANG_BODY bool is_tm2t_generator(const RunFolder& run) {
   return run.system == "tm2t" && !run.weights.empty() &&
-         detail::tm2t_weights(run).find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr;
+         (detail::tm2t_weights(run).find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr ||
+          detail::tm2t_weights(run).find("t2m_transformer.encoder.position_enc.positional_encoding") != nullptr);
 }
 
 MOTIONLANG_BODY bool is_tm2t_describer(const RunFolder& run) {
   return run.system == "tm2t" && !run.weights.empty() &&
-         detail::tm2t_weights(run).find("m2t_transformer.encoder.src_word_emb.weight") != nullptr;
+         detail::tm2t_weights(run).find("m2t_transformer.encoder.position_enc.positional_encoding") != nullptr;
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -24561,6 +23332,778 @@ MOTIONLANG_BODY std::string describe_folder(const FilePath& folder) {
   say("diffusion", concat_text(about.schedule, ", ", counted(about.steps, "step")));
   say("text encoder", about.text_encoder);
   return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY bool holds_weights(const FilePath& path) {
+  constexpr std::string_view kinds[] = {".safetensors", ".pt", ".pth", ".ckpt", ".tar", ".bin", ".pkl"};
+  return std::ranges::find(kinds, file_kind(path)) != std::end(kinds) || may_be_weights(path);
+}
+
+MOTIONLANG_BODY std::string line_about_weights(const WeightFile& weights) {
+  Index numbers = 0;
+  std::size_t bytes = 0;
+  for (const TensorView& t : weights.tensors()) {
+    numbers += t.shape.count();
+    bytes += t.bytes.size();
+  }
+  return concat_text(counted(weights.tensors().size(), "tensor"), ", ", counted(numbers, "number"), ", ",
+                     formatted("%.1f MB", static_cast<double>(bytes) * 1e-6), ", ", weights.format());
+}
+
+MOTIONLANG_BODY std::string lines_about_skipped(const WeightFile& weights) {
+  std::string out;
+  for (const SkippedValue& v : weights.skipped()) out += "  skipped: " + printable(to_string(v)) + "\n";
+  return out;
+}
+
+MOTIONLANG_BODY std::string describe_weights(const FilePath& path) {
+  const WeightFile weights = open_weights(path);
+  std::string out = path.string() + ": " + line_about_weights(weights) + "\n";
+  if (std::filesystem::is_directory(path.string())) out += printable(describe_folder(path), "\n");
+  for (const FileValue& v : weights.values()) {
+    const std::string text = to_string(v), name = printable(v.path);
+    const auto lines = std::ranges::count(text, '\n') + 1;
+    out += lines > 1 ? formatted("  %-24s (%td lines)\n", name.c_str(), lines)
+                     : formatted("  %-24s %s\n", name.c_str(), printable(text).c_str());
+  }
+  for (const TensorView& t : weights.tensors())
+    out += formatted("  %-60s %-5s %s\n", printable(t.name).c_str(), to_string(t.dtype).c_str(),
+                     to_string(t.shape).c_str());
+  return out + lines_about_skipped(weights);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_DIFFUSION_TRAINING_CONFIG_HPP  // <motionlang/weights/diffusion_training_config.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_DIFFUSION_TRAINING_CONFIG_HPP
+/// The hyperparameters of the trainings of MDM-SMPL, MDM and MotionDiffuse. config.json of a model folder has them as
+/// "training". Presets are in train/diffusion_presets.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The source of the texts' vectors.
+///     clip         CLIP ViT-B/32, which is not trained
+///     distilbert   its token states, not trained; for the decoder of MDM
+///     word_pieces  a small DistilBERT that is trained with the denoiser, on word pieces of the training texts
+struct DiffusionTextConfig {
+  std::string encoder = "clip";
+  double drop = 0.1;  // the share of samples that learn without a text, for guidance
+  // of word_pieces
+  Index width = 128, ff_size = 256, num_layers = 2, num_heads = 4, vocabulary = 800;
+  double dropout = 0.1;
+
+  void require_sound() const {
+    if (encoder != "clip" && encoder != "distilbert" && encoder != "word_pieces")
+      raise<config_error>(103, "encoder '", encoder, "' is not clip, distilbert or word_pieces");
+    require_value("drop", drop, drop >= 0 && drop < 1, "0 or more, and less than 1");
+    for (const auto& [name, size] : {std::pair("width", width), {"ff_size", ff_size}, {"num_heads", num_heads}})
+      require_value(name, size, size >= 1 && size <= 65'536, "1 to 65536");
+    require_value("num_layers", num_layers, num_layers >= 1 && num_layers <= 256, "1 to 256");
+    require_value("dropout", dropout, dropout >= 0 && dropout < 1, "0 or more, and less than 1");
+  }
+  static constexpr auto fields() {
+    using C = DiffusionTextConfig;
+    return motionlang::fields("encoder", &C::encoder, "drop", &C::drop, "width", &C::width, "ff_size", &C::ff_size,
+                              "num_layers", &C::num_layers, "num_heads", &C::num_heads, "vocabulary", &C::vocabulary,
+                              "dropout", &C::dropout);
+  }
+};
+
+/// The noising process.
+struct DiffusionProcessConfig {
+  Index steps = 100;
+  std::string schedule = "cosine";  // of Nichol and Dhariwal; MotionDiffuse: "linear"; MDM-SMPL: or "chen"
+
+  void require_sound() const {
+    require_value("steps", steps, steps >= 1 && steps <= 10'000, "1 to 10000");
+    if (schedule != "cosine" && schedule != "linear" && schedule != "chen")
+      raise<config_error>(103, "schedule '", schedule, "' is not cosine, linear or chen");
+  }
+  static constexpr auto fields() {
+    using C = DiffusionProcessConfig;
+    return motionlang::fields("steps", &C::steps, "schedule", &C::schedule);
+  }
+};
+
+struct MdmSmplNetworkConfig {
+  Index latent_dim = 512, ff_size = 2048, num_layers = 8, num_heads = 8, nb_registers = 2;
+  double dropout = 0.1;
+
+  void require_sound() const {
+    require_sizes(*this);
+    require_value("nb_registers", nb_registers, nb_registers >= 0 && nb_registers <= 64, "0 to 64");
+  }
+  static constexpr auto fields() {
+    using C = MdmSmplNetworkConfig;
+    return motionlang::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers,
+                              "num_heads", &C::num_heads, "nb_registers", &C::nb_registers, "dropout", &C::dropout);
+  }
+};
+
+struct MdmNetworkConfig {
+  std::string arch = "trans_enc";  // "trans_dec", "gru"
+  Index latent_dim = 512, ff_size = 1024, num_layers = 8, num_heads = 4;
+  double dropout = 0.1;
+  bool mask_frames = false;    // padded frames are not attended to, as in newer models
+  bool emb_trans_dec = false;  // trans_dec: a token before the frames
+
+  void require_sound() const {
+    require_sizes(*this);
+    if (arch != "trans_enc" && arch != "trans_dec" && arch != "gru")
+      raise<config_error>(103, "arch '", arch, "' is not trans_enc, trans_dec or gru");
+  }
+  static constexpr auto fields() {
+    using C = MdmNetworkConfig;
+    return motionlang::fields("arch", &C::arch, "latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers",
+                              &C::num_layers, "num_heads", &C::num_heads, "dropout", &C::dropout, "mask_frames",
+                              &C::mask_frames, "emb_trans_dec", &C::emb_trans_dec);
+  }
+};
+
+struct MotionDiffuseNetworkConfig {
+  Index latent_dim = 512, ff_size = 1024, num_layers = 8, num_heads = 8;
+  Index text_latent_dim = 256, text_ff_size = 2048, num_text_layers = 4, text_num_heads = 4;
+  double dropout = 0;   // as published, there is none
+  bool no_eff = false;  // standard attention, which masks nothing in the released code
+
+  void require_sound() const {
+    require_sizes(*this);
+    require_value("dropout", dropout, dropout == 0, "0: MotionDiffuse has no dropout");
+    for (const auto& [name, size] : {std::pair("text_latent_dim", text_latent_dim),
+                                     {"text_ff_size", text_ff_size},
+                                     {"text_num_heads", text_num_heads}})
+      require_value(name, size, size >= 1 && size <= 65'536, "1 to 65536");
+    require_value("num_text_layers", num_text_layers, num_text_layers >= 1 && num_text_layers <= 256, "1 to 256");
+  }
+  static constexpr auto fields() {
+    using C = MotionDiffuseNetworkConfig;
+    return motionlang::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers,
+                              "num_heads", &C::num_heads, "text_latent_dim", &C::text_latent_dim, "text_ff_size",
+                              &C::text_ff_size, "num_text_layers", &C::num_text_layers, "text_num_heads",
+                              &C::text_num_heads, "dropout", &C::dropout, "no_eff", &C::no_eff);
+  }
+};
+
+/// The frames of MDM-SMPL that a text is learned with.
+struct MdmSmplItemConfig {
+  double transitions = 0.5;           // the share of samples without text that are any short part of the whole motion
+  Index shortest = 10, longest = 60;  // frames of such a part
+  double cut = 0.1;                   // the largest share of frames that is cut off at the ends of other motions
+
+  void require_sound() const {
+    require_value("transitions", transitions, transitions >= 0 && transitions <= 1, "0 to 1");
+    require_value("shortest", shortest, shortest >= 1, "1 or more");
+    require_value("cut", cut, cut >= 0 && cut < 1, "0 or more, and less than 1");
+  }
+  static constexpr auto fields() {
+    using C = MdmSmplItemConfig;
+    return motionlang::fields("transitions", &C::transitions, "shortest", &C::shortest, "longest", &C::longest, "cut",
+                              &C::cut);
+  }
+};
+
+struct MdmSmplTrainingConfig {
+  std::string features = "smplrifke";
+  MdmSmplNetworkConfig network;
+  DiffusionTextConfig text;
+  DiffusionProcessConfig diffusion;
+  MdmSmplItemConfig items;
+  Index updates = 0;  // at least so many, in whole epochs; 0: optimiser.epochs decides
+  OptimiserConfig optimiser;
+  ValidationConfig validation;
+  DataConfig data;
+
+  /// Throws config_error 101, 102, 103 if settings contradict each other.
+  void require_consistent() const;
+  static constexpr auto fields() {
+    using C = MdmSmplTrainingConfig;
+    return motionlang::fields("features", &C::features, "network", &C::network, "text", &C::text, "diffusion",
+                              &C::diffusion, "items", &C::items, "updates", &C::updates, "optimiser", &C::optimiser,
+                              "validation", &C::validation, "data", &C::data);
+  }
+};
+
+struct MdmTrainingConfig {
+  std::string features = "guoh3d";  // or "kit"
+  MdmNetworkConfig network;
+  DiffusionTextConfig text;
+  DiffusionProcessConfig diffusion;
+  Index updates = 0;        // as above
+  bool ema_warmup = false;  // the running average soon forgets the initial weights; as published it does not
+  OptimiserConfig optimiser;
+  ValidationConfig validation;
+  DataConfig data;
+
+  /// Throws config_error 101, 102, 103 if settings contradict each other.
+  void require_consistent() const;
+  static constexpr auto fields() {
+    using C = MdmTrainingConfig;
+    return motionlang::fields("features", &C::features, "network", &C::network, "text", &C::text, "diffusion",
+                              &C::diffusion, "updates", &C::updates, "ema_warmup", &C::ema_warmup, "optimiser",
+                              &C::optimiser, "validation", &C::validation, "data", &C::data);
+  }
+};
+
+struct MotionDiffuseTrainingConfig {
+  std::string features = "guoh3d";  // or "kit"
+  MotionDiffuseNetworkConfig network;
+  DiffusionTextConfig text;
+  DiffusionProcessConfig diffusion;
+  double feat_bias = 25;  // divides the deviations of the root and of the contacts, so that these count more
+  Index updates = 0;      // as above
+  OptimiserConfig optimiser;
+  ValidationConfig validation;
+  DataConfig data;
+
+  /// Throws config_error 101, 102, 103 if settings contradict each other.
+  void require_consistent() const;
+  static constexpr auto fields() {
+    using C = MotionDiffuseTrainingConfig;
+    return motionlang::fields("features", &C::features, "network", &C::network, "text", &C::text, "diffusion",
+                              &C::diffusion, "feat_bias", &C::feat_bias, "updates", &C::updates, "optimiser",
+                              &C::optimiser, "validation", &C::validation, "data", &C::data);
+  }
+};
+
+/// Weights of the terms of MDM's loss on motions of actions.
+struct MdmActionLossConfig {
+  double rcxyz = 1, vel = 1, fc = 1;
+
+  void require_sound() const {
+    for (const auto& [name, value] : {std::pair("rcxyz", rcxyz), {"vel", vel}, {"fc", fc}})
+      require_value(name, value, value >= 0, "0 or more");
+  }
+  static constexpr auto fields() {
+    using C = MdmActionLossConfig;
+    return motionlang::fields("rcxyz", &C::rcxyz, "vel", &C::vel, "fc", &C::fc);
+  }
+};
+
+struct MdmActionTrainingConfig {
+  ActorClipsConfig clips;  // 6D rotations and path, in the world of the camera
+  MdmNetworkConfig network;
+  DiffusionProcessConfig diffusion;
+  MdmActionLossConfig losses;
+  double drop = 0;             // the share of samples that learn without an action, for guidance
+  bool unconstrained = false;  // without actions
+  Index updates = 0;           // as above
+  OptimiserConfig optimiser;
+  ValidationConfig validation;
+  DataConfig data;
+
+  /// Throws config_error 101, 102, 103 if settings contradict each other.
+  void require_consistent() const;
+  static constexpr auto fields() {
+    using C = MdmActionTrainingConfig;
+    return motionlang::fields("clips", &C::clips, "network", &C::network, "diffusion", &C::diffusion, "losses",
+                              &C::losses, "drop", &C::drop, "unconstrained", &C::unconstrained, "updates", &C::updates,
+                              "optimiser", &C::optimiser, "validation", &C::validation, "data", &C::data);
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_DIFFUSION_TRAINING_CONFIG_IPP  // <motionlang/weights/diffusion_training_config.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_DIFFUSION_TRAINING_CONFIG_IPP
+// Bodies of diffusion_training_config.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline void require_clip_or_pieces(const DiffusionTextConfig& text) {
+  if (text.encoder == "distilbert")
+    raise<config_error>(102, "text.encoder = distilbert is for MDM with network.arch = trans_dec");
+}
+inline void require_guo_features(const std::string& features) {
+  if (features != "guoh3d" && features != "kit")
+    raise<config_error>(103, "features '", features, "' are not guoh3d or kit");
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void MdmSmplTrainingConfig::require_consistent() const {
+  detail::require_clip_or_pieces(text);
+  if (features != "smplrifke") raise<config_error>(103, "features '", features, "' are not smplrifke");
+  if (diffusion.schedule == "linear")
+    raise<config_error>(102, "diffusion.schedule = linear; that of MDM-SMPL is cosine or chen");
+  require_value("items.longest", items.longest, items.longest >= items.shortest, "items.shortest or more");
+}
+
+MOTIONLANG_BODY void MdmTrainingConfig::require_consistent() const {
+  detail::require_guo_features(features);
+  if (text.encoder == "distilbert" && network.arch != "trans_dec") detail::require_clip_or_pieces(text);
+  if (network.emb_trans_dec && network.arch != "trans_dec")
+    raise<config_error>(102, "network.emb_trans_dec is for network.arch = trans_dec, not ", network.arch);
+  if (network.mask_frames && network.arch == "gru")
+    raise<config_error>(102, "network.mask_frames has no meaning for network.arch = gru");
+  if (diffusion.schedule == "chen")
+    raise<config_error>(102, "diffusion.schedule = chen; that of MDM is cosine or linear");
+}
+
+MOTIONLANG_BODY void MotionDiffuseTrainingConfig::require_consistent() const {
+  detail::require_guo_features(features);
+  detail::require_clip_or_pieces(text);
+  require_value("text.drop", text.drop, text.drop == 0, "0: MotionDiffuse has no guidance");
+  require_value("feat_bias", feat_bias, feat_bias > 0, "a number above 0");
+  if (diffusion.schedule != "linear")
+    raise<config_error>(102, "diffusion.schedule = ", diffusion.schedule, "; that of MotionDiffuse is linear");
+}
+
+MOTIONLANG_BODY void MdmActionTrainingConfig::require_consistent() const {
+  if (clips.pose != "rot6d" || !clips.translation || !clips.global || !clips.camera)
+    raise<config_error>(102,
+                        "MDM's motions of actions have clips.pose = rot6d, clips.translation, clips.global and "
+                        "clips.camera = true");
+  if (clips.num_frames < 2)
+    raise<config_error>(102, "clips.num_frames = ", clips.num_frames, "; MDM's motions have one length, 2 or more");
+  if (network.arch != "trans_enc" && (network.mask_frames || network.emb_trans_dec))
+    raise<config_error>(102, "network.mask_frames and network.emb_trans_dec are for texts");
+  require_value("drop", drop, drop >= 0 && drop < 1, "0 or more, and less than 1");
+  if (diffusion.schedule == "chen")
+    raise<config_error>(102, "diffusion.schedule = chen; that of MDM is cosine or linear");
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_HPP  // <motionlang/weights/embed_texts.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_HPP
+/// The embeddings of many texts, in batches: the caches that TMR and STMC read.
+///
+///     const auto clip = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());
+///     embed_texts<B>(clip, texts_to_embed("annotations.json")).write("text_embeddings", "ViT-B/32");
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The texts of an annotation file (.json of TMR and STMC) in its order, or the lines of any other file without blank
+/// lines. Throws io_error 401, 403.
+std::vector<std::string> texts_to_embed(const std::filesystem::path& file);
+
+/// batch   texts to encode together
+/// Throws  what EmbeddingCache::add throws; cancelled
+template <Backend B, TextEncoder<B> E>
+EmbeddingCache embed_texts(const E& encoder, std::span<const std::string> texts, Index batch = 32,
+                           Progress progress = {}) {
+  const std::string probe = texts.empty() ? "" : texts.front();
+  EmbeddingCache cache(encoder.template encode<B>(std::span(&probe, 1)).tokens.width());
+  const Index count = std::ssize(texts);
+  for (Index at = 0; at < count; at += batch) {
+    const auto part =
+        texts.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(std::min(batch, count - at)));
+    cache.add<B>(encoder, part);
+    progress(at + std::ssize(part), count);
+  }
+  return cache;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_IPP  // <motionlang/weights/embed_texts.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_IPP
+// Bodies of embed_texts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<std::string> texts_to_embed(const std::filesystem::path& file) {
+  std::vector<std::string> texts;
+  if (file.extension() == ".json") {
+    const auto annotations = AnnotationFile::open(file);
+    for (const std::string& id : annotations.ids()) {
+      for (const Annotation& a : annotations.load(id).annotations) texts.push_back(a.text);
+    }
+    return texts;
+  }
+  const std::string contents = read_file(file);
+  detail::for_each_line(contents, [&](std::string_view line, Index) {
+    if (!detail::trim(line).empty()) texts.emplace_back(line);
+  });
+  return texts;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_GUO_EVALUATOR_FILE_HPP  // <motionlang/weights/guo_evaluator_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_GUO_EVALUATOR_FILE_HPP
+/// The checkpoints of Guo's evaluator, as published: that of the evaluator, and that of the autoencoder whose
+/// convolutions it takes. Both are read and written.
+///
+///     const auto evaluator = load_guo_evaluator<B>(open_weights("text_mot_match/model/finest.tar", {.path = ""}));
+///     write_guo_evaluator("own/finest.tar", evaluator);        // the published programs read it
+///
+/// Source  Guo et al. (CVPR 2022), text-to-motion networks/evaluator_wrapper.py, networks/trainers.py (save)
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Sizes of the networks in a file, from the shapes of its tensors. Throws io_error 406, 407.
+GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file);
+
+/// The networks, ready to run. The states of optimisers are skipped. Throws io_error 406, 407, numeric_error 301.
+template <Backend B>
+GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
+  const auto room = detail::room_of(file);
+  NoInit zeros;
+  GuoEvaluator<B> networks(guo_evaluator_config(file), zeros);
+  detail::load_run_module(networks, file, "", [](const std::string& name) { return name.starts_with("opt_"); });
+  prepare(networks);
+  return networks;
+}
+
+/// The file of an evaluator: the path itself, or finest.tar in that folder or in its folder `model`. Throws io_error
+/// 401 if there is none.
+std::filesystem::path guo_evaluator_path(const std::filesystem::path& given);
+/// True if there is such a file and it has the tensors of an evaluator.
+bool is_guo_evaluator(const std::filesystem::path& given);
+/// Sixteen digits that change with any byte of a file. They name the evaluator beside a table, because numbers of
+/// different evaluators cannot be compared. Throws io_error 401.
+std::string guo_fingerprint(const std::filesystem::path& file);
+
+/// The file of an autoencoder: the path itself, or latest.tar in that folder or in its folder `model`. Throws io_error
+/// 401.
+std::filesystem::path movement_autoencoder_path(const std::filesystem::path& given);
+/// The autoencoder in the published checkpoint (Decomp_SP001_SM001_H512/model/latest.tar), from a path as above.
+/// dropout  of the encoder, which no tensor shows
+/// Throws   io_error 401, 406, 407, numeric_error 301
+template <Backend B>
+MovementAutoencoder<B> load_movement_autoencoder(const std::filesystem::path& given, double dropout = 0.2);
+
+/// finest.tar as text_mot_match has it, without the states of the optimisers. `epoch` is a number of the published
+/// form.
+template <Backend B>
+void write_guo_evaluator(const FilePath& path, const GuoEvaluator<B>& networks, Index epoch = 0);
+/// latest.tar as Decomp_... has it, without the states of the optimisers. `steps`: the number of updates.
+template <Backend B>
+void write_movement_autoencoder(const FilePath& path, const MovementAutoencoder<B>& networks, Index epoch = 0,
+                                Index steps = 0);
+
+namespace detail {
+
+/// The tensors of a module as a dictionary of their names.
+template <Module M>
+void add_state_dict(TorchArchive& archive, std::string_view key, const M& module) {
+  TensorStore store;
+  store.add_module(module);
+  archive.begin(key);
+  for (const TensorView& t : store.views()) archive.tensor(t.name, t);
+  archive.end();
+}
+
+}  // namespace detail
+
+template <Backend B>
+MovementAutoencoder<B> load_movement_autoencoder(const std::filesystem::path& given, double dropout) {
+  const WeightFile file = open_weights(movement_autoencoder_path(given), {.path = ""});
+  const RunFolder no_options{};
+  const detail::RunReader t(no_options, file, "");
+  const Index hidden = t.size("movement_enc.main.0.weight", 0), latent = t.size("movement_enc.main.3.weight", 0);
+  const auto room = detail::room_of(file);
+  NoInit zeros;
+  MovementAutoencoder<B> out(t.size("movement_enc.main.0.weight", 1) + 4, hidden, latent, zeros, dropout);
+  detail::load_run_module(out, file, "", [](const std::string& name) { return name.starts_with("opt_"); });
+  return out;
+}
+
+template <Backend B>
+void write_guo_evaluator(const FilePath& path, const GuoEvaluator<B>& networks, Index epoch) {
+  TorchArchive archive;
+  detail::add_state_dict(archive, "text_encoder", networks.text_encoder);
+  detail::add_state_dict(archive, "motion_encoder", networks.motion_encoder);
+  detail::add_state_dict(archive, "movement_encoder", networks.movement_encoder);
+  archive.number("epoch", static_cast<std::int32_t>(epoch));
+  archive.number("iter", 0);
+  write_file(path, archive.finish());
+}
+
+template <Backend B>
+void write_movement_autoencoder(const FilePath& path, const MovementAutoencoder<B>& networks, Index epoch,
+                                Index steps) {
+  TorchArchive archive;
+  detail::add_state_dict(archive, "movement_enc", networks.movement_enc);
+  detail::add_state_dict(archive, "movement_dec", networks.movement_dec);
+  archive.number("ep", static_cast<std::int32_t>(epoch));
+  archive.number("total_it", static_cast<std::int32_t>(steps));
+  write_file(path, archive.finish());
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_GUO_EVALUATOR_FILE_IPP  // <motionlang/weights/guo_evaluator_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_GUO_EVALUATOR_FILE_IPP
+// Bodies of guo_evaluator_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file) {
+  const RunFolder no_options{};
+  const detail::RunReader t(no_options, file, "");
+  const std::string movement = "movement_encoder.main.", text = "text_encoder.";
+  return {.features = t.size(movement + "0.weight", 1) + 4,
+          .movement_hidden = t.size(movement + "0.weight", 0),
+          .movement_latent = t.size(movement + "3.weight", 0),
+          .word = t.size(text + "pos_emb.weight", 0),
+          .pos = t.size(text + "pos_emb.weight", 1),
+          .text_hidden = t.size(text + "hidden", 2),
+          .motion_hidden = t.size("motion_encoder.hidden", 2),
+          .embedding = t.size(text + "output_net.3.weight", 0)};
+}
+
+namespace detail {
+
+/// The file of this name that a path means: itself, or in the folder or its folder `model`. Empty if there is none.
+inline std::filesystem::path checkpoint_at(const std::filesystem::path& given, const char* name) {
+  if (!std::filesystem::is_directory(given)) return std::filesystem::exists(given) ? given : std::filesystem::path();
+  for (const auto& place : {given / name, given / "model" / name}) {
+    if (std::filesystem::exists(place)) return place;
+  }
+  return {};
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::filesystem::path movement_autoencoder_path(const std::filesystem::path& given) {
+  const auto found = detail::checkpoint_at(given, "latest.tar");
+  if (found.empty())
+    raise<io_error>(401, given.string(), ": no latest.tar of a movement autoencoder, and none in its folder model");
+  return found;
+}
+
+MOTIONLANG_BODY std::filesystem::path guo_evaluator_path(const std::filesystem::path& given) {
+  const auto found = detail::checkpoint_at(given, "finest.tar");
+  if (found.empty()) raise<io_error>(401, "`evaluator` ", given.string(), ": no finest.tar and no model/finest.tar");
+  return found;
+}
+
+MOTIONLANG_BODY bool is_guo_evaluator(const std::filesystem::path& given) {
+  const auto found = detail::checkpoint_at(given, "finest.tar");
+  if (found.empty() || found.extension() != ".tar") return false;
+  return open_weights(found, {.path = ""}).find("text_encoder.pos_emb.weight") != nullptr;
+}
+
+MOTIONLANG_BODY std::string guo_fingerprint(const std::filesystem::path& file) {
+  const std::string bytes = read_file(file);
+  return detail::hexadecimal(detail::content_hash(std::as_bytes(std::span(bytes))));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_HPP  // <motionlang/weights/known_caption_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_HPP
+/// The captions of a training in the file of its weights (text/known_captions.hpp).
+///
+///     const auto stmc = load_stmc<B>(path);
+///     const KnownCaptions captions = load_known_captions(path, stmc.text_encoder);
+///
+/// Tensors    captions.codes (captions, width) I8, captions.mean (width) F32, captions.seconds (captions) F32,
+///            captions.then (captions) I16: -1 for an action that repeats, else a line of captions.then; if texts were
+///            tried, captions.done (texts) F32, and codes has their rows behind those of the captions
+/// Metadata   captions: one on each line, and texts that were tried; captions.then: texts for what follows, one on each
+///            line; captions.nearness
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The prefix of the names of their tensors, which are constants.
+inline constexpr const char* caption_tensors = "captions.";
+
+/// None if the file lists no captions. encode: by the text encoder of the file; words: its vectors of words. Throws
+/// io_error 406, 407, config_error 107.
+KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors encode, const WordVectors& words = {});
+
+/// Known captions as tensors and metadata, for a file that is about to be written. Views point into it.
+class StoredCaptions {
+ public:
+  /// Throws config_error 101 for more than 32,767 different texts of what follows.
+  explicit StoredCaptions(const KnownCaptions& captions);
+  void add_to(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata) const;
+
+ private:
+  KnownCaptions captions_;
+  std::vector<float> seconds_{};
+  std::vector<std::int16_t> then_{};
+  std::vector<float> done_{};
+  std::vector<std::string> following_{};
+};
+
+/// Writes the file again with these captions instead of its own. Throws io_error 401.
+void replace_known_captions(const FilePath& path, const KnownCaptions& captions);
+
+/// The captions of a file of ours. encoder: of the same file, with its vectors of words.
+template <class Encoder>
+KnownCaptions load_known_captions(const FilePath& path, const Encoder& encoder) {
+  return stored_known_captions(SafetensorsFile::open(path), text_vectors(encoder), encoder.vectors);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_IPP  // <motionlang/weights/known_caption_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_IPP
+// Bodies of known_caption_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr const char *captions_entry = "captions", *following_entry = "captions.then",
+                            *nearness_entry = "captions.nearness";
+
+inline std::vector<std::string> lines_of_entry(const SafetensorsFile& file, const char* entry) {
+  const auto found = file.metadata().find(entry);
+  if (found == file.metadata().end()) raise<config_error>(107, file.name(), ": metadata '", entry, "' is missing");
+  std::vector<std::string> lines;
+  for_each_line(found->second, [&](std::string_view line, Index) { lines.emplace_back(line); });
+  return lines;
+}
+
+inline double nearness_of(const SafetensorsFile& file) {
+  const std::string text = join_text(lines_of_entry(file, nearness_entry), " ");
+  double value = 0;
+  const auto [end, error] = from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0 && value <= 1))
+    raise<config_error>(107, file.name(), ": metadata '", nearness_entry, "' = '", text, "' is not in 0 ... 1");
+  return value;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors encode,
+                                                    const WordVectors& words) {
+  if (!file.metadata().contains(detail::captions_entry)) return {};
+  auto texts = detail::lines_of_entry(file, detail::captions_entry);
+  const auto following = detail::lines_of_entry(file, detail::following_entry);
+  const std::string prefix = caption_tensors;
+  const TensorView &codes = file.tensor(prefix + "codes"), &mean = file.tensor(prefix + "mean"),
+                   &seconds = file.tensor(prefix + "seconds"), &then = file.tensor(prefix + "then");
+  const auto require = [&](const TensorView& view, DType dtype, const FileShape& shape) {
+    if (view.dtype != dtype || view.shape != shape)
+      raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.dtype, " ", view.shape, ", not ", dtype,
+                      " ", shape);
+  };
+  const auto* tried = file.find(prefix + "done");
+  const Index all = std::ssize(texts), last = tried == nullptr ? 0 : tried->shape.count();
+  const Index count = all - last;
+  if (count < 0)
+    raise<io_error>(407, file.name(), ": tensor '", tried->name, "' is ", tried->shape, " for ", counted(all, "text"));
+  if (tried != nullptr) require(*tried, DType::F32, {last});
+  if (mean.shape.rank() != 1) raise<io_error>(407, file.name(), ": tensor '", mean.name, "' is ", mean.shape);
+  require(mean, DType::F32, {mean.shape[0]});
+  require(codes, DType::I8, {all, mean.shape[0]});
+  require(seconds, DType::F32, {count});
+  require(then, DType::I16, {count});
+  const auto lengths = values_of<float>(seconds);
+  const auto numbers = values_of<std::int16_t>(then);
+  std::vector<KnownAction> actions;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    if (numbers[i] >= std::ssize(following))
+      raise<config_error>(107, file.name(), ": caption ", i, " is followed by text ", numbers[i], " of ",
+                          following.size());
+    actions.push_back({.seconds = static_cast<double>(lengths[i]), .repeats = numbers[i] < 0});
+    if (numbers[i] >= 0) actions.back().then = following[static_cast<std::size_t>(numbers[i])];
+  }
+  std::vector<double> done;
+  if (tried != nullptr) done = values_of<double>(*tried);
+  return {TextTable(std::move(texts), values_of<std::int8_t>(codes), values_of<float>(mean), std::move(encode), words,
+                    file.name()),
+          std::move(actions), detail::nearness_of(file), std::move(done), file.name()};
+}
+
+MOTIONLANG_BODY StoredCaptions::StoredCaptions(const KnownCaptions& captions) : captions_(captions) {
+  for (const KnownAction& action : captions_.actions()) {
+    seconds_.push_back(static_cast<float>(action.seconds));
+    if (action.repeats) {
+      then_.push_back(-1);
+      continue;
+    }
+    auto found = std::find(following_.begin(), following_.end(), action.then);
+    if (found == following_.end()) found = following_.insert(found, action.then);
+    if (std::ssize(following_) > std::numeric_limits<std::int16_t>::max())
+      raise<config_error>(101, "known captions: ", following_.size(), " different texts follow actions");
+    then_.push_back(static_cast<std::int16_t>(found - following_.begin()));
+  }
+  for (const double share : captions_.done()) done_.push_back(static_cast<float>(share));
+}
+
+MOTIONLANG_BODY void StoredCaptions::add_to(std::vector<TensorView>& tensors,
+                                            std::map<std::string, std::string>& metadata) const {
+  if (captions_.empty()) return;
+  const TextTable& table = captions_.table();
+  const Index all = table.size(), count = std::ssize(seconds_), width = std::ssize(table.mean());
+  const std::string prefix = caption_tensors;
+  metadata[detail::captions_entry] = join_text(table.texts(), "\n");
+  metadata[detail::following_entry] = join_text(following_, "\n");
+  metadata[detail::nearness_entry] = concat_text(captions_.nearness());
+  tensors.push_back(tensor_view(prefix + "codes", {all, width}, table.codes()));
+  tensors.push_back(tensor_view(prefix + "mean", {width}, table.mean()));
+  tensors.push_back(tensor_view(prefix + "seconds", {count}, std::span<const float>(seconds_)));
+  tensors.push_back(tensor_view(prefix + "then", {count}, std::span<const std::int16_t>(then_)));
+  if (!done_.empty())
+    tensors.push_back(tensor_view(prefix + "done", {std::ssize(done_)}, std::span<const float>(done_)));
+}
+
+MOTIONLANG_BODY void replace_known_captions(const FilePath& path, const KnownCaptions& captions) {
+  const auto file = SafetensorsFile::open(path);
+  std::vector<TensorView> tensors;
+  for (const TensorView& t : file.tensors()) {
+    if (!t.name.starts_with(caption_tensors)) tensors.push_back(t);
+  }
+  auto metadata = file.metadata();
+  for (const char* entry : {detail::captions_entry, detail::following_entry, detail::nearness_entry})
+    metadata.erase(entry);
+  const StoredCaptions stored(captions);
+  stored.add_to(tensors, metadata);
+  write_safetensors(path, tensors, metadata);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_MODEL_SYSTEM_HPP  // <motionlang/weights/model_system.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_MODEL_SYSTEM_HPP
+/// The system of a model: of a folder or a file that was trained here, or of a published folder.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct ModelSystem {
+  std::string name;   // "stmc", "tmr", "classifier", ...; "": a folder of an unknown system
+  bool ours = false;  // it was trained here
+
+  /// True if its motions are those of a diffusion model of texts, so that timelines are measured.
+  bool is_diffusion() const { return name == "stmc" || name == "mdm" || name == "motiondiffuse"; }
+};
+/// A .safetensors file, alone or in a folder without a config.json, is an STMC of ours. Throws what find_run and
+/// read_model_folder throw.
+ModelSystem model_system(const FilePath& model);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_MODEL_SYSTEM_IPP  // <motionlang/weights/model_system.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_MODEL_SYSTEM_IPP
+// Bodies of model_system.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY ModelSystem model_system(const FilePath& model) {
+  namespace fs = std::filesystem;
+  const fs::path folder = model.string();
+  if (!fs::is_directory(folder)) return {"stmc", true};
+  const std::string found = system_of_run(model);
+  if (!found.empty() && found != "motionlang") return {found, false};
+  const auto is_weights = [](const auto& entry) { return entry.path().extension() == ".safetensors"; };
+  if (!fs::exists(folder / "config.json") && std::ranges::any_of(fs::directory_iterator(folder), is_weights))
+    return {"stmc", true};
+  return {read_model_folder(model).system, true};
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -24765,84 +24308,8 @@ MOTIONLANG_NAMESPACE_END
 /// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; guidance and sampling
 ///             ("ddpm 20": sampler and steps), the recommended values, which are optional; and, for readers: license,
 ///             provenance, data, command, commit. Nothing in the file is executed. Word vectors are stored as in
-///             weights/word_vector_file.hpp, with the prefix text_encoder.vectors.
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP  // <motionlang/weights/word_vector_file.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP
-/// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
-///
-///     write_word_vectors("words.safetensors", table, {{"license", "PDDL 1.0"}});
-///     const WordVectors vectors = read_word_vectors("words.safetensors");
-///
-/// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
-/// Metadata   vector_words: a word on each line, sorted; for people: license, provenance
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The vectors of a file whose tensors begin with `prefix`; none if it has no list of words. Throws io_error 406, 407,
-/// config_error 107.
-WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix = "");
-/// Adds them to what is about to be written. The views are of `vectors`, which has to outlive them.
-void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
-                        const WordVectors& vectors, const std::string& prefix = "");
-
-/// Throws config_error 103 if the file has no word vectors, and what stored_word_vectors throws.
-WordVectors read_word_vectors(const FilePath& path);
-/// Throws io_error 401.
-void write_word_vectors(const FilePath& path, const WordVectors& vectors,
-                        const std::map<std::string, std::string>& about = {});
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP  // <motionlang/weights/word_vector_file.ipp>
-#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP
-// Bodies of word_vector_file.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-inline constexpr const char* vector_words_entry = "vector_words";
-}  // namespace detail
-
-MOTIONLANG_BODY WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix) {
-  const auto found = file.metadata().find(detail::vector_words_entry);
-  if (found == file.metadata().end()) return {};
-  const TensorView &codes = file.tensor(prefix + "codes"), &scales = file.tensor(prefix + "scales");
-  std::vector<std::string> words;
-  detail::for_each_line(found->second, [&](std::string_view word, Index) { words.emplace_back(word); });
-  if (scales.shape.rank() != 1 || codes.dtype != DType::I8 ||
-      codes.shape != FileShape{std::ssize(words), scales.shape[0]})
-    raise<io_error>(407, file.name(), ": tensors '", codes.name, "' (", codes.dtype, ", ", codes.shape, ") and '",
-                    scales.name, "' ", scales.shape, " are not vectors of ", counted(words.size(), "word"));
-  return {std::move(words), values_of<std::int8_t>(codes), values_of<float>(scales), file.name()};
-}
-
-MOTIONLANG_BODY void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
-                                        const WordVectors& vectors, const std::string& prefix) {
-  if (vectors.empty()) return;
-  metadata[detail::vector_words_entry] = join_text(vectors.words(), "\n");
-  tensors.push_back(tensor_view(prefix + "codes", {vectors.size(), vectors.width()}, vectors.codes()));
-  tensors.push_back(tensor_view(prefix + "scales", {vectors.width()}, vectors.scales()));
-}
-
-MOTIONLANG_BODY WordVectors read_word_vectors(const FilePath& path) {
-  const auto file = SafetensorsFile::open(path);
-  WordVectors out = stored_word_vectors(file);
-  if (out.empty()) raise<config_error>(103, file.name(), ": metadata '", detail::vector_words_entry, "' is missing");
-  return out;
-}
-
-MOTIONLANG_BODY void write_word_vectors(const FilePath& path, const WordVectors& vectors,
-                                        const std::map<std::string, std::string>& about) {
-  std::vector<TensorView> tensors;
-  auto metadata = about;
-  store_word_vectors(tensors, metadata, vectors);
-  write_safetensors(path, tensors, metadata);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
+///             weights/word_vector_file.hpp, with the prefix text_encoder.vectors; the captions of the training as in
+///             weights/known_caption_file.hpp
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -24928,7 +24395,9 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   check_sizes(file, c, tokenizer.size(), vectors.width());
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{}, std::move(vectors));
   KeyReport report = load_module_partly(model, file, "", LoadFor::inference);
-  std::erase_if(report.unexpected, [](const std::string& name) { return name.starts_with(detail::vector_tensors); });
+  std::erase_if(report.unexpected, [](const std::string& name) {
+    return name.starts_with(detail::vector_tensors) || name.starts_with(caption_tensors);
+  });
   if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);
   return model;
 }
@@ -24938,16 +24407,20 @@ Stmc<B> load_stmc(const FilePath& path) {
   return load_stmc<B>(SafetensorsFile::open(path));
 }
 
-/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. Throws io_error 401,
-/// config_error 102 if `about` would overwrite an entry of the model.
+/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. captions: those of its
+/// training, if they are to be stored. Throws io_error 401, config_error 102 if `about` would overwrite an entry of the
+/// model.
 template <Backend B>
 void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig& config,
-               const std::map<std::string, std::string>& about, DType dtype = DType::F16) {
+               const std::map<std::string, std::string>& about, DType dtype = DType::F16,
+               const KnownCaptions& captions = {}) {
   TensorStore store;
   store.add_module(model, "", dtype);
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
   auto tensors = store.views();
   store_word_vectors(tensors, metadata, model.text_encoder.vectors, detail::vector_tensors);
+  const StoredCaptions stored(captions);
+  stored.add_to(tensors, metadata);
   detail::add_metadata(metadata, about, "model", path.string());
   write_safetensors(path, tensors, metadata);
 }
@@ -25194,6 +24667,14 @@ StmcCheckpoint<B> load_stmc(const FilePath& path, const CheckpointOptions& optio
   return any(std::move(stmc), std::move(denoiser), std::move(text));
 }
 
+/// The captions that a model of ours learned from, if its file has them. Throws what stored_known_captions throws.
+template <Backend B>
+KnownCaptions load_known_captions(const FilePath& path, const StmcCheckpoint<B>& stmc) {
+  const StmcPlace place = stmc_place(path);
+  if (place.run || !stmc.text_encoder.captions) return {};
+  return load_known_captions(FilePath(place.file), *stmc.text_encoder.captions);
+}
+
 MOTIONLANG_NAMESPACE_END
 #endif
 
@@ -25201,9 +24682,9 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_WEIGHTS_STMC_RECORD_HPP
 /// The record of an STMC run in one safetensors file, for edits in another process.
 ///
-/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the
-///            generator and the options of the run; for a body other than the human one body/parts, the names joined by
-///            " # ", and body/path
+/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp; if there
+///            are several: "bf16, fp32 from text_encoder.embedding.weight"), the generator and the options of the run;
+///            for a body other than the human one body/parts, the names joined by " # ", and body/path
 /// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame,
 ///            end, body parts as bits; their texts are metadata text/0/0, ...
 
@@ -25229,14 +24710,34 @@ struct RecordAbout {
   Index rows = 0;
   bool exact = true;
 };
-/// The weights of a model and the precision in which they are used.
+/// The precisions of a model's products: "bf16", or "bf16, fp32 from text_encoder.embedding.weight" if they change from
+/// one weight to the next, in the order of its fields.
+template <Module M>
+std::string weights_precision(const M& model) {
+  using B = module_backend<M>;
+  Precision last = product_precision();
+  std::string out;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (!has_panels<B>(t.rank)) continue;
+      const Precision own = B::precision_of(*t.data);
+      if (out.empty())
+        out = precision_name(own);
+      else if (own != last)
+        out += concat_text(", ", precision_name(own), " from ", t.path);
+      last = own;
+    }
+  }
+  return out.empty() ? precision_name(last) : out;
+}
+
+/// The weights of a model and the precisions in which they are used.
 struct RecordModel {
-  std::string checksum;
-  Precision precision;
+  std::string checksum, precision;
 };
 template <Module M>
 RecordModel record_model(const M& model) {
-  return {weights_checksum(model), precision_of(model)};
+  return {weights_checksum(model), weights_precision(model)};
 }
 /// Guidance and sampling are set in the options. The timelines go into the store.
 Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps, TensorStore& store);
@@ -25352,7 +24853,7 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const RecordMod
       {"record", "stmc"},
       {"format", "1"},
       {"model", model.checksum},
-      {"precision", precision_name(model.precision)},
+      {"precision", model.precision},
       {"seed", text(run.rng.seed)},
       {"stream", text(run.rng.stream)},
       {"timelines", text(run.timelines.size())},
@@ -25394,9 +24895,8 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const Recor
   if (word("model") != model.checksum)
     raise<config_error>(102, name, ": made with weights of checksum ", word("model"), ", these have ", model.checksum,
                         "; the same weights have another checksum in another scalar, which other backends may use");
-  const std::string precision = precision_name(model.precision);
-  if (word("precision") != precision)
-    raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", precision);
+  if (word("precision") != model.precision)
+    raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", model.precision);
   RecordAbout out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};
   out.rows = metadata_size(m, "rows", latest_time, name);
   out.exact = word("exact") == "1";
@@ -25578,181 +25078,35 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_VIEW_BODY_VIEW_HPP  // <motionlang/view/body_view.hpp>
-#define MOTIONLANG_HAS_VIEW_BODY_VIEW_HPP
-/// Motions on a body, in a format chosen by the extension: a GLB file with its skin, a page, or an OBJ file for each
-/// frame.
-///
-///     auto body = read_body<B>("SMPLH_NEUTRAL.npz");
-///     write_on_body("walk.glb", body, std::span(&motion, 1));
-
-#ifndef MOTIONLANG_HAS_VIEW_BODY_VIEWER_HPP  // <motionlang/view/body_viewer.hpp>
-#define MOTIONLANG_HAS_VIEW_BODY_VIEWER_HPP
-/// A page that shows motions on the user's own body instead of the figure of cones (which a browser without WebGL still
-/// shows). The page contains the surface of the body at rest. So a user who may not share the body may not share the
-/// page.
-
-#ifndef MOTIONLANG_HAS_VIEW_VIEWER_HPP  // <motionlang/view/viewer.hpp>
-#define MOTIONLANG_HAS_VIEW_VIEWER_HPP
-/// A page that plays motions: one self-contained HTML file, drawn with WebGL (without it, on a 2D canvas), with the
-/// texts of a timeline below the figure.
-
-#ifndef MOTIONLANG_HAS_VIEW_TRACK_HPP  // <motionlang/view/track.hpp>
-#define MOTIONLANG_HAS_VIEW_TRACK_HPP
-/// A row of a timeline as pictures show it: a text, its times, and its parts of the body.
+#ifndef MOTIONLANG_HAS_VIEW_BAR_CHART_HPP  // <motionlang/view/bar_chart.hpp>
+#define MOTIONLANG_HAS_VIEW_BAR_CHART_HPP
+/// Horizontal bars as a picture: shares that add up to one bar, or values beside each other.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-struct Track {
-  std::string text;
-  double start = 0, end = 0;         // seconds
-  std::vector<std::string> parts{};  // names of body parts; empty: the whole body
+/// A line of the picture, or several below each other if the chart is not stacked.
+struct BarGroup {
+  std::string name;
+  std::vector<double> values;  // of each series; 0 or more
+  double low = 0, high = 0;    // an interval on the axis, drawn as a line with ends; the same: none
+};
+struct BarChart {
+  std::string title;
+  std::vector<std::string> series;  // names of the values
+  std::vector<BarGroup> groups;
+  bool stacked = false;  // the values of a group continue each other
+  double mark = -1;      // a dashed line at this value, below 0: none
 };
 
-namespace detail {
-
-void require_finite_times(const char* who, std::span<const Track> tracks);
-
-}  // namespace detail
+/// The picture as SVG. Throws config_error 101 for a group with another number of values than there are series, and for
+/// a value that is negative or not finite.
+std::string bar_chart_svg(const BarChart& chart);
 
 MOTIONLANG_NAMESPACE_END
 
-#ifndef MOTIONLANG_HAS_VIEW_TRACK_IPP  // <motionlang/view/track.ipp>
-#define MOTIONLANG_HAS_VIEW_TRACK_IPP
-// Bodies of track.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-MOTIONLANG_BODY void require_finite_times(const char* who, std::span<const Track> tracks) {
-  for (const Track& t : tracks) {
-    if (!std::isfinite(t.start + t.end))
-      raise<config_error>(101, who, ": track '", t.text, "' from ", t.start, " s to ", t.end, " s");
-  }
-}
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct ViewerOptions {
-  std::string title{};    // "": the name of the first motion
-  std::string info{};     // a line beside it: model, seed, ...
-  bool autoplay = false;  // start at once (never for readers who ask for less movement)
-};
-
-/// One of several motions of a page.
-struct ViewerMotion {
-  Motion motion;
-  std::vector<Track> tracks{};
-  std::string note{};  // shown beside ViewerOptions::info while this motion is chosen
-};
-
-namespace detail {
-
-/// The page with the user's body instead of the figures. The motions must be on the joints of the skeleton.
-std::string body_viewer_page(std::span<const ViewerMotion> motions, const SkinnedMesh<std::uint16_t>& mesh,
-                             const Skeleton& skeleton, const ViewerOptions& options);
-
-}  // namespace detail
-
-/// The page as text.
-/// tracks  rows below the figure; times in seconds from the start of the motion
-/// Throws  config_error 101 without any motion or frame, or for times that are not finite; what Motion::validate
-///         throws; numeric_error 301 for a place that single precision cannot hold
-std::string viewer_html(const Motion& motion, std::span<const Track> tracks = {}, const ViewerOptions& options = {});
-std::string viewer_html(std::span<const ViewerMotion> motions, const ViewerOptions& options = {});
-
-/// Throws io_error 401, and what viewer_html throws.
-void write_viewer(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
-                  const ViewerOptions& options = {});
-/// Several motions, from which the reader chooses.
-void write_viewer(const FilePath& path, std::span<const ViewerMotion> motions, const ViewerOptions& options = {});
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_VIEW_VIEWER_IPP  // <motionlang/view/viewer.ipp>
-#define MOTIONLANG_HAS_VIEW_VIEWER_IPP
-// Bodies of viewer.hpp.
-
-#ifndef MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_POSE_HPP  // <motionlang/formats/detail/figure_pose.hpp>
-#define MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_POSE_HPP
-/// A figure in the pose of a frame: the places of its cones, and the floor.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-struct ConeEnds {
-  Vec3<double> from, to;
-};
-
-inline ConeEnds cone_ends(const JointTransforms<double>& world, const RoundCone& c) {
-  const auto j = static_cast<std::size_t>(c.joint);
-  return {world.position[j] + world.rotation[j] * c.from, world.position[j] + world.rotation[j] * c.to};
-}
-
-/// The floor under a body, and its highest point in all frames. The floor is the height of the lowest point in most
-/// frames (the lower quartile). The minimum would be too low, because the tip of a foot that pushes off dips for a
-/// moment.
-struct Heights {
-  double floor = 0, high = std::numeric_limits<double>::lowest();
-};
-/// Throws numeric_error 301 for a place that does not fit into single precision, which pages use.
-Heights heights(const Motion& motion, const Figure& figure);
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_POSE_IPP  // <motionlang/formats/detail/figure_pose.ipp>
-#define MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_POSE_IPP
-// Bodies of figure_pose.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-MOTIONLANG_BODY Heights heights(const Motion& motion, const Figure& figure) {
-  const auto require_near = [&](const Vec3<double>& p, int joint, Index frame) {
-    const double most = std::numeric_limits<float>::max();
-    if (!(std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most))
-      raise<numeric_error>(301, "Motion '", motion.name, "': joint '", motion.skeleton.name(joint), "' of frame ",
-                           frame, " or one of its children is at (", p.x, ", ", p.y, ", ", p.z,
-                           "), too far to be drawn");
-  };
-  Heights h;
-  std::vector<double> lows;
-  JointTransforms<double> world;
-  for (Index frame = 0; frame < motion.frames(); ++frame) {
-    motion.world(frame, world);
-    for (int j = 0; j < motion.skeleton.size(); ++j)
-      require_near(world.position[static_cast<std::size_t>(j)], j, frame);
-    double low = std::numeric_limits<double>::max();
-    for (const RoundCone& c : figure.cones) {
-      const auto [from, to] = cone_ends(world, c);
-      require_near(from, c.joint, frame), require_near(to, c.joint, frame);
-      low = std::min({low, from.y - c.radius_from, to.y - c.radius_to});
-      h.high = std::max({h.high, from.y + c.radius_from, to.y + c.radius_to});
-    }
-    lows.push_back(low);
-  }
-  if (lows.empty()) return h;
-  const std::size_t quarter = lows.size() / 4;
-  h.floor = nth_smallest(std::move(lows), quarter);
-  return h;
-}
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
+#ifndef MOTIONLANG_HAS_VIEW_BAR_CHART_IPP  // <motionlang/view/bar_chart.ipp>
+#define MOTIONLANG_HAS_VIEW_BAR_CHART_IPP
+// Bodies of bar_chart.hpp.
 
 #ifndef MOTIONLANG_HAS_VIEW_DETAIL_MARKUP_HPP  // <motionlang/view/detail/markup.hpp>
 #define MOTIONLANG_HAS_VIEW_DETAIL_MARKUP_HPP
@@ -25831,6 +25185,414 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_VIEW_DETAIL_PLOT_AXES_HPP  // <motionlang/view/detail/plot_axes.hpp>
+#define MOTIONLANG_HAS_VIEW_DETAIL_PLOT_AXES_HPP
+/// Common parts of plots: colours, numbers, letters, and round values for the marks of an axis.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+namespace curves {
+
+inline constexpr std::array<const char*, 8> colours{"#2676ba", "#d1495b", "#3a7d44", "#8a5aa8",
+                                                    "#d98324", "#4b4e53", "#17a2a8", "#b0a12f"};
+
+inline std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", x);
+  return text;
+}
+
+inline std::string label(double x, double y, const std::string& text, const char* colour = "#555") {
+  return concat_text("<text x='", x, "' y='", y, "' font-family='sans-serif' font-size='13' fill='", colour, "'>", text,
+                     "</text>");
+}
+
+}  // namespace curves
+
+/// From 4 to 10 multiples of 1, 2 or 5 times a power of ten between two values.
+inline std::vector<double> plot_ticks(double low, double high) {
+  std::vector<double> out;
+  const double size = high - low;
+  if (!(size > 0 && std::isfinite(size))) return {low};
+  double step = std::pow(10, std::floor(std::log10(size)));
+  step *= size / step < 2 ? 0.2 : size / step < 5 ? 0.5 : 1;
+  const double slack = 1e-9 * step;
+  for (double k = std::ceil((low - slack) / step); k * step <= high + slack; ++k) out.push_back(k == 0 ? 0 : k * step);
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The end of the axis: the longest bar or interval.
+inline double longest_bar(const BarChart& chart) {
+  double out = std::max(chart.mark, 0.0);
+  for (const BarGroup& g : chart.groups) {
+    double sum = 0;
+    if (g.values.size() != chart.series.size())
+      raise<config_error>(101, "bar chart: '", g.name, "' has ", counted(g.values.size(), "value"), " for ",
+                          chart.series.size(), " series");
+    for (const double v : g.values) {
+      if (!(v >= 0 && std::isfinite(v))) raise<config_error>(101, "bar chart: '", g.name, "' has the value ", v);
+      sum += v;
+      out = std::max(out, v);
+    }
+    if (chart.stacked) out = std::max(out, sum);
+    if (g.high > g.low) out = std::max(out, g.high);
+  }
+  return out > 0 ? out : 1;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string bar_chart_svg(const BarChart& chart) {
+  using namespace detail;
+  constexpr double width = 1000, left = 210, right = 40, top = 66, bar = 16, gap = 12;
+  const double longest = longest_bar(chart), unit = (width - left - right) / longest;
+  const auto bars = chart.stacked ? 1.0 : std::max(1.0, static_cast<double>(chart.series.size()));
+  const double row = bars * bar + gap, end = top + row * static_cast<double>(chart.groups.size());
+  std::string out = concat_text("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 ", fixed(width), " ",
+                                fixed(end + 34), "'><rect width='100%' height='100%' fill='white'/>");
+  out += curves::label(16, 24, escape_markup(chart.title), "#222");
+  double legend = left;
+  for (std::size_t s = 0; s < chart.series.size(); ++s) {
+    const char* colour = curves::colours[s % curves::colours.size()];
+    out += concat_text("<rect x='", fixed(legend), "' y='36' width='12' height='12' fill='", colour, "'/>");
+    out += curves::label(legend + 17, 47, escape_markup(chart.series[s]));
+    legend += 40 + 7.5 * static_cast<double>(chart.series[s].size());
+  }
+  for (const double t : plot_ticks(0, longest)) {
+    const double x = left + t * unit;
+    out += concat_text("<path d='M", fixed(x), " ", fixed(top - 4), "V", fixed(end), "' stroke='#e2e6ea'/>");
+    out += curves::label(x - 8, end + 18, curves::number(t));
+  }
+  for (std::size_t g = 0; g < chart.groups.size(); ++g) {
+    const BarGroup& group = chart.groups[g];
+    const double y = top + row * static_cast<double>(g);
+    out += curves::label(16, y + bars * bar / 2 + 5, escape_markup(group.name));
+    double x = left;
+    for (std::size_t s = 0; s < group.values.size(); ++s) {
+      const double at = chart.stacked ? y : y + bar * static_cast<double>(s);
+      out += concat_text("<rect class='bar' x='", fixed(x, 2), "' y='", fixed(at), "' width='",
+                         fixed(group.values[s] * unit, 2), "' height='", fixed(bar - 1), "' fill='",
+                         curves::colours[s % curves::colours.size()], "'/>");
+      if (chart.stacked) x += group.values[s] * unit;
+    }
+    if (group.high > group.low) {
+      const double a = left + group.low * unit, b = left + group.high * unit, middle = y + bars * bar / 2;
+      out += concat_text("<path class='interval' d='M", fixed(a), " ", fixed(middle - 5), "v10m0 -5H", fixed(b),
+                         "m0 -5v10' fill='none' stroke='#222' stroke-width='1.5'/>");
+    }
+  }
+  if (chart.mark >= 0)
+    out += concat_text("<path d='M", fixed(left + chart.mark * unit), " ", fixed(top - 6), "V", fixed(end + 4),
+                       "' stroke='#d1495b' stroke-width='1.5' stroke-dasharray='5 4'/>");
+  return out + "</svg>\n";
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_VIEW_BODY_VIEW_HPP  // <motionlang/view/body_view.hpp>
+#define MOTIONLANG_HAS_VIEW_BODY_VIEW_HPP
+/// Motions on a body, in a format chosen by the extension: a GLB file with its skin, a page, or an OBJ file for each
+/// frame.
+///
+///     auto body = read_body<B>("SMPLH_NEUTRAL.npz");
+///     write_on_body("walk.glb", body, std::span(&motion, 1));
+
+#ifndef MOTIONLANG_HAS_VIEW_BODY_VIEWER_HPP  // <motionlang/view/body_viewer.hpp>
+#define MOTIONLANG_HAS_VIEW_BODY_VIEWER_HPP
+/// A page that shows motions on the user's own body instead of the figure of cones (which a browser without WebGL still
+/// shows). The page contains the surface of the body at rest. So a user who may not share the body may not share the
+/// page.
+
+#ifndef MOTIONLANG_HAS_VIEW_VIEWER_HPP  // <motionlang/view/viewer.hpp>
+#define MOTIONLANG_HAS_VIEW_VIEWER_HPP
+/// A page that plays motions: one self-contained HTML file, drawn with WebGL (without it, on a 2D canvas), with the
+/// texts of a timeline below the figure.
+
+#ifndef MOTIONLANG_HAS_VIEW_TRACK_HPP  // <motionlang/view/track.hpp>
+#define MOTIONLANG_HAS_VIEW_TRACK_HPP
+/// A row of a timeline as pictures show it: a text, its times, and its parts of the body.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The name of all parts together.
+inline constexpr const char* whole_body = "whole body";
+
+struct Track {
+  std::string text;
+  double start = 0, end = 0;         // seconds
+  std::vector<std::string> parts{};  // names of body parts; empty, or only whole_body: all of them
+};
+
+namespace detail {
+
+void require_finite_times(const char* who, std::span<const Track> tracks);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_TRACK_IPP  // <motionlang/view/track.ipp>
+#define MOTIONLANG_HAS_VIEW_TRACK_IPP
+// Bodies of track.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY void require_finite_times(const char* who, std::span<const Track> tracks) {
+  for (const Track& t : tracks) {
+    if (!std::isfinite(t.start + t.end))
+      raise<config_error>(101, who, ": track '", t.text, "' from ", t.start, " s to ", t.end, " s");
+  }
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct ViewerOptions {
+  std::string title{};    // "": the name of the first motion
+  std::string info{};     // a line beside it: model, seed, ...
+  bool autoplay = false;  // start at once (never for readers who ask for less movement)
+};
+
+/// One of several motions of a page.
+struct ViewerMotion {
+  Motion motion;
+  std::vector<Track> tracks{};
+  std::string note{};  // shown beside ViewerOptions::info while this motion is chosen
+};
+
+namespace detail {
+
+/// The page with the user's body instead of the figures. The motions must be on the joints of the skeleton.
+std::string body_viewer_page(std::span<const ViewerMotion> motions, const SkinnedMesh<std::uint16_t>& mesh,
+                             const Skeleton& skeleton, const ViewerOptions& options);
+
+}  // namespace detail
+
+/// The page as text.
+/// tracks  rows below the figure; times in seconds from the start of the motion
+/// Throws  config_error 101 without any motion or frame, or for times that are not finite; what Motion::validate
+///         throws; numeric_error 301 for a place that single precision cannot hold
+std::string viewer_html(const Motion& motion, std::span<const Track> tracks = {}, const ViewerOptions& options = {});
+std::string viewer_html(std::span<const ViewerMotion> motions, const ViewerOptions& options = {});
+
+/// Throws io_error 401, and what viewer_html throws.
+void write_viewer(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
+                  const ViewerOptions& options = {});
+/// Several motions, from which the reader chooses.
+void write_viewer(const FilePath& path, std::span<const ViewerMotion> motions, const ViewerOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_VIEWER_IPP  // <motionlang/view/viewer.ipp>
+#define MOTIONLANG_HAS_VIEW_VIEWER_IPP
+// Bodies of viewer.hpp.
+
+#ifndef MOTIONLANG_HAS_VIEW_DETAIL_PAGE_PARTS_HPP  // <motionlang/view/detail/page_parts.hpp>
+#define MOTIONLANG_HAS_VIEW_DETAIL_PAGE_PARTS_HPP
+/// Pieces of self-contained pages that play motions: the motions as JSON, and the page around data and program. The
+/// bodies of the pages include it.
+
+#ifndef MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_POSE_HPP  // <motionlang/formats/detail/figure_pose.hpp>
+#define MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_POSE_HPP
+/// A figure in the pose of a frame: the places of its cones, and the floor.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+struct ConeEnds {
+  Vec3<double> from, to;
+};
+
+inline ConeEnds cone_ends(const JointTransforms<double>& world, const RoundCone& c) {
+  const auto j = static_cast<std::size_t>(c.joint);
+  return {world.position[j] + world.rotation[j] * c.from, world.position[j] + world.rotation[j] * c.to};
+}
+
+/// The floor under a body, and its highest point in all frames. The floor is the height of the lowest point in most
+/// frames (the lower quartile). The minimum would be too low, because the tip of a foot that pushes off dips for a
+/// moment.
+struct Heights {
+  double floor = 0, high = std::numeric_limits<double>::lowest();
+};
+/// Throws numeric_error 301 for a place that does not fit into single precision, which pages use.
+Heights heights(const Motion& motion, const Figure& figure);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_POSE_IPP  // <motionlang/formats/detail/figure_pose.ipp>
+#define MOTIONLANG_HAS_FORMATS_DETAIL_FIGURE_POSE_IPP
+// Bodies of figure_pose.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY Heights heights(const Motion& motion, const Figure& figure) {
+  const auto require_near = [&](const Vec3<double>& p, int joint, Index frame) {
+    const double most = std::numeric_limits<float>::max();
+    if (!(std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most))
+      raise<numeric_error>(301, "Motion '", motion.name, "': joint '", motion.skeleton.name(joint), "' of frame ",
+                           frame, " or one of its children is at (", p.x, ", ", p.y, ", ", p.z,
+                           "), too far to be drawn");
+  };
+  Heights h;
+  std::vector<double> lows;
+  JointTransforms<double> world;
+  for (Index frame = 0; frame < motion.frames(); ++frame) {
+    motion.world(frame, world);
+    for (int j = 0; j < motion.skeleton.size(); ++j)
+      require_near(world.position[static_cast<std::size_t>(j)], j, frame);
+    double low = std::numeric_limits<double>::max();
+    for (const RoundCone& c : figure.cones) {
+      const auto [from, to] = cone_ends(world, c);
+      require_near(from, c.joint, frame), require_near(to, c.joint, frame);
+      low = std::min({low, from.y - c.radius_from, to.y - c.radius_to});
+      h.high = std::max({h.high, from.y + c.radius_from, to.y + c.radius_to});
+    }
+    lows.push_back(low);
+  }
+  if (lows.empty()) return h;
+  const std::size_t quarter = lows.size() / 4;
+  h.floor = nth_smallest(std::move(lows), quarter);
+  return h;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Root positions as float32, then local rotations x, y, z, w as int16, 32767 for 1: 12 + 8 joints bytes per frame. The
+/// error of a rotation is below 1e-4 rad.
+inline std::string pack_motion(const Motion& motion) {
+  std::vector<std::byte> bytes;
+  for (const Vec3<double>& p : motion.root) append_value(bytes, vec_cast<float>(p));
+  for (const Quaternion<double>& q : motion.local) {
+    const Quaternion<double> u = normalized(q);
+    for (const double x : {u.x, u.y, u.z, u.w}) append_value(bytes, static_cast<std::int16_t>(std::lround(32767 * x)));
+  }
+  return to_base64(bytes);
+}
+
+/// Rounds lengths to the hundredth of a millimetre, which gives short text.
+inline double rounded(double x) { return std::round(x * 1e5) / 1e5; }
+inline nlohmann::ordered_json rounded(const Vec3<double>& v) {
+  return nlohmann::ordered_json::array({rounded(v.x), rounded(v.y), rounded(v.z)});
+}
+
+inline nlohmann::ordered_json viewer_json(const Motion& motion, std::span<const Track> tracks,
+                                          const std::string& note) {
+  using json = nlohmann::ordered_json;
+  const Figure figure = make_figure(motion.skeleton);
+  json offsets = json::array(), cones = json::array(), rows = json::array();
+  for (const Vec3<double>& o : motion.skeleton.offsets) offsets.push_back(rounded(o));
+  for (const RoundCone& c : figure.cones) {
+    json cone = json::array({c.joint});
+    for (const Vec3<double>& p : {c.from, c.to}) {
+      for (const double x : {p.x, p.y, p.z}) cone.push_back(rounded(x));
+    }
+    cone.push_back(rounded(c.radius_from));
+    cone.push_back(rounded(c.radius_to));
+    cone.push_back(static_cast<int>(c.side));
+    cones.push_back(std::move(cone));
+  }
+  for (const Track& t : tracks) {
+    rows.push_back({{"text", t.text}, {"start", t.start}, {"end", t.end}, {"parts", t.parts}});
+  }
+  return {{"name", motion.name},
+          {"note", note},
+          {"fps", motion.fps},
+          {"frames", motion.frames()},
+          {"floor", rounded(heights(motion, figure).floor)},
+          {"size", rounded(figure.size)},
+          {"parents", motion.skeleton.parents},
+          {"offsets", std::move(offsets)},
+          {"cones", std::move(cones)},
+          {"tracks", std::move(rows)},
+          {"data", pack_motion(motion)}};
+}
+
+/// Motions that share their figures, as { "figures": [...], "motions": [...] }. The member "figure" of a motion is the
+/// number of its figure.
+class SharedMotions {
+ public:
+  /// Throws config_error 101 without a frame, and what Motion::validate and the figure throw. `what` begins messages.
+  void add(const char* what, const Motion& motion, std::span<const Track> tracks, const std::string& note) {
+    motion.validate();
+    if (motion.frames() == 0) raise<config_error>(101, what, ": motion '", motion.name, "' has no frames");
+    require_finite_times(what, tracks);
+    nlohmann::ordered_json one = viewer_json(motion, tracks, note), figure;
+    for (const char* member : {"size", "parents", "offsets", "cones"}) {
+      figure[member] = std::move(one[member]);
+      one.erase(member);
+    }
+    std::size_t number = 0;
+    while (number < figures_.size() && figures_[number] != figure) ++number;
+    if (number == figures_.size()) figures_.push_back(std::move(figure));
+    one["figure"] = number;
+    motions_.push_back(std::move(one));
+  }
+  void put_into(nlohmann::ordered_json& page) && {
+    page["figures"] = std::move(figures_);
+    page["motions"] = std::move(motions_);
+  }
+
+ private:
+  nlohmann::ordered_json figures_ = nlohmann::ordered_json::array(), motions_ = nlohmann::ordered_json::array();
+};
+
+/// A page that loads nothing. Its program finds the data, as JSON, in the element "data".
+inline std::string self_contained_page(std::string_view title, std::string_view style, std::string_view body,
+                                       const nlohmann::ordered_json& page,
+                                       std::initializer_list<std::string_view> scripts) {
+  std::string data, program;
+  for (const char c : page.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
+    data += c == '<' ? "\\u003c" : std::string(1, c);  // no tag can end the script; '<' only stands in texts
+  }
+  for (const std::string_view script : scripts) program += script;
+  return concat_text(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
+      "script-src 'unsafe-inline'\">\n<title>",
+      escape_markup(title), "</title>\n<style>", style, "</style>\n</head>\n<body>", body,
+      "<script type=\"application/json\" id=\"data\">", data, "</script>\n<script>", program,
+      "</script>\n</body>\n</html>\n");
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_VIEW_DETAIL_VIEWER_PAGE_HPP  // <motionlang/view/detail/viewer_page.hpp>
 #define MOTIONLANG_HAS_VIEW_DETAIL_VIEWER_PAGE_HPP
 /// The source of the viewer's page: style, elements, program. viewer.hpp puts title and data between them. It is plain
@@ -25840,7 +25602,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-inline constexpr std::string_view viewer_style = R"page(
+/// Colours of a page, for light and dark screens.
+inline constexpr std::string_view page_colours = R"page(
 :root {
   color-scheme: light dark;
   --back: #f3f5f8; --panel: #ffffff; --text: #1d222b; --faint: #667081; --line: #d9dee6; --accent: #2676ba;
@@ -25850,6 +25613,9 @@ inline constexpr std::string_view viewer_style = R"page(
     --back: #14171c; --panel: #1d2128; --text: #e6e9ef; --faint: #98a2b3; --line: #323945; --accent: #62aef0;
   }
 }
+)page";
+
+inline constexpr std::string_view viewer_style = R"page(
 * { box-sizing: border-box; }
 html, body { height: 100%; margin: 0; }
 body {
@@ -26405,6 +26171,54 @@ class FlatRenderer {
 }
 )page";
 
+/// One renderer for many canvases, for pages with several figures: it draws on a canvas of its own and copies.
+inline constexpr std::string_view viewer_script_shared = R"page(
+const dark = matchMedia("(prefers-color-scheme: dark)");
+
+class SharedRenderer {
+  constructor() {
+    this.canvas = document.createElement("canvas");
+    try {
+      this.renderer = new GlRenderer(this.canvas);
+    } catch (reason) {
+      console.info("drawing without WebGL:", reason.message);
+      this.canvas = document.createElement("canvas");  // a canvas that was asked for WebGL has no 2D context
+      this.renderer = new FlatRenderer(this.canvas);
+    }
+  }
+  get kind() { return this.renderer.kind; }
+  /** Draws a moment of a clip on a canvas. The camera follows the figure. */
+  draw(target, clip, camera, time) {
+    const ratio = Math.min(devicePixelRatio || 1, 2), width = Math.round(target.clientWidth * ratio);
+    const height = Math.round(target.clientHeight * ratio), pose = clip.pose(time), root = pose.positions[0];
+    if (!width || !height) return;
+    for (const canvas of [target, this.canvas]) {
+      if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    }
+    camera.goal = [root[0], clip.floor + 0.52 * clip.size, root[2]];
+    const palette = palettes[dark.matches ? "dark" : "light"];
+    this.renderer.draw({ shapes: clip.shapes(pose), pose, camera, palette, clip, root, width, height });
+    target.getContext("2d").drawImage(this.canvas, 0, 0);
+  }
+}
+/** Dragging on a canvas turns its camera, and calls `moved`. */
+function turnByDragging(canvas, camera, moved) {
+  let from = null;
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    from = event;
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!from) return;
+    camera.orbit(event.clientX - from.clientX, event.clientY - from.clientY);
+    from = event;
+    moved();
+  });
+  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { from = null; });
+}
+const sharedClips = () => page.motions.map((m) => new Clip({ ...page.figures[m.figure], ...m }));
+)page";
+
 /// State, controls, timeline.
 inline constexpr std::string_view viewer_script_control = R"page(
 const clips = page.motions.map((m) => new Clip(m));
@@ -26629,56 +26443,6 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Root positions as float32, then local rotations x, y, z, w as int16, 32767 for 1: 12 + 8 joints bytes per frame. The
-/// error of a rotation is below 1e-4 rad.
-inline std::string pack_motion(const Motion& motion) {
-  std::vector<std::byte> bytes;
-  for (const Vec3<double>& p : motion.root) append_value(bytes, vec_cast<float>(p));
-  for (const Quaternion<double>& q : motion.local) {
-    const Quaternion<double> u = normalized(q);
-    for (const double x : {u.x, u.y, u.z, u.w}) append_value(bytes, static_cast<std::int16_t>(std::lround(32767 * x)));
-  }
-  return to_base64(bytes);
-}
-
-/// Rounds lengths to the hundredth of a millimetre, which gives short text.
-inline double rounded(double x) { return std::round(x * 1e5) / 1e5; }
-inline nlohmann::ordered_json rounded(const Vec3<double>& v) {
-  return nlohmann::ordered_json::array({rounded(v.x), rounded(v.y), rounded(v.z)});
-}
-
-inline nlohmann::ordered_json viewer_json(const Motion& motion, std::span<const Track> tracks,
-                                          const std::string& note) {
-  using json = nlohmann::ordered_json;
-  const Figure figure = make_figure(motion.skeleton);
-  json offsets = json::array(), cones = json::array(), rows = json::array();
-  for (const Vec3<double>& o : motion.skeleton.offsets) offsets.push_back(rounded(o));
-  for (const RoundCone& c : figure.cones) {
-    json cone = json::array({c.joint});
-    for (const Vec3<double>& p : {c.from, c.to}) {
-      for (const double x : {p.x, p.y, p.z}) cone.push_back(rounded(x));
-    }
-    cone.push_back(rounded(c.radius_from));
-    cone.push_back(rounded(c.radius_to));
-    cone.push_back(static_cast<int>(c.side));
-    cones.push_back(std::move(cone));
-  }
-  for (const Track& t : tracks) {
-    rows.push_back({{"text", t.text}, {"start", t.start}, {"end", t.end}, {"parts", t.parts}});
-  }
-  return {{"name", motion.name},
-          {"note", note},
-          {"fps", motion.fps},
-          {"frames", motion.frames()},
-          {"floor", rounded(heights(motion, figure).floor)},
-          {"size", rounded(figure.size)},
-          {"parents", motion.skeleton.parents},
-          {"offsets", std::move(offsets)},
-          {"cones", std::move(cones)},
-          {"tracks", std::move(rows)},
-          {"data", pack_motion(motion)}};
-}
-
 /// A view of one of the caller's motions.
 struct ViewerEntry {
   const Motion& motion;
@@ -26702,18 +26466,8 @@ inline std::string viewer_page(std::span<const ViewerEntry> entries, const Viewe
   nlohmann::ordered_json page{
       {"title", title}, {"info", options.info}, {"autoplay", options.autoplay}, {"motions", std::move(motions)}};
   if (!body.is_null()) page["body"] = std::move(body);
-  std::string data;
-  for (const char c : page.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
-    data += c == '<' ? "\\u003c" : std::string(1, c);  // no tag can end the script; '<' only stands in texts
-  }
-  return concat_text(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
-      "script-src 'unsafe-inline'\">\n<title>",
-      escape_markup(title), "</title>\n<style>", viewer_style, "</style>\n</head>\n<body>", viewer_body,
-      "<script type=\"application/json\" id=\"data\">", data, "</script>\n<script>", viewer_script_pose,
-      viewer_script_draw, viewer_script_control, "</script>\n</body>\n</html>\n");
+  return self_contained_page(title, concat_text(page_colours, viewer_style), viewer_body, page,
+                             {viewer_script_pose, viewer_script_draw, viewer_script_control});
 }
 
 MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motions,
@@ -26814,216 +26568,47 @@ Index write_on_body(const FilePath& path, const Body<B>& body, std::span<const M
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_HPP  // <motionlang/view/convert_motions.hpp>
-#define MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_HPP
-/// Converts files of motion to other files, with edits: motions, features, clips of a data set, characters, bodies,
-/// pages and pictures.
-///
-///     convert_motions("dance.bvh", "dance.glb", {.edits = {.mirror = true}});
-///     FolderConversion done;
-///     convert_folder("clips", "pages", ".html", {}, done);
-///     use(done.converted, done.failures);
-
-#ifndef MOTIONLANG_HAS_VIEW_SHOWN_BODY_HPP  // <motionlang/view/shown_body.hpp>
-#define MOTIONLANG_HAS_VIEW_SHOWN_BODY_HPP
-/// The interface of a body that shows motions; load_shown_body makes one.
+#ifndef MOTIONLANG_HAS_VIEW_CONTACT_SHEET_HPP  // <motionlang/view/contact_sheet.hpp>
+#define MOTIONLANG_HAS_VIEW_CONTACT_SHEET_HPP
+/// Many motions as one picture: a grid of cells, each with a caption and a few poses. It is a self-contained SVG file,
+/// or pixels.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-struct ShownBodyOptions {
-  std::string file{};  // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl; "free": capsules along the bones
-  std::vector<double> betas{};  // its shape, further ones are 0; none: that of an AMASS file, or 0
-};
-/// The motion of an AMASS file on a body.
-struct BodyClip {
-  Motion motion;               // on the joints of the body
-  std::vector<float> betas{};  // the file's shape
-  std::string notes{};         // a line: what the file has besides the 22 joints of the body, and what is left out
-  bool has_more = false;       // hands or a face that move
-};
-/// The files that were written on a body.
-struct BodyFiles {
-  std::string body;  // "SMPL-H", "the free body"
-  Index vertices = 0;
-  Index files = 1;  // .obj: one for each frame
+/// A cell of the picture.
+struct SheetEntry {
+  const Motion& motion;
+  std::string caption;
 };
 
-class ShownBody {
- public:
-  virtual ~ShownBody() = default;
-  /// True if a motion is on the body's own joints, or the body takes any joints. Other motions are retargeted to
-  /// SMPL's.
-  virtual bool has_joints_of(const Motion& motion) const = 0;
-  /// True if it takes any joints: the free body.
-  virtual bool takes_any_joints() const { return false; }
-  /// fps: for a file without a frame rate; 0: none. Throws what read_amass_sequence throws.
-  virtual BodyClip read(const std::filesystem::path& npz, double fps = 0) const = 0;
-  /// Writes motions on the body: .glb (all motions, with a skin), .html (all motions), .obj (one motion, a file for
-  /// each frame).
-  /// betas   the shape, unless the options gave one; none: 0
-  /// Throws  config_error 101 without a motion, option_error 103 for another extension, and what the writers throw
-  virtual BodyFiles write(const std::filesystem::path& path, std::vector<Motion> motions,
-                          const std::vector<float>& betas = {}) const = 0;
+struct ContactSheetOptions {
+  int columns = 8;
+  int poses = 2;            // of each motion
+  double width = 1280;      // pixels; the height follows
+  std::string title{};      // "": none
+  double resolution = 1.5;  // of PNG: pixels for each unit of the width
 };
 
-MOTIONLANG_NAMESPACE_END
-#endif
+/// Frames whose poses differ most, in the order of time. The first choice is the frame that is farthest from the mean
+/// pose, and each further one the farthest from those that are chosen. A distance is a mean over the joints, seen from
+/// the root over the floor. There are fewer frames than `count` if the motion has fewer.
+std::vector<Index> key_frames(const Motion& motion, int count);
 
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The changes of motions between reading and writing. At most one of `rig`, `body`, `features` and `data_set` is set,
-/// and what they point to must outlive the conversion.
-struct MotionConversion {
-  MotionReadOptions read{};
-  TimeEdits time{};
-  std::function<Motion(const Motion&)> denoise{};  // after the edits of its time; none: unchanged
-  MotionEdits edits{};
-  std::optional<Skeleton> skeleton{};  // of the result; none: its own
-  /// Adds the motions to a character's file and reports in lines how its skeleton follows (formats/glb_rig.hpp).
-  std::function<std::string(const std::filesystem::path&, std::span<const Motion>)> rig{};
-  const ShownBody* body = nullptr;        // shows the motions
-  std::string features{};                 // a name of motion_features.hpp: write rows of these features, not motions
-  const DataSetForm* data_set = nullptr;  // the result is a clip of a folder of this form
-  bool replace = false;                   // a clip replaces another motion of the same name
-  double scale = 100;                     // units per metre of a BVH file to write
-  InputFiles inputs{};                    // further files that must not be overwritten
-};
-
-/// Lines about a conversion.
-struct ConversionNotes {
-  std::string input{};    // lines that begin with the name of the input: what it has and the result lacks
-  std::string results{};  // what was written
-};
-
-/// Converts every motion of a file. Several go into one file if the format holds them, else each into a file of its
-/// own:
-/// out_walk.bvh, out_jump.bvh. If one fails, the others are still converted.
-/// notes   are filled even if an error is thrown
-/// taken   the names that clips or files have already; new names are added; null: none
-/// Throws  config_error 101 if some of several motions could not be made, with the reasons; option_error 101 if nothing
-///         is between the times, 102 for a result that would replace an input, 103 for an extension that cannot be
-///         written; what read_motions, the edits and the writers throw
-void convert_motions(const std::filesystem::path& in, const std::filesystem::path& out, const MotionConversion& how,
-                     ConversionNotes* notes = nullptr, std::set<std::string>* taken = nullptr);
-
-/// The outcome for the files of a folder.
-struct FolderConversion {
-  std::size_t files = 0, done = 0, converted = 0;
-  std::vector<std::string> failures{};  // the file, and the reason
-  /// Notes without the name of the file at their beginning: the first such line, and how many more files have it.
-  std::map<std::string, std::pair<std::string, Index>> notes{};
-};
-/// The motion files in a folder and below it, as input for convert_files.
-/// extension  of the results; ".npy" for a data set
-/// skipped    gets a line for each skipped file and folder
-/// Throws     option_error 102 for results that would be among the originals; config_error 101 if there is no motion
-///            file, and what motion_files_below throws
-std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in, const std::filesystem::path& out,
-                                                    const std::string& extension, std::string* skipped = nullptr);
-/// Converts the files of a folder to the same place below another folder, or into a data set. If one fails, the others
-/// are still converted.
-/// out        "": beside each motion, as walk.bvh.html
-/// extension  of the results; ignored for a data set
-/// result     is filled even if an error is thrown
-/// Throws     cancelled
-void convert_files(const std::vector<std::filesystem::path>& files, const std::filesystem::path& in,
-                   const std::filesystem::path& out, const std::string& extension, MotionConversion how,
-                   FolderConversion& result, Progress progress = {});
-/// Calls files_to_convert and convert_files. Throws what they throw.
-void convert_folder(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& extension,
-                    MotionConversion how, FolderConversion& result, Progress progress = {});
-
-/// The default path of a page or a picture: the whole name of the motion's file and the extension, because NAME.html
-/// beside NAME.bvh may be another page.
-inline std::filesystem::path beside_motion(const std::filesystem::path& motion, const std::string& extension) {
-  return motion.string() + extension;
-}
-
-/// "walk.glb: 60 frames at 20 per second, 3.00 s, 24 joints" and the end of the line, for a motion that was written.
-std::string line_about_motion(const std::filesystem::path& path, const Motion& motion);
+/// The picture as SVG text. Throws config_error 101 without a motion or a frame, and unless there are columns, poses
+/// and at least 60 pixels for each column; what Motion::validate throws.
+std::string contact_sheet_svg(std::span<const SheetEntry> entries, const ContactSheetOptions& options = {});
+/// The same in pixels. Throws as contact_sheet_svg, and config_error 101 for more than 20,000 pixels a side.
+Picture contact_sheet_picture(std::span<const SheetEntry> entries, const ContactSheetOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
 
-#ifndef MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_IPP  // <motionlang/view/convert_motions.ipp>
-#define MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_IPP
-// Bodies of convert_motions.hpp.
+#ifndef MOTIONLANG_HAS_VIEW_CONTACT_SHEET_IPP  // <motionlang/view/contact_sheet.ipp>
+#define MOTIONLANG_HAS_VIEW_CONTACT_SHEET_IPP
+// Bodies of contact_sheet.hpp.
 
-#include <sstream>    // lines
-
-#ifndef MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP  // <motionlang/view/view_file.hpp>
-#define MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP
-/// Pages (.html) and film strips (.svg, .png) of motions; the extension of the name chooses.
-///
-///     write_view("walk.html", read_motion("walk.bvh"));
-///     write_motion_or_view(argv[2], motion);             // or a motion file, by the extension
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// True if write_view writes this kind: .html, .svg, .png.
-bool is_view(const FilePath& path);
-
-/// Writes a page or a picture. Throws config_error 103 for another extension, io_error 401, and what the writers throw.
-void write_view(const FilePath& path, const Motion& motion);
-
-/// Writes a motion file (formats/motion_file.hpp) or a page or picture. Throws option_error 103 for another extension,
-/// and what write_motion and write_view throw.
-void write_motion_or_view(const FilePath& path, const Motion& motion, const MotionWriteOptions& options = {});
-
-/// The contents of such a file. `kind` is the extension, ".html", or a name that ends in it. Throws what
-/// write_motion_or_view throws, except io_error 401.
-std::vector<std::byte> motion_or_view_bytes(const FilePath& kind, const Motion& motion,
-                                            const MotionWriteOptions& options = {});
-
-/// True if one file of this kind holds several motions: .glb, .html.
-bool holds_several(const FilePath& path);
-/// True if one file of this kind holds these motions (at least one). A GLB file holds motions on one skeleton.
-bool holds_together(const FilePath& path, std::span<const Motion> motions);
-/// Writes several motions into one file: animations of a GLB file, or a page with a menu of motions.
-/// Throws config_error 103 for another extension, io_error 401, and what write_glb and write_viewer throw.
-void write_motions(const FilePath& path, std::span<const Motion> motions);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_VIEW_VIEW_FILE_IPP  // <motionlang/view/view_file.ipp>
-#define MOTIONLANG_HAS_VIEW_VIEW_FILE_IPP
-// Bodies of view_file.hpp.
-
-#ifndef MOTIONLANG_HAS_VIEW_FILM_STRIP_HPP  // <motionlang/view/film_strip.hpp>
-#define MOTIONLANG_HAS_VIEW_FILM_STRIP_HPP
-/// A motion as one picture: poses from left to right in time, their shadows along the path of the root, and the texts
-/// of a timeline below. It is a self-contained SVG file, or pixels.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct FilmStripOptions {
-  int poses = 0;          // 0: 5 to 12, one for each quarter of a metre that the joints move
-  double width = 1280;    // pixels; the height follows
-  std::string title{};    // "": the name of the motion
-  double resolution = 2;  // of PNG: pixels for each unit of the width
-};
-
-/// The picture as SVG text.
-/// tracks   shown below the poses, one row each; times in seconds from the start of the motion
-/// Throws   shape_error 205, numeric_error 301 if the motion is not valid or too far away for single precision;
-///          config_error 101 without any frame, for a width below 100 or above a million, or times that are not finite
-std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks = {},
-                           const FilmStripOptions& options = {});
-
-/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is not positive and
-/// for a picture of more than 20,000 pixels a side.
-Picture film_strip_picture(const Motion& motion, std::span<const Track> tracks = {},
-                           const FilmStripOptions& options = {});
-
-/// Writes SVG; for pixels use write_png(path, film_strip_picture(motion)). Throws io_error 401, and what film_strip_svg
-/// throws.
-void write_film_strip(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
-                      const FilmStripOptions& options = {});
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_VIEW_FILM_STRIP_IPP  // <motionlang/view/film_strip.ipp>
-#define MOTIONLANG_HAS_VIEW_FILM_STRIP_IPP
-// Bodies of film_strip.hpp.
+#ifndef MOTIONLANG_HAS_VIEW_DETAIL_FIGURE_DRAWING_HPP  // <motionlang/view/detail/figure_drawing.hpp>
+#define MOTIONLANG_HAS_VIEW_DETAIL_FIGURE_DRAWING_HPP
+/// Draws the figure of a motion in one pose, with its shadow, on a surface of film_strip_drawing.hpp.
 
 #ifndef MOTIONLANG_HAS_VIEW_DETAIL_FILM_STRIP_DRAWING_HPP  // <motionlang/view/detail/film_strip_drawing.hpp>
 #define MOTIONLANG_HAS_VIEW_DETAIL_FILM_STRIP_DRAWING_HPP
@@ -27206,9 +26791,11 @@ class SvgSurface {
   }
   std::string finish() { return out_ + "</svg>\n"; }
 
-  void floor(double top, double height) {
-    out_ += concat_text("<rect x=\"0\" y=\"", fixed(top), "\" width=\"100%\" height=\"", fixed(height),
-                        "\" fill=\"url(#floor)\"/>\n");
+  /// width   0: all of the picture
+  void floor(double top, double height, double left = 0, double width = 0) {
+    out_ +=
+        concat_text("<rect x=\"", fixed(left), "\" y=\"", fixed(top), "\" width=\"", width > 0 ? fixed(width) : "100%",
+                    "\" height=\"", fixed(height), "\" fill=\"url(#floor)\"/>\n");
   }
   void disc(Point2 c, double r, const Rgb& colour) {
     out_ += concat_text("<circle cx=\"", fixed(c.x), "\" cy=\"", fixed(c.y), "\" r=\"", fixed(r), "\" fill=\"",
@@ -27314,10 +26901,13 @@ class PixelSurface {
   }
   Picture finish() { return std::move(picture_); }
 
-  void floor(double top, double height) {
-    const Box all{{0, top}, {1e9, top + height}};
+  void floor(double top, double height, double left = 0, double width = 0) {
+    const double right = width > 0 ? left + width : 1e9;
     fill(
-        all, [&](Point2 p) { return std::max(top - p.y, p.y - top - height); },
+        {{left, top}, {right, top + height}},
+        [&](Point2 p) {
+          return std::max({top - p.y, p.y - top - height, left - p.x, p.x - right});
+        },
         [&](Point2 p) {
           const double t = std::clamp((p.y - top) / height, 0.0, 1.0);
           return Ink{mix({0xee, 0xf1, 0xf5}, {0xe9, 0xed, 0xf2}, t), t};
@@ -27602,133 +27192,103 @@ struct ObliqueView {
   }
 };
 
-/// The extent of the joints' movement, seen from the root, and of the root's height: metres, a mean over the joints.
-inline double way_of_joints(const Motion& motion) {
-  const auto positions = motion.positions();
-  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  double way = 0;
-  for (std::size_t i = joints; i < positions.size(); ++i) {
-    const Vec3<double> by = motion.root[i / joints] - motion.root[i / joints - 1];
-    way += norm(positions[i] - positions[i - joints] - Vec3<double>{by.x, 0, by.z});
-  }
-  return way / static_cast<double>(joints);
-}
-
-/// Lays the picture out and draws it on a surface; the y axis points down.
-class FilmStrip {
- public:
-  FilmStrip(const Motion& motion, std::span<const Track> tracks, const FilmStripOptions& options)
-      : motion_(motion),
-        tracks_(tracks),
-        options_(options),
-        figure_(make_figure(motion.skeleton)),
-        view_(ObliqueView::of(motion)),
-        last_(static_cast<double>(motion.frames() - 1) / motion.fps) {
-    const double wished = options.poses > 0 ? options.poses : std::clamp(1 + way_of_joints(motion) / 0.25, 5.0, 12.0);
-    poses_ = static_cast<int>(std::min(std::round(wished), static_cast<double>(motion.frames())));
-    cell_ = (options.width - 2 * margin) / poses_;
-    measure();
-  }
-
-  double height() const {
-    return tracks_top() + row * static_cast<double>(tracks_.size()) + (tracks_.empty() ? 0 : 10) + 8;
-  }
-  std::string title() const { return options_.title.empty() ? motion_.name : options_.title; }
-
-  template <class Surface>
-  void draw(Surface& on) const {
-    backdrop(on);
-    path(on);
-    for (int i = 0; i < poses_; ++i) pose(on, i);
-    time_labels(on);
-    track_rows(on);
-  }
-
- private:
-  static constexpr double margin = 24, header = 44, row = 26, bar = 20;
-  /// By side (middle, left, right): fill near the viewer and far from them. Distinguishable for colour-blind readers.
-  static constexpr std::array<Rgb, 3> near_colour{{{98, 108, 122}, {230, 97, 44}, {38, 118, 186}}};
-  static constexpr Rgb far_colour{150, 158, 170};
-  static constexpr std::array<Rgb, 6> bar_colour{{{0x2b, 0x6c, 0xb0},
+/// Colours of texts: dark enough for white letters, and distinguishable for colour-blind readers.
+inline constexpr std::array<Rgb, 6> text_colours{{{0x2b, 0x6c, 0xb0},
                                                   {0xb4, 0x53, 0x1a},
                                                   {0x2f, 0x7d, 0x4f},
                                                   {0x7a, 0x4a, 0xa8},
                                                   {0xa6, 0x3a, 0x5e},
                                                   {0x7d, 0x6a, 0x12}}};
+/// Colours of the sides of a body (middle, left, right) near the viewer.
+inline constexpr std::array<Rgb, 3> side_colours{{{98, 108, 122}, {230, 97, 44}, {38, 118, 186}}};
 
-  double time_of(int i) const { return poses_ > 1 ? last_ * i / (poses_ - 1) : 0; }
-  Index frame_of(int i) const { return static_cast<Index>(std::lround(time_of(i) * motion_.fps)); }
-  /// The x axis is time: the first pose stands in the middle of the first cell, the last in the middle of the last.
-  double x_of(double time) const {
-    const double share = last_ > 0 ? std::clamp(time / last_, 0.0, 1.0) : 0;
-    return margin + cell_ / 2 + share * (cell_ * (poses_ - 1));
+/// The figure of a motion. The y axis of the picture points down.
+class FigureDrawing {
+ public:
+  /// The colour of a joint's cones in a frame. Cones of different colours are drawn as different pieces.
+  using Paint = std::function<Rgb(int joint, Index frame)>;
+
+  /// paint   none: left, right and middle have their colours, and the trunk is one piece
+  explicit FigureDrawing(const Motion& motion, Paint paint = {})
+      : motion_(motion),
+        figure_(make_figure(motion.skeleton)),
+        view_(ObliqueView::of(motion)),
+        paint_(std::move(paint)) {
+    const Heights h = heights(motion, figure_);
+    ground_ = h.floor, high_ = h.high;
   }
-  /// The height of a point on the floor at this depth.
-  double floor_y(double depth) const { return floor_ - (depth - nearest_) * view_.sine * depth_scale_; }
+
+  const ObliqueView& view() const { return view_; }
+  double size() const { return figure_.size; }
+  double ground() const { return ground_; }
+  /// The height of the highest point of all frames above the floor.
+  double reach() const { return high_ - ground_; }
   double depth_of_root(Index frame) const { return dot(motion_.root_at(frame), view_.away); }
 
-  /// Chooses the scale so that figures fit into their cells, and the places of the floor and of everything below it.
-  void measure() {
-    const auto [floor, high] = heights(motion_, figure_);
-    ground_ = floor;
-    nearest_ = farthest_ = depth_of_root(0);
-    for (Index frame = 1; frame < motion_.frames(); ++frame) {
-      nearest_ = std::min(nearest_, depth_of_root(frame));
-      farthest_ = std::max(farthest_, depth_of_root(frame));
-    }
-    double half_width = 0.2 * figure_.size;
+  /// The largest distance of the body from its root to the left or right in a frame, metres.
+  double half_width(Index frame) const {
     JointTransforms<double> world;
-    for (int i = 0; i < poses_; ++i) {
-      motion_.world(frame_of(i), world);
-      for (const RoundCone& c : figure_.cones) {
-        const auto [from, to] = cone_ends(world, c);
-        for (const auto& [p, r] : {std::pair{from, c.radius_from}, std::pair{to, c.radius_to}}) {
-          half_width = std::max(half_width, std::abs(dot(p - motion_.root_at(frame_of(i)), view_.right)) + r);
-        }
+    motion_.world(frame, world);
+    double out = 0;
+    for (const RoundCone& c : figure_.cones) {
+      const auto [from, to] = cone_ends(world, c);
+      for (const auto& [p, r] : {std::pair{from, c.radius_from}, std::pair{to, c.radius_to}})
+        out = std::max(out, std::abs(dot(p - motion_.root_at(frame), view_.right)) + r);
+    }
+    return out;
+  }
+
+  /// One figure with its shadow, limbs far from the viewer first.
+  /// foot    the point of the floor below the root, in the picture
+  /// scale   pixels per metre
+  template <class Surface>
+  void pose(Surface& on, Index frame, Point2 foot, double scale) const {
+    const Vec3<double>& root = motion_.root_at(frame);
+    const double lift = root.y - ground_, spread = 0.26 * figure_.size * scale;
+    on.begin_pose();
+    on.shadow(foot, spread, 0.36 * spread, std::clamp(1.6 - lift / (0.7 * figure_.size), 0.25, 1.0));
+    JointTransforms<double> world;
+    motion_.world(frame, world);
+    auto project = [&](const Vec3<double>& p) {
+      const Vec3<double> r = p - root;
+      return Point2{foot.x + dot(r, view_.right) * scale,
+                    foot.y - ((p.y - ground_) * view_.cosine + dot(r, view_.away) * view_.sine) * scale};
+    };
+    for (const Piece& piece : pieces(frame, world, root)) {
+      const double shade = std::clamp(piece.distance / (0.35 * figure_.size), 0.0, 1.0);
+      std::vector<RoundCone2> shapes;
+      for (const RoundCone* c : piece.cones) {
+        const auto [from, to] = cone_ends(world, *c);
+        shapes.push_back({project(from), c->radius_from * scale, project(to), c->radius_to * scale});
       }
+      on.piece(shapes, shaded(piece.colour, shade));
     }
-    const double tallest_figure = 300 / figure_.size, tallest_picture = 420 / (high - floor);
-    scale_ = std::min({1.25 * cell_ / (2 * half_width), tallest_figure, tallest_picture});
-    const double depth = farthest_ - nearest_, tallest = 0.45 * figure_.size;  // of the floor in the picture
-    depth_scale_ = depth * view_.sine > tallest ? scale_ * tallest / (depth * view_.sine) : scale_;
-    const double rise = depth * view_.sine * depth_scale_;
-    floor_ = header + (high - floor) * view_.cosine * scale_ + rise + 0.08 * figure_.size * scale_;
-    labels_ = floor_ + 0.16 * figure_.size * scale_ + 14;
+    on.end_pose();
   }
 
-  template <class Surface>
-  void backdrop(Surface& on) const {
-    const double top = floor_y(farthest_) - 34, bottom = labels_ - 18;
-    on.text({margin, 28}, title(), TextRole::title, TextAnchor::start);
-    on.floor(top, bottom - top);
-    for (const auto& [side, name, x] :
-         {std::tuple{Side::left, "left", 104.0}, std::tuple{Side::right, "right", 52.0}}) {
-      on.disc({options_.width - x, 23}, 5, colour(side, 0));
-      on.text({options_.width - x + 9, 27}, name, TextRole::small, TextAnchor::start);
-    }
-  }
-
-  /// The path of the root over the floor, as its shadow line.
-  template <class Surface>
-  void path(Surface& on) const {
-    std::vector<Point2> points;
-    const Index step = std::max<Index>(1, motion_.frames() / 400);
-    for (Index frame = 0; frame < motion_.frames(); frame += step) {
-      points.push_back({x_of(static_cast<double>(frame) / motion_.fps), floor_y(depth_of_root(frame))});
-    }
-    on.dotted_line(points);
-  }
+ private:
+  static constexpr Rgb far_colour{150, 158, 170};
 
   /// Cones that are drawn as one shape: the trunk with the head, or all of one joint.
   struct Piece {
     std::vector<const RoundCone*> cones;
+    Rgb colour{};
     double depth = 0;     // along the line of sight, mean over the cones
     double distance = 0;  // behind the root, on the floor
   };
+  Rgb colour_of(const RoundCone& c, Index frame) const {
+    return paint_ ? paint_(c.joint, frame) : side_colours[static_cast<std::size_t>(c.side)];
+  }
   /// From far to near.
-  std::vector<Piece> pieces(const JointTransforms<double>& world, const Vec3<double>& root) const {
-    std::map<int, Piece> by_joint;
-    for (const RoundCone& c : figure_.cones) by_joint[c.side == Side::middle ? -1 : c.joint].cones.push_back(&c);
+  std::vector<Piece> pieces(Index frame, const JointTransforms<double>& world, const Vec3<double>& root) const {
+    std::map<std::pair<int, int>, Piece> by_joint;
+    for (const RoundCone& c : figure_.cones) {
+      const Rgb colour = colour_of(c, frame);
+      const int one = (colour.r * 256 + colour.g) * 256 + colour.b;
+      Piece& piece = by_joint[{c.side == Side::middle ? -1 : c.joint, one}];
+      piece.cones.push_back(&c);
+      piece.colour = colour;
+    }
     std::vector<Piece> out;
     for (auto& [joint, piece] : by_joint) {
       const double share = 1.0 / static_cast<double>(piece.cones.size());
@@ -27743,68 +27303,664 @@ class FilmStrip {
     std::stable_sort(out.begin(), out.end(), [](const Piece& a, const Piece& b) { return a.depth > b.depth; });
     return out;
   }
-
-  /// One figure with its shadow; limbs far from the viewer first.
-  template <class Surface>
-  void pose(Surface& on, int i) const {
-    const Index frame = frame_of(i);
-    const Vec3<double>& root = motion_.root_at(frame);
-    const double x = x_of(time_of(i)), y = floor_y(depth_of_root(frame)), lift = root.y - ground_;
-    const double spread = 0.26 * figure_.size * scale_;
-    on.begin_pose();
-    on.shadow({x, y}, spread, 0.36 * spread, std::clamp(1.6 - lift / (0.7 * figure_.size), 0.25, 1.0));
-    JointTransforms<double> world;
-    motion_.world(frame, world);
-    auto project = [&](const Vec3<double>& p) {
-      const Vec3<double> r = p - root;
-      return Point2{x + dot(r, view_.right) * scale_,
-                    y - ((p.y - ground_) * view_.cosine + dot(r, view_.away) * view_.sine) * scale_};
-    };
-    for (const Piece& piece : pieces(world, root)) {
-      const double shade = std::clamp(piece.distance / (0.35 * figure_.size), 0.0, 1.0);
-      std::vector<RoundCone2> shapes;
-      for (const RoundCone* c : piece.cones) {
-        const auto [from, to] = cone_ends(world, *c);
-        shapes.push_back({project(from), c->radius_from * scale_, project(to), c->radius_to * scale_});
-      }
-      on.piece(shapes, colour(piece.cones.front()->side, shade));
-    }
-    on.end_pose();
-  }
-
   /// distance   0 near the root or before it, 1 far behind it
-  static Rgb colour(Side side, double distance) {
-    const Rgb& near = near_colour[static_cast<std::size_t>(side)];
+  static Rgb shaded(const Rgb& near, double distance) {
     const auto one = [&](int n, int far) { return static_cast<int>(std::lround(n + 0.55 * distance * (far - n))); };
     return {one(near.r, far_colour.r), one(near.g, far_colour.g), one(near.b, far_colour.b)};
   }
 
+  const Motion& motion_;
+  Figure figure_;
+  ObliqueView view_;
+  Paint paint_;
+  double ground_ = 0, high_ = 0;  // heights
+};
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Positions of all joints, seen from the root over the floor. (frames, joints)
+inline std::vector<Vec3<double>> positions_from_root(const Motion& motion) {
+  auto out = motion.positions();
+  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Vec3<double>& root = motion.root[i / joints];
+    out[i] = out[i] - Vec3<double>{root.x, 0, root.z};
+  }
+  return out;
+}
+
+/// A text in lines of at most `letters`, where its words allow that.
+inline std::vector<std::string> lines_of_text(const std::string& text, std::size_t letters) {
+  std::vector<std::string> lines(1);
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > letters) lines.emplace_back();
+    lines.back() += (lines.back().empty() ? "" : " ") + word;
+    at = end + 1;
+  }
+  return lines;
+}
+
+/// Lays the cells out and draws them.
+class ContactSheet {
+ public:
+  ContactSheet(std::span<const SheetEntry> entries, const ContactSheetOptions& options)
+      : entries_(entries), o_(options), cell_((options.width - 2 * margin) / options.columns) {
+    rows_ = (static_cast<int>(entries.size()) + o_.columns - 1) / o_.columns;
+    for (const SheetEntry& e : entries) lines_ = std::max(lines_, caption_lines(e).size());
+  }
+  double height() const { return top() + rows_ * cell_height() + margin; }
+
   template <class Surface>
-  void time_labels(Surface& on) const {
-    for (int i = 0; i < poses_; ++i) {
-      const double x = x_of(time_of(i));
-      if (!tracks_.empty()) on.guide(x, labels_ + 6, tracks_top() + row * static_cast<double>(tracks_.size()));
-      on.text({x, labels_}, fixed(static_cast<double>(frame_of(i)) / motion_.fps, 2) + " s", TextRole::usual,
+  void draw(Surface& on) const {
+    if (!o_.title.empty()) on.text({margin, 30}, o_.title, TextRole::title, TextAnchor::start);
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      const auto column = static_cast<int>(i) % o_.columns, row = static_cast<int>(i) / o_.columns;
+      cell(on, entries_[i], {margin + column * cell_, top() + row * cell_height()});
+    }
+  }
+
+ private:
+  static constexpr double margin = 16, line_height = 15, letter_width = 7;
+  double top() const { return o_.title.empty() ? margin : 44; }
+  /// A person of 1.6 m is half as high as a cell is wide.
+  double figure_height() const { return 0.5 * cell_; }
+  double cell_height() const { return 1.45 * figure_height() + static_cast<double>(lines_) * line_height + 13; }
+  std::vector<std::string> caption_lines(const SheetEntry& entry) const {
+    return lines_of_text(entry.caption, static_cast<std::size_t>(cell_ / letter_width));
+  }
+
+  template <class Surface>
+  void cell(Surface& on, const SheetEntry& entry, Point2 corner) const {
+    const FigureDrawing figure(entry.motion);
+    const double body = 1.15 * figure_height();
+    const double scale = std::min(figure_height() / figure.size(), body / figure.reach());
+    const double floor = corner.y + 1.3 * figure_height();
+    on.floor(floor - 0.16 * figure_height(), 0.3 * figure_height(), corner.x + 3, cell_ - 6);
+    const auto frames = key_frames(entry.motion, o_.poses);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(frames.size());
+      figure.pose(on, frames[i], {corner.x + 0.08 * cell_ + 0.84 * share * cell_, floor}, scale);
+    }
+    double y = corner.y + 1.45 * figure_height() + line_height;
+    for (const std::string& line : caption_lines(entry)) {
+      on.text({corner.x + cell_ / 2, y}, line, TextRole::usual, TextAnchor::middle);
+      y += line_height;
+    }
+  }
+
+  std::span<const SheetEntry> entries_;
+  const ContactSheetOptions& o_;
+  double cell_;
+  int rows_ = 0;
+  std::size_t lines_ = 1;  // of the longest caption
+};
+
+inline ContactSheet contact_sheet(std::span<const SheetEntry> entries, const ContactSheetOptions& o) {
+  if (entries.empty()) raise<config_error>(101, "contact sheet: no motion to show");
+  for (const SheetEntry& e : entries) {
+    e.motion.validate();
+    if (e.motion.frames() == 0) raise<config_error>(101, "contact sheet: motion '", e.motion.name, "' has no frames");
+  }
+  if (o.columns < 1 || o.poses < 1 || !(o.width / o.columns >= 60 && o.width <= 1e6))
+    raise<config_error>(101, "contact sheet: ", o.columns, " columns in a width of ", o.width, ", ", o.poses, " poses");
+  return {entries, o};
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<Index> key_frames(const Motion& motion, int count) {
+  const auto positions = detail::positions_from_root(motion);
+  const auto frames = static_cast<std::size_t>(motion.frames()),
+             joints = positions.size() / std::max<std::size_t>(1, frames);
+  std::vector<Vec3<double>> mean(joints, Vec3<double>{});
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    mean[i % joints] = mean[i % joints] + (1.0 / static_cast<double>(frames)) * positions[i];
+  const auto distance = [&](std::size_t frame, const Vec3<double>* from) {
+    double sum = 0;
+    for (std::size_t j = 0; j < joints; ++j) sum += norm(positions[frame * joints + j] - from[j]);
+    return sum;
+  };
+  std::vector<double> nearest(frames, std::numeric_limits<double>::infinity());  // distance to what is chosen
+  std::vector<Index> out;
+  while (out.size() < std::min(frames, static_cast<std::size_t>(std::max(count, 0)))) {
+    std::size_t best = 0;
+    double farthest = -1;
+    for (std::size_t f = 0; f < frames; ++f) {
+      const double away = out.empty() ? distance(f, mean.data()) : nearest[f];
+      if (away > farthest + 1e-9) best = f, farthest = away;  // the first of poses that hardly differ
+    }
+    out.push_back(static_cast<Index>(best));
+    for (std::size_t f = 0; f < frames; ++f) nearest[f] = std::min(nearest[f], distance(f, &positions[best * joints]));
+    nearest[best] = -2;  // never twice, even if nothing moves
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+MOTIONLANG_BODY std::string contact_sheet_svg(std::span<const SheetEntry> entries, const ContactSheetOptions& options) {
+  const detail::ContactSheet sheet = detail::contact_sheet(entries, options);
+  detail::SvgSurface surface(options.width, sheet.height(), options.title);
+  sheet.draw(surface);
+  return surface.finish();
+}
+
+MOTIONLANG_BODY Picture contact_sheet_picture(std::span<const SheetEntry> entries, const ContactSheetOptions& options) {
+  const detail::ContactSheet sheet = detail::contact_sheet(entries, options);
+  if (!(options.resolution > 0 && options.resolution * std::max(options.width, sheet.height()) <= 20000))
+    raise<config_error>(101, "contact sheet: ", options.width, " by ", sheet.height(), " at ", options.resolution,
+                        " pixels each");
+  detail::PixelSurface surface(options.width, sheet.height(), options.resolution);
+  sheet.draw(surface);
+  return surface.finish();
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_HPP  // <motionlang/view/convert_motions.hpp>
+#define MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_HPP
+/// Converts files of motion to other files, with edits: motions, features, clips of a data set, characters, bodies,
+/// pages and pictures.
+///
+///     convert_motions("dance.bvh", "dance.glb", {.edits = {.mirror = true}});
+///     FolderConversion done;
+///     convert_folder("clips", "pages", ".html", {}, done);
+///     use(done.converted, done.failures);
+
+#ifndef MOTIONLANG_HAS_VIEW_SHOWN_BODY_HPP  // <motionlang/view/shown_body.hpp>
+#define MOTIONLANG_HAS_VIEW_SHOWN_BODY_HPP
+/// The interface of a body that shows motions; load_shown_body makes one.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct ShownBodyOptions {
+  std::string file{};  // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl; "free": capsules along the bones
+  std::vector<double> betas{};  // its shape, further ones are 0; none: that of an AMASS file, or 0
+};
+/// The motion of an AMASS file on a body.
+struct BodyClip {
+  Motion motion;               // on the joints of the body
+  std::vector<float> betas{};  // the file's shape
+  std::string notes{};         // a line: what the file has besides the 22 joints of the body, and what is left out
+  bool has_more = false;       // hands or a face that move
+};
+/// The files that were written on a body.
+struct BodyFiles {
+  std::string body;  // "SMPL-H", "the free body"
+  Index vertices = 0;
+  Index files = 1;  // .obj: one for each frame
+};
+
+class ShownBody {
+ public:
+  virtual ~ShownBody() = default;
+  /// True if a motion is on the body's own joints, or the body takes any joints. Other motions are retargeted to
+  /// SMPL's.
+  virtual bool has_joints_of(const Motion& motion) const = 0;
+  /// True if it takes any joints: the free body.
+  virtual bool takes_any_joints() const { return false; }
+  /// fps: for a file without a frame rate; 0: none. Throws what read_amass_sequence throws.
+  virtual BodyClip read(const std::filesystem::path& npz, double fps = 0) const = 0;
+  /// Writes motions on the body: .glb (all motions, with a skin), .html (all motions), .obj (one motion, a file for
+  /// each frame).
+  /// betas   the shape, unless the options gave one; none: 0
+  /// Throws  config_error 101 without a motion, option_error 103 for another extension, and what the writers throw
+  virtual BodyFiles write(const std::filesystem::path& path, std::vector<Motion> motions,
+                          const std::vector<float>& betas = {}) const = 0;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The changes of motions between reading and writing. At most one of `rig`, `body`, `features` and `data_set` is set,
+/// and what they point to must outlive the conversion.
+struct MotionConversion {
+  MotionReadOptions read{};
+  TimeEdits time{};
+  std::function<Motion(const Motion&)> denoise{};  // after the edits of its time; none: unchanged
+  MotionEdits edits{};
+  std::optional<Skeleton> skeleton{};  // of the result; none: its own
+  /// Adds the motions to a character's file and reports in lines how its skeleton follows (formats/glb_rig.hpp).
+  std::function<std::string(const std::filesystem::path&, std::span<const Motion>)> rig{};
+  const ShownBody* body = nullptr;        // shows the motions
+  std::string features{};                 // a name of motion_features.hpp: write rows of these features, not motions
+  const DataSetForm* data_set = nullptr;  // the result is a clip of a folder of this form
+  bool replace = false;                   // a clip replaces another motion of the same name
+  double scale = 100;                     // units per metre of a BVH file to write
+  InputFiles inputs{};                    // further files that must not be overwritten
+};
+
+/// Lines about a conversion.
+struct ConversionNotes {
+  std::string input{};    // lines that begin with the name of the input: what it has and the result lacks
+  std::string results{};  // what was written
+};
+
+/// Converts every motion of a file. Several go into one file if the format holds them, else each into a file of its
+/// own:
+/// out_walk.bvh, out_jump.bvh. If one fails, the others are still converted.
+/// notes   are filled even if an error is thrown
+/// taken   the names that clips or files have already; new names are added; null: none
+/// Throws  config_error 101 if some of several motions could not be made, with the reasons; option_error 101 if nothing
+///         is between the times, 102 for a result that would replace an input, 103 for an extension that cannot be
+///         written; what read_motions, the edits and the writers throw
+void convert_motions(const std::filesystem::path& in, const std::filesystem::path& out, const MotionConversion& how,
+                     ConversionNotes* notes = nullptr, std::set<std::string>* taken = nullptr);
+
+/// The outcome for the files of a folder.
+struct FolderConversion {
+  std::size_t files = 0, done = 0, converted = 0;
+  std::vector<std::string> failures{};  // the file, and the reason
+  /// Notes without the name of the file at their beginning: the first such line, and how many more files have it.
+  std::map<std::string, std::pair<std::string, Index>> notes{};
+};
+/// The motion files in a folder and below it, as input for convert_files.
+/// extension  of the results; ".npy" for a data set
+/// skipped    gets a line for each skipped file and folder
+/// Throws     option_error 102 for results that would be among the originals; config_error 101 if there is no motion
+///            file, and what motion_files_below throws
+std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in, const std::filesystem::path& out,
+                                                    const std::string& extension, std::string* skipped = nullptr);
+/// Converts the files of a folder to the same place below another folder, or into a data set. If one fails, the others
+/// are still converted.
+/// out        "": beside each motion, as walk.bvh.html
+/// extension  of the results; ignored for a data set
+/// result     is filled even if an error is thrown
+/// Throws     cancelled
+void convert_files(const std::vector<std::filesystem::path>& files, const std::filesystem::path& in,
+                   const std::filesystem::path& out, const std::string& extension, MotionConversion how,
+                   FolderConversion& result, Progress progress = {});
+/// Calls files_to_convert and convert_files. Throws what they throw.
+void convert_folder(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& extension,
+                    MotionConversion how, FolderConversion& result, Progress progress = {});
+
+/// The default path of a page or a picture: the whole name of the motion's file and the extension, because NAME.html
+/// beside NAME.bvh may be another page.
+inline std::filesystem::path beside_motion(const std::filesystem::path& motion, const std::string& extension) {
+  return motion.string() + extension;
+}
+
+/// "walk.glb: 60 frames at 20 per second, 3.00 s, 24 joints" and the end of the line, for a motion that was written.
+std::string line_about_motion(const std::filesystem::path& path, const Motion& motion);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_IPP  // <motionlang/view/convert_motions.ipp>
+#define MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_IPP
+// Bodies of convert_motions.hpp.
+
+#include <sstream>    // lines
+
+#ifndef MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP  // <motionlang/view/view_file.hpp>
+#define MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP
+/// Pages (.html) and film strips (.svg, .png) of motions; the extension of the name chooses.
+///
+///     write_view("walk.html", read_motion("walk.bvh"));
+///     write_motion_or_view(argv[2], motion);             // or a motion file, by the extension
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// True if write_view writes this kind: .html, .svg, .png.
+bool is_view(const FilePath& path);
+
+/// Writes a page or a picture. Throws config_error 103 for another extension, io_error 401, and what the writers throw.
+void write_view(const FilePath& path, const Motion& motion);
+
+/// Writes a motion file (formats/motion_file.hpp) or a page or picture. Throws option_error 103 for another extension,
+/// and what write_motion and write_view throw.
+void write_motion_or_view(const FilePath& path, const Motion& motion, const MotionWriteOptions& options = {});
+
+/// The contents of such a file. `kind` is the extension, ".html", or a name that ends in it. Throws what
+/// write_motion_or_view throws, except io_error 401.
+std::vector<std::byte> motion_or_view_bytes(const FilePath& kind, const Motion& motion,
+                                            const MotionWriteOptions& options = {});
+
+/// True if one file of this kind holds several motions: .glb, .html.
+bool holds_several(const FilePath& path);
+/// True if one file of this kind holds these motions (at least one). A GLB file holds motions on one skeleton.
+bool holds_together(const FilePath& path, std::span<const Motion> motions);
+/// Writes several motions into one file: animations of a GLB file, or a page with a menu of motions.
+/// Throws config_error 103 for another extension, io_error 401, and what write_glb and write_viewer throw.
+void write_motions(const FilePath& path, std::span<const Motion> motions);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_VIEW_FILE_IPP  // <motionlang/view/view_file.ipp>
+#define MOTIONLANG_HAS_VIEW_VIEW_FILE_IPP
+// Bodies of view_file.hpp.
+
+#ifndef MOTIONLANG_HAS_VIEW_FILM_STRIP_HPP  // <motionlang/view/film_strip.hpp>
+#define MOTIONLANG_HAS_VIEW_FILM_STRIP_HPP
+/// A motion as one picture: poses from left to right in time, their shadows along the path of the root, and the texts
+/// of a timeline below. Long motions take several rows. It is a self-contained SVG file, or pixels.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The colours of the figures: left and right; of the text that started last; or, for each body part, of its own text.
+enum class StripColours { sides, newest_text, text_of_part };
+
+struct FilmStripOptions {
+  int poses = 0;        // 0: as many as the motion needs, one for each quarter of a metre that the joints move
+  double width = 1280;  // pixels; the height follows
+  StripColours colours = StripColours::sides;  // without tracks, texts have none
+  std::string title{};                         // "": the name of the motion
+  double resolution = 2;                       // of PNG: pixels for each unit of the width
+};
+
+/// The picture as SVG text.
+/// tracks   shown below the poses of their time, one line each; times in seconds from the start of the motion
+/// Throws   shape_error 205, numeric_error 301 if the motion is not valid or too far away for single precision;
+///          config_error 101 without any frame, for a width below 100 or above a million, or times that are not finite
+std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks = {},
+                           const FilmStripOptions& options = {});
+
+/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is not positive and
+/// for a picture of more than 20,000 pixels a side.
+Picture film_strip_picture(const Motion& motion, std::span<const Track> tracks = {},
+                           const FilmStripOptions& options = {});
+
+/// Writes SVG; for pixels use write_png(path, film_strip_picture(motion)). Throws io_error 401, and what film_strip_svg
+/// throws.
+void write_film_strip(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
+                      const FilmStripOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_FILM_STRIP_IPP  // <motionlang/view/film_strip.ipp>
+#define MOTIONLANG_HAS_VIEW_FILM_STRIP_IPP
+// Bodies of film_strip.hpp.
+
+#ifndef MOTIONLANG_HAS_VIEW_TEXT_COLOURS_HPP  // <motionlang/view/text_colours.hpp>
+#define MOTIONLANG_HAS_VIEW_TEXT_COLOURS_HPP
+/// The text that a joint follows at a time, by which pictures colour bodies.
+///
+/// Source  thesis figure 6.7: "the coloring follows the input text, prioritizing the newest prompt when there is an
+///         overlap across tracks"
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The name of the body part of each joint, by the joints' names: "left arm", "right arm", "legs", "head" or "spine".
+/// The root belongs to the legs. A joint whose name says nothing belongs to the part of its parent.
+std::vector<std::string> parts_of_joints(const Skeleton& skeleton);
+
+/// The number of the track at a time, -1 without one. Of several, it is the one that started last, and of these the
+/// last in the list.
+/// part   only tracks with this part, or with the whole body; "": all tracks
+int newest_track(std::span<const Track> tracks, double time, std::string_view part = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_TEXT_COLOURS_IPP  // <motionlang/view/text_colours.ipp>
+#define MOTIONLANG_HAS_VIEW_TEXT_COLOURS_IPP
+// Bodies of text_colours.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The part in a joint's name; "" if the name says nothing.
+inline std::string part_in_name(std::string_view name) {
+  std::string lowered(name);
+  for (char& c : lowered) c = lower(c);
+  const auto has = [&](std::initializer_list<const char*> words) {
+    return std::any_of(words.begin(), words.end(), [&](const char* w) { return lowered.find(w) != lowered.npos; });
+  };
+  if (has({"hip", "leg", "thigh", "knee", "shin", "calf", "ankle", "foot", "toe", "pelvis"})) return "legs";
+  if (has({"head", "neck", "jaw", "eye"})) return "head";
+  const Side side = side_of_name(name);
+  if (side != Side::middle &&
+      has({"collar", "clavicle", "shoulder", "arm", "elbow", "wrist", "hand", "finger", "thumb"}))
+    return side == Side::left ? "left arm" : "right arm";
+  return has({"spine", "chest", "back", "torso", "abdomen"}) ? "spine" : "";
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<std::string> parts_of_joints(const Skeleton& skeleton) {
+  std::vector<std::string> out;
+  const bool kit = skeleton.names == kit21_skeleton().names;
+  for (int j = 0; j < skeleton.size(); ++j) {
+    std::string part =
+        kit ? to_string(kit_part_of_joint[static_cast<std::size_t>(j)]) : detail::part_in_name(skeleton.name(j));
+    const int parent = skeleton.parent(j);
+    if (parent < 0)
+      part = "legs";
+    else if (part.empty())
+      part = skeleton.parent(parent) < 0 ? "spine" : out[static_cast<std::size_t>(parent)];
+    out.push_back(std::move(part));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY int newest_track(std::span<const Track> tracks, double time, std::string_view part) {
+  int out = -1;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const Track& t = tracks[i];
+    const bool whole = part.empty() || t.parts.empty() || t.parts.front() == whole_body;
+    if (!whole && std::find(t.parts.begin(), t.parts.end(), part) == t.parts.end()) continue;
+    if (t.start > time || time >= t.end) continue;
+    if (out < 0 || t.start >= tracks[static_cast<std::size_t>(out)].start) out = static_cast<int>(i);
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The extent of the joints' movement, seen from the root, and of the root's height: metres, a mean over the joints.
+inline double way_of_joints(const Motion& motion) {
+  const auto positions = motion.positions();
+  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
+  double way = 0;
+  for (std::size_t i = joints; i < positions.size(); ++i) {
+    const Vec3<double> by = motion.root[i / joints] - motion.root[i / joints - 1];
+    way += norm(positions[i] - positions[i - joints] - Vec3<double>{by.x, 0, by.z});
+  }
+  return way / static_cast<double>(joints);
+}
+
+/// The colours that options ask for; `tracks` must outlive them.
+inline FigureDrawing::Paint strip_paint(const Motion& motion, std::span<const Track> tracks, StripColours colours) {
+  if (colours == StripColours::sides) return {};
+  auto parts = parts_of_joints(motion.skeleton);
+  if (colours == StripColours::newest_text) parts.assign(parts.size(), "");
+  return [=, fps = motion.fps, parts = std::move(parts)](int joint, Index frame) {
+    const int track = newest_track(tracks, static_cast<double>(frame) / fps, parts[static_cast<std::size_t>(joint)]);
+    return track < 0 ? side_colours[0] : text_colours[static_cast<std::size_t>(track) % text_colours.size()];
+  };
+}
+
+/// Lays the picture out and draws it on a surface; the y axis points down.
+class FilmStrip {
+ public:
+  FilmStrip(const Motion& motion, std::span<const Track> tracks, const FilmStripOptions& options)
+      : motion_(motion),
+        tracks_(tracks),
+        options_(options),
+        figure_(motion, strip_paint(motion, tracks, options.colours)),
+        last_(static_cast<double>(motion.frames() - 1) / motion.fps) {
+    choose_poses();
+    make_rows();
+  }
+
+  double height() const { return rows_.back().bottom + 8; }
+  std::string title() const { return options_.title.empty() ? motion_.name : options_.title; }
+
+  template <class Surface>
+  void draw(Surface& on) const {
+    legend(on);
+    for (const Row& row : rows_) {
+      backdrop(on, row);
+      path(on, row);
+      for (int i = row.first; i < row.end; ++i)
+        figure_.pose(on, frame_of(i), {x_of(row, place_of(i)), floor_y(row, frame_of(i))}, scale_);
+      time_labels(on, row);
+      track_lines(on, row);
+    }
+  }
+
+ private:
+  static constexpr double margin = 24, header = 44, line = 26, bar = 20, gap = 22;
+  static constexpr int most_in_row = 12, most_rows = 4, fewest = 3;
+
+  /// Poses from `first` up to `end` side by side, and the part of the tracks below them. Places are numbers of poses:
+  /// 1.5 is halfway between the poses 1 and 2.
+  struct Row {
+    int first = 0, end = 0;
+    double low = 0, high = 0;               // its part of the time, as places
+    double nearest = 0, farthest = 0;       // depth of the root
+    double top = 0, floor = 0, labels = 0;  // y: of the row, of the nearest root's floor, of the time labels
+    double depth_scale = 1;                 // pixels for a metre of depth of the floor
+    double tracks_top = 0, bottom = 0;      // y
+    std::vector<std::size_t> tracks{};      // those that are shown
+  };
+
+  /// Beyond 18 wished poses, the motion takes as many rows as it fills with twelve.
+  void choose_poses() {
+    const int in_row = std::clamp(static_cast<int>((options_.width - 2 * margin) / 90), fewest, most_in_row);
+    const double needed =
+        options_.poses > 0 ? options_.poses : std::max(fewest + 0.0, 1 + way_of_joints(motion_) / 0.25);
+    double rows = std::clamp(std::round(needed / in_row), 1.0, most_rows + 0.0);
+    if (options_.poses > 0) rows = std::ceil(needed / most_in_row);
+    const double fitting = options_.poses > 0 ? needed : std::min(needed, rows * in_row);
+    poses_ = static_cast<int>(std::min(std::round(fitting), static_cast<double>(motion_.frames())));
+    rows_.resize(std::min(static_cast<std::size_t>(rows), static_cast<std::size_t>(poses_)));
+    columns_ = (poses_ + static_cast<int>(rows_.size()) - 1) / static_cast<int>(rows_.size());
+    rows_.resize(static_cast<std::size_t>((poses_ + columns_ - 1) / columns_));
+    cell_ = (options_.width - 2 * margin) / columns_;
+  }
+
+  double time_of(double place) const { return poses_ > 1 ? last_ * place / (poses_ - 1) : 0; }
+  Index frame_of(int i) const { return static_cast<Index>(std::lround(time_of(i) * motion_.fps)); }
+  static double place_of(int i) { return static_cast<double>(i); }
+  double place_at(double time) const { return last_ > 0 ? std::clamp(time / last_, 0.0, 1.0) * (poses_ - 1) : 0; }
+  /// The x axis is time: the first pose stands in the middle of the first cell.
+  double x_of(const Row& row, double place) const {
+    return margin + cell_ / 2 + (std::clamp(place, row.low, row.high) - row.first) * cell_;
+  }
+  /// The height of the floor below the root of a frame.
+  double floor_y(const Row& row, Index frame) const {
+    return row.floor - (figure_.depth_of_root(frame) - row.nearest) * figure_.view().sine * row.depth_scale;
+  }
+
+  /// Chooses the scale so that figures fit into their cells, and the places of the floor and of everything below it.
+  void make_rows() {
+    double half_width = 0.2 * figure_.size();
+    for (int i = 0; i < poses_; ++i) half_width = std::max(half_width, figure_.half_width(frame_of(i)));
+    const double tallest_figure = 300 / figure_.size(), tallest_picture = 420 / figure_.reach();
+    scale_ = std::min({1.25 * cell_ / (2 * half_width), tallest_figure, tallest_picture});
+    double top = 0;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      Row& row = rows_[i];
+      row.first = static_cast<int>(i) * columns_;
+      row.end = std::min(poses_, row.first + columns_);
+      row.low = i == 0 ? 0 : row.first - 0.5;
+      row.high = row.end == poses_ ? poses_ - 1 : row.end - 0.5;
+      row.top = top;
+      measure(row);
+      top = row.bottom + gap;
+    }
+  }
+  void measure(Row& row) const {
+    row.nearest = row.farthest = figure_.depth_of_root(frame_of(row.first));
+    for (Index frame = first_frame(row); frame < end_frame(row); ++frame) {
+      row.nearest = std::min(row.nearest, figure_.depth_of_root(frame));
+      row.farthest = std::max(row.farthest, figure_.depth_of_root(frame));
+    }
+    const double depth = (row.farthest - row.nearest) * figure_.view().sine, tallest = 0.45 * figure_.size();
+    row.depth_scale = depth > tallest ? scale_ * tallest / depth : scale_;
+    const double head = row.top > 0 ? 0 : header;
+    row.floor = row.top + head + figure_.reach() * figure_.view().cosine * scale_ + depth * row.depth_scale +
+                0.08 * figure_.size() * scale_;
+    row.labels = row.floor + 0.16 * figure_.size() * scale_ + 14;
+    for (std::size_t i = 0; i < tracks_.size(); ++i) {
+      if (rows_.size() == 1 || is_seen(tracks_[i], row)) row.tracks.push_back(i);
+    }
+    row.tracks_top = row.labels + (row.tracks.empty() ? 4 : 14);
+    row.bottom = row.tracks_top + line * static_cast<double>(row.tracks.size()) + (row.tracks.empty() ? 0 : 10);
+  }
+  /// True if a row shows a third of a pose of a track, or all of it.
+  bool is_seen(const Track& track, const Row& row) const {
+    const double start = place_at(track.start), end = place_at(track.end);
+    const bool inside = start >= row.low && end <= row.high;
+    return inside || std::min(end, row.high) - std::max(start, row.low) > 0.3;
+  }
+  Index first_frame(const Row& row) const { return static_cast<Index>(std::ceil(time_of(row.low) * motion_.fps)); }
+  Index end_frame(const Row& row) const {
+    const auto end = static_cast<Index>(std::floor(time_of(row.high) * motion_.fps + 1e-6)) + 1;
+    return std::min(end, motion_.frames());
+  }
+
+  template <class Surface>
+  void legend(Surface& on) const {
+    on.text({margin, 28}, title(), TextRole::title, TextAnchor::start);
+    if (options_.colours != StripColours::sides) return;
+    for (const auto& [side, name, x] :
+         {std::tuple{Side::left, "left", 104.0}, std::tuple{Side::right, "right", 52.0}}) {
+      on.disc({options_.width - x, 23}, 5, side_colours[static_cast<std::size_t>(side)]);
+      on.text({options_.width - x + 9, 27}, name, TextRole::small, TextAnchor::start);
+    }
+  }
+  template <class Surface>
+  void backdrop(Surface& on, const Row& row) const {
+    const double rise = (row.farthest - row.nearest) * figure_.view().sine * row.depth_scale;
+    const double top = row.floor - rise - 34, bottom = row.labels - 18;
+    on.floor(top, bottom - top);
+  }
+
+  /// The path of the root over the floor, as its shadow line.
+  template <class Surface>
+  void path(Surface& on, const Row& row) const {
+    std::vector<Point2> points;
+    const Index step = std::max<Index>(1, (end_frame(row) - first_frame(row)) / 400);
+    for (Index frame = first_frame(row); frame < end_frame(row); frame += step)
+      points.push_back({x_of(row, place_at(static_cast<double>(frame) / motion_.fps)), floor_y(row, frame)});
+    on.dotted_line(points);
+  }
+
+  template <class Surface>
+  void time_labels(Surface& on, const Row& row) const {
+    for (int i = row.first; i < row.end; ++i) {
+      const double x = x_of(row, place_of(i));
+      if (!row.tracks.empty())
+        on.guide(x, row.labels + 6, row.tracks_top + line * static_cast<double>(row.tracks.size()));
+      on.text({x, row.labels}, fixed(static_cast<double>(frame_of(i)) / motion_.fps, 2) + " s", TextRole::usual,
               TextAnchor::middle);
     }
   }
 
-  double tracks_top() const { return labels_ + (tracks_.empty() ? 4 : 14); }
-
   /// A bar for every text, with the text in it or, if it is too long, beside it.
   template <class Surface>
-  void track_rows(Surface& on) const {
-    for (std::size_t i = 0; i < tracks_.size(); ++i) {
-      const Track& track = tracks_[i];
-      const double x = x_of(track.start), width = std::max(3.0, x_of(track.end) - x);
-      const double y = tracks_top() + row * static_cast<double>(i) + (row - bar) / 2;
+  void track_lines(Surface& on, const Row& row) const {
+    for (std::size_t i = 0; i < row.tracks.size(); ++i) {
+      const Track& track = tracks_[row.tracks[i]];
+      const double x = x_of(row, place_at(track.start));
+      const double width = std::max(3.0, x_of(row, place_at(track.end)) - x);
+      const double y = row.tracks_top + line * static_cast<double>(i) + (line - bar) / 2;
       std::string parts;
       for (const std::string& p : track.parts) parts += (parts.empty() ? " \u00B7 " : ", ") + p;
       const double letters = 6.6 * static_cast<double>(track.text.size() + parts.size());
       const bool inside = letters + 16 < width;
       const bool after = !inside && x + width + letters + 12 < options_.width;
       const double text_x = inside ? x + 8 : after ? x + width + 6 : x - 6;
-      on.bar({x, y}, width, bar, bar_colour[i % bar_colour.size()]);
+      on.bar({x, y}, width, bar, text_colours[row.tracks[i] % text_colours.size()]);
       on.text({text_x, y + 14.5}, track.text, inside ? TextRole::bar : TextRole::usual,
               inside || after ? TextAnchor::start : TextAnchor::end, parts);
     }
@@ -27813,14 +27969,11 @@ class FilmStrip {
   const Motion& motion_;
   std::span<const Track> tracks_;
   const FilmStripOptions& options_;
-  Figure figure_;
-  ObliqueView view_;
+  FigureDrawing figure_;
   double last_;  // time of the last frame
-  int poses_ = 1;
-  double cell_ = 0, scale_ = 1, depth_scale_ = 1;  // pixels per cell, per metre, per metre of depth of the floor
-  double ground_ = 0;                              // height of the floor
-  double nearest_ = 0, farthest_ = 0;              // depth of the root
-  double floor_ = 0, labels_ = 0;                  // y of the nearest root's floor, of the time labels
+  int poses_ = 1, columns_ = 1;
+  double cell_ = 0, scale_ = 1;  // pixels per cell, per metre
+  std::vector<Row> rows_;
 };
 
 inline FilmStrip film_strip(const Motion& motion, std::span<const Track> tracks, const FilmStripOptions& options) {
@@ -28244,6 +28397,315 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_VIEW_DESCRIBE_MOTION_HPP  // <motionlang/view/describe_motion.hpp>
+#define MOTIONLANG_HAS_VIEW_DESCRIBE_MOTION_HPP
+/// The contents of a file of motions as text: frames, rate, extent, the quality of the first motion, and its joints.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// True for a file that describe_motion_file reads. The extension decides, and for .npy and .npz the content, which may
+/// also be weights.
+bool holds_motions(const FilePath& path);
+
+/// A motion: frames, rate, duration, joints; where its root moves; for SMPL's joints also how feet and floor look.
+/// name  begins the first line
+std::string describe_motion(const std::string& name, const Motion& motion);
+
+/// The motions of a file: what the file has and they lack, a list if there are several, and the first one. For joint
+/// positions in .npy, their extent. Throws what the readers throw.
+std::string describe_motion_file(const FilePath& path);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_DESCRIBE_MOTION_IPP  // <motionlang/view/describe_motion.ipp>
+#define MOTIONLANG_HAS_VIEW_DESCRIBE_MOTION_IPP
+// Bodies of describe_motion.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The smallest box around the positions. Needs at least one position.
+inline std::string extent_text(std::span<const Vec3<double>> positions) {
+  const auto [low, high] = box_of(positions);
+  return formatted("x %.2f ... %.2f, y %.2f ... %.2f, z %.2f ... %.2f m", low.x, high.x, low.y, high.y, low.z, high.z);
+}
+
+inline bool holds_positions(const FilePath& path) {
+  if (file_kind(path) != ".npy") return false;
+  const auto shape = npy_shape(path.string());
+  return shape.size() == 3 && shape.back() == 3;
+}
+
+inline std::string describe_positions(const FilePath& path) {
+  const auto read = read_joints_npy(path);
+  std::string out = concat_text(path.string(), ": joint positions, ", counted(read.frames, "frame"), " of ",
+                                counted(read.joints, "joint"), "\n");
+  if (!read.positions.empty())
+    out += "  read as Z up and turned to Y up, joints are within " + extent_text(read.positions) + "\n";
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY bool holds_motions(const FilePath& path) {
+  const std::string kind = file_kind(path);
+  if (kind == ".npy") return detail::holds_positions(path) || may_be_mdm_motions(path);
+  if (kind == ".npz") return !amass_poses(NpzArchive::open(path)).empty();
+  return kind == ".bvh" || kind == ".amc" || is_gltf(path);
+}
+
+MOTIONLANG_BODY std::string describe_motion(const std::string& name, const Motion& m) {
+  std::string out =
+      printable(name) + formatted(": %s, %g frames per second, %.2f s, %s\n", counted(m.frames(), "frame").c_str(),
+                                  m.fps, m.seconds(), counted(m.skeleton.size(), "joint").c_str());
+  if (m.frames() == 0) return out;
+  out += "  root moves within " + detail::extent_text(m.root) + "\n";
+  if (std::ranges::is_permutation(m.skeleton.names, smpl24_skeleton().names)) {  // BVH has them depth first
+    const auto q = motion_quality(on_smpl(m));
+    out += formatted("  feet on the floor %.0f %% of the time, sliding at %.2f m/s; jitter %.0f m/s^3; ",
+                     100 * q.feet.contact, q.feet.speed, q.jitter);
+    out += formatted("%.1f cm below the floor\n", 100 * q.below_floor.mean);
+  }
+  return out + describe_skeleton(m.skeleton);
+}
+
+MOTIONLANG_BODY std::string describe_motion_file(const FilePath& path) {
+  if (detail::holds_positions(path)) return detail::describe_positions(path);
+  std::string notes;
+  const auto motions = read_motions(path, {}, &notes);
+  std::string out = printable(notes, "\n");
+  if (motions.size() == 1) return out + describe_motion(path.string(), motions.front());
+  out += concat_text(motions.size(), is_gltf(path)               ? " animations\n"
+                                     : file_kind(path) == ".bvh" ? " roots\n"
+                                                                 : " motions\n");
+  for (std::size_t i = 0; i < motions.size(); ++i)
+    out += formatted("  %zu %s, %.2f s\n", i, printable(motions[i].name).c_str(), motions[i].seconds());
+  return out + describe_motion(path.string() + ", 0 " + motions.front().name, motions.front());
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_VIEW_GALLERY_PAGE_HPP  // <motionlang/view/gallery_page.hpp>
+#define MOTIONLANG_HAS_VIEW_GALLERY_PAGE_HPP
+/// A gallery of motions as one self-contained HTML page: a card for each, with a small moving figure and its text.
+///
+///     write_file("gallery.html", gallery_html(cards, {.title = "What it can do"}));
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A card of the page.
+struct GalleryCard {
+  const Motion& motion;
+  std::string title;  // the verb
+  std::string text;   // the prompt
+};
+
+struct GalleryPageOptions {
+  std::string title = "Motions";
+  std::string info{};  // a line below it: model, seed, ...
+};
+
+/// Cards move while they are in view; for readers who ask for less movement, only under the mouse. A field finds cards
+/// by their words, dragging turns a figure, and a click enlarges it. One renderer draws all figures.
+/// Throws  config_error 101 without a card or a frame, and what viewer_html throws
+std::string gallery_html(std::span<const GalleryCard> cards, const GalleryPageOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_GALLERY_PAGE_IPP  // <motionlang/view/gallery_page.ipp>
+#define MOTIONLANG_HAS_VIEW_GALLERY_PAGE_IPP
+// Bodies of gallery_page.hpp.
+
+#ifndef MOTIONLANG_HAS_VIEW_DETAIL_GALLERY_PAGE_SOURCE_HPP  // <motionlang/view/detail/gallery_page_source.hpp>
+#define MOTIONLANG_HAS_VIEW_DETAIL_GALLERY_PAGE_SOURCE_HPP
+/// The source of the gallery's page: style, elements, program. gallery_page.hpp puts title and data between them. The
+/// program continues that of viewer_page.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::string_view gallery_style = R"page(
+* { box-sizing: border-box; }
+body {
+  margin: 0; background: var(--back); color: var(--text);
+  font: 14px/1.4 system-ui, -apple-system, "Segoe UI", sans-serif;
+}
+header {
+  position: sticky; top: 0; z-index: 1; display: flex; flex-wrap: wrap; gap: 4px 16px; align-items: center;
+  padding: 10px 18px; background: var(--panel); border-bottom: 1px solid var(--line);
+}
+h1 { font-size: 18px; margin: 0; }
+#info, #count { color: var(--faint); }
+#search { margin-left: auto; }
+input, button {
+  font: inherit; color: inherit; background: var(--back); border: 1px solid var(--line); border-radius: 7px;
+  padding: 5px 10px; min-height: 32px;
+}
+#play { min-width: 84px; background: var(--accent); border-color: var(--accent); color: #fff; font-weight: 600; }
+@media (prefers-color-scheme: dark) { #play { color: #10141a; } }
+:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
+#cards {
+  display: grid; grid-template-columns: repeat(auto-fill, minmax(170px, 1fr)); grid-auto-flow: dense; gap: 12px;
+  padding: 16px 18px 40px; list-style: none; margin: 0;
+}
+.card { background: var(--panel); border: 1px solid var(--line); border-radius: 10px; overflow: hidden; }
+.card[hidden] { display: none; }
+.card canvas { display: block; width: 100%; height: 190px; touch-action: pan-y; cursor: pointer; }
+.card.big { grid-column: span 2; grid-row: span 2; }
+.card.big canvas { height: 452px; }
+.card p { margin: 0; padding: 8px 12px 10px; }
+.card b { display: block; font-size: 15px; }
+.card span { color: var(--faint); overflow-wrap: anywhere; }
+)page";
+
+inline constexpr std::string_view gallery_body = R"page(
+<header>
+  <h1 id="title"></h1><span id="info"></span><span id="count" role="status"></span>
+  <label id="search">Find <input id="find" type="search" placeholder="a word" autocomplete="off"></label>
+  <button id="play" type="button" aria-pressed="true">Pause</button>
+</header>
+<ul id="cards"></ul>
+)page";
+
+inline constexpr std::string_view gallery_script = R"page(
+const clips = sharedClips(), shared = new SharedRenderer(), pause = 0.7;  // seconds in the last pose
+const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+let playing = !still, hovered = null, scheduled = false, before = 0, next = 0;
+
+const text = (tag, content, parent) => {
+  const e = document.createElement(tag);
+  e.textContent = content;
+  parent.append(e);
+  return e;
+};
+const cards = clips.map((clip) => {
+  const element_ = text("li", "", element("cards")), canvas = text("canvas", "", element_);
+  const words = text("p", "", element_), camera = new Camera();
+  element_.className = "card";
+  text("b", clip.name, words);
+  if (clip.note !== clip.name) text("span", clip.note, words);
+  canvas.tabIndex = 0;
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", `A figure moves: ${clip.note}`);
+  camera.reset(clip);
+  const card = { clip, element: element_, canvas, camera, time: 0, visible: false, stale: true, drawn: false };
+  let travelled = 0;
+  turnByDragging(canvas, camera, () => { travelled += 1; card.stale = true; refresh(); });
+  canvas.addEventListener("pointerdown", () => { travelled = 0; });
+  canvas.addEventListener("click", () => { if (travelled < 3) enlarge(card); });
+  canvas.addEventListener("keydown", (event) => { if (event.key === "Enter") enlarge(card); });
+  canvas.addEventListener("pointerenter", () => { hovered = card; refresh(); });
+  canvas.addEventListener("pointerleave", () => { hovered = null; });
+  return card;
+});
+function enlarge(card) {
+  card.element.classList.toggle("big");
+  card.stale = true;
+  refresh();
+}
+const moves = (card) => (playing || card === hovered) && card.clip.seconds > 0;
+
+function refresh() {
+  if (!scheduled) requestAnimationFrame(frame);
+  scheduled = true;
+}
+/** Draws cards in view, in turn, as many as fit into a few milliseconds; the others follow in the next frame. */
+function frame(now) {
+  scheduled = false;
+  const passed = Math.min(0.1, Math.max(0, now - before) / 1000), start = performance.now();
+  before = now;
+  const shown = cards.filter((c) => c.visible && !c.element.hidden);
+  for (const card of shown) {
+    if (!moves(card)) continue;
+    card.time = (card.time + passed) % (card.clip.seconds + pause);
+    card.stale = true;
+  }
+  for (let i = 0; i < shown.length && performance.now() - start < 14; ++i) {
+    const card = shown[next++ % shown.length];
+    if (!card.stale) continue;
+    shared.draw(card.canvas, card.clip, card.camera, Math.min(card.time, card.clip.seconds));
+    card.stale = false;
+    card.drawn = true;
+  }
+  if (shown.some((c) => c.stale || moves(c))) refresh();
+}
+
+const watcher = new IntersectionObserver((entries) => {
+  for (const entry of entries) {
+    const card = cards.find((c) => c.element === entry.target);
+    card.visible = entry.isIntersecting;
+    card.stale = true;
+  }
+  refresh();
+}, { rootMargin: "60px" });
+for (const card of cards) watcher.observe(card.element);
+
+function find() {
+  const words = element("find").value.toLowerCase().split(/\s+/).filter(Boolean);
+  let found = 0;
+  for (const card of cards) {
+    const about = `${card.clip.name} ${card.clip.note}`.toLowerCase();
+    card.element.hidden = !words.every((w) => about.includes(w));
+    found += card.element.hidden ? 0 : 1;
+  }
+  element("count").textContent = words.length ? `${found} of ${cards.length}` : `${cards.length} motions`;
+  refresh();
+}
+function play(on) {
+  playing = on;
+  element("play").textContent = playing ? "Pause" : "Play";
+  element("play").setAttribute("aria-pressed", playing);
+  before = performance.now();
+  refresh();
+}
+element("find").addEventListener("input", find);
+element("play").addEventListener("click", () => play(!playing));
+const redraw = () => { for (const card of cards) card.stale = true; refresh(); };
+dark.addEventListener("change", redraw);
+addEventListener("resize", redraw);
+
+/** For scripts that look at the page. */
+window.motionlang = Object.freeze({
+  state: () => ({
+    cards: cards.length, playing, renderer: shared.kind, drawn: cards.filter((c) => c.drawn).length,
+    shown: cards.filter((c) => !c.element.hidden).map((c) => c.clip.name), times: cards.map((c) => c.time) }) });
+
+element("title").textContent = page.title;
+element("info").textContent = page.info;
+find();
+play(playing);
+)page";
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string gallery_html(std::span<const GalleryCard> cards, const GalleryPageOptions& options) {
+  using namespace detail;
+  if (cards.empty()) raise<config_error>(101, "gallery: no motion to show");
+  SharedMotions motions;
+  for (const GalleryCard& c : cards) {
+    Motion named = c.motion;
+    named.name = c.title;
+    motions.add("gallery", named, {}, c.text);
+  }
+  nlohmann::ordered_json page{{"title", options.title}, {"info", options.info}};
+  std::move(motions).put_into(page);
+  return self_contained_page(options.title, concat_text(page_colours, gallery_style), gallery_body, page,
+                             {viewer_script_pose, viewer_script_draw, viewer_script_shared, gallery_script});
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_VIEW_INSPECT_FOLDER_HPP  // <motionlang/view/inspect_folder.hpp>
 #define MOTIONLANG_HAS_VIEW_INSPECT_FOLDER_HPP
 /// Finds faults in the motions of a folder: reads and inspects every file, and writes mended copies.
@@ -28359,6 +28821,9 @@ std::vector<InspectedMotion> inspect_folder(const std::filesystem::path& folder,
                                             const InspectFolderOptions& options = {}, std::string* notes = nullptr,
                                             Progress progress = {});
 
+/// The findings as lines: the motions with one (`all`: every motion), then how many have each fault.
+std::string describe_inspection(const std::vector<InspectedMotion>& found, bool all = false);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_INSPECT_FOLDER_IPP  // <motionlang/view/inspect_folder.ipp>
@@ -28456,6 +28921,29 @@ MOTIONLANG_BODY std::vector<InspectedMotion> inspect_folder(const std::filesyste
   if (files.empty())
     raise<config_error>(101, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", folder.string(), "'");
   return inspect_files(files, folder, options, progress, notes);
+}
+
+MOTIONLANG_BODY std::string describe_inspection(const std::vector<InspectedMotion>& found, bool all) {
+  std::string out;
+  for (const InspectedMotion& m : found) {
+    if (m.good() && !all) continue;
+    const auto finding = [](const Finding& f) { return concat_text(info(f.fault).name, ": ", f.text); };
+    const std::string text =
+        m.unreadable.empty() ? join_text(m.findings, "; ", finding) : "unreadable: " + m.unreadable;
+    out += m.name + ": " + (text.empty() ? "good" : text) + "\n";
+  }
+  const auto good = std::ranges::count_if(found, [](const InspectedMotion& m) { return m.good(); });
+  const auto unreadable = std::ranges::count_if(found, [](const InspectedMotion& m) { return !m.unreadable.empty(); });
+  out += concat_text("\n", counted(found.size(), "motion"), ", ", good, " without a finding\n");
+  const auto line = [&](Index count, std::string_view name, std::string_view meaning) {
+    if (count > 0) out += formatted("%6td  %-14s ", count, std::string(name).c_str()) + std::string(meaning) + "\n";
+  };
+  line(unreadable, "unreadable", "the line of the file says why");
+  const auto count = count_faults(found);
+  for (std::size_t i = 0; i < count.size(); ++i)
+    line(count[i], fault_info[i].name,
+         std::string(fault_info[i].meaning) + (fault_info[i].mendable ? " (`clean` mends)" : ""));
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -28569,7 +29057,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_LOSS_CURVES_HPP  // <motionlang/view/loss_curves.hpp>
 #define MOTIONLANG_HAS_VIEW_LOSS_CURVES_HPP
-/// Curves of a training run as a picture.
+/// Curves as a picture: losses of a training run, or the values of a table.
+///
+///     write_file("figure.svg", curves_svg(parse_curves("duration\tfixed\tvariable\n40\t85\t88\n60\t91\t91\n")));
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -28578,11 +29068,14 @@ struct Curve {
   std::string name;
   std::vector<double> steps, values;
 };
-/// Curves over the same steps. Heights are logarithmic if no value is negative and the largest is more than ten times
-/// the smallest that is not 0; zeros then lie at the bottom.
+/// Curves over the same steps. Heights of losses are logarithmic if no value is negative and the largest is more than
+/// ten times the smallest that is not 0; zeros then lie at the bottom.
 struct CurvePanel {
   std::string title;
   std::vector<Curve> curves;
+  std::string axis{};  // of the steps: "frames"; "": steps of a training. Another axis has marks, and linear heights
+  std::vector<std::pair<double, double>> shaded{};  // ranges of the axis behind the curves: "here is the truth"
+  std::vector<double> marks{};                      // dashed lines across the curves
 };
 
 /// The values of the steps after the first `before` steps, as the means of at most 200 groups of neighbouring steps.
@@ -28591,6 +29084,14 @@ Curve curve_of_steps(std::string name, std::span<const float> values, std::size_
 /// Panels below each other, as SVG. Beside each panel are the names of its curves, with their last values. Values that
 /// are not finite are left out.
 std::string curves_svg(std::span<const CurvePanel> panels);
+
+/// The panels of a table of text. Cells are separated by tabs or by two or more blanks. The first line has the name of
+/// the axis and the names of the curves; each other line has a step and the values of the curves, "-" for none. A line
+/// that starts with # is the title of the next panel; an empty line ends a panel.
+/// rows     the first line has the name of the curves and the steps; each other line has the name and values of a curve
+/// Throws   io_error 403 with name and line for a line with another number of cells or a cell that is not a number;
+///          config_error 101 without any panel
+std::vector<CurvePanel> parse_curves(std::string_view table, bool rows = false, std::string_view name = "table");
 
 MOTIONLANG_NAMESPACE_END
 
@@ -28603,9 +29104,6 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail::curves {
 
 inline constexpr double width = 1000, height = 300, left = 70, right = 250, top = 34, bottom = 34;
-inline constexpr std::array<const char*, 8> colours{"#2676ba", "#d1495b", "#3a7d44", "#8a5aa8",
-                                                    "#d98324", "#4b4e53", "#17a2a8", "#b0a12f"};
-
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   void add(double x) {
@@ -28614,15 +29112,23 @@ struct Range {
   double size() const { return std::max(high - low, 1e-12); }
 };
 
-inline std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", x);
-  return text;
-}
-
-inline std::string label(double x, double y, const std::string& text, const char* colour = "#555") {
-  return concat_text("<text x='", x, "' y='", y, "' font-family='sans-serif' font-size='13' fill='", colour, "'>", text,
-                     "</text>");
+/// Marks of both axes, with lines across the panel.
+struct PanelScale {
+  double x0, x_unit, y0, y_unit;  // pixels: of step 0 and value 0, and for a unit of each; heights grow upwards
+};
+inline std::string grid_svg(const PanelScale& at, const Range& steps, const Range& values, double top_y) {
+  std::string out;
+  for (const double t : plot_ticks(steps.low, steps.high)) {
+    const double x = at.x0 + t * at.x_unit;
+    out += concat_text("<path d='M", x, " ", top_y + top, "V", top_y + height - bottom, "' stroke='#eceff2'/>");
+    out += label(x - 6, top_y + height - bottom + 17, number(t));
+  }
+  for (const double t : plot_ticks(values.low, values.high)) {
+    const double y = at.y0 - t * at.y_unit;
+    out += concat_text("<path d='M", left, " ", y, "H", width - right, "' stroke='#eceff2'/>");
+    out += label(14, y + 4, number(t));
+  }
+  return out;
 }
 
 inline std::string panel_svg(const CurvePanel& panel, double y0) {
@@ -28634,33 +29140,126 @@ inline std::string panel_svg(const CurvePanel& panel, double y0) {
       if (v > 0) positive.add(v);
     }
   }
-  if (!(values.low <= values.high)) return label(left, y0 + top, panel.title + ": no values yet");
-  const bool logarithmic = values.low >= 0 && values.high > 10 * positive.low;
+  if (!(values.low <= values.high)) return label(left, y0 + top, escape_markup(panel.title) + ": no values yet");
+  const bool plain = panel.axis.empty();  // losses over the steps of a training
+  const bool logarithmic = plain && values.low >= 0 && values.high > 10 * positive.low;
   if (logarithmic) values = positive;
   auto scaled = [&](double v) { return logarithmic ? std::log10(std::max(v, values.low)) : v; };
   Range shown;
   shown.add(scaled(values.low)), shown.add(scaled(values.high));
-  std::string out = concat_text("<rect x='", left, "' y='", y0 + top, "' width='", width - left - right, "' height='",
-                                height - top - bottom, "' fill='none' stroke='#ddd'/>");
-  out += label(left, y0 + 22, panel.title + (logarithmic ? " (logarithmic)" : ""));
+  const auto x_of = [&](double step) { return left + (width - left - right) * (step - steps.low) / steps.size(); };
+  const double high = height - top - bottom;
+  std::string out;
+  for (const auto& [from, to] : panel.shaded)
+    out += concat_text("<rect class='shaded' x='", x_of(std::max(from, steps.low)), "' y='", y0 + top, "' width='",
+                       std::max(0.0, x_of(std::min(to, steps.high)) - x_of(std::max(from, steps.low))), "' height='",
+                       high, "' fill='#3a7d44' opacity='0.18'/>");
+  if (!plain) {
+    const double x_unit = (width - left - right) / steps.size(), y_unit = high / shown.size();
+    out += grid_svg({left - steps.low * x_unit, x_unit, y0 + top + shown.high * y_unit, y_unit}, steps, shown, y0);
+  }
+  out += concat_text("<rect x='", left, "' y='", y0 + top, "' width='", width - left - right, "' height='", high,
+                     "' fill='none' stroke='#ddd'/>");
+  out += label(left, y0 + 22, escape_markup(panel.title) + (logarithmic ? " (logarithmic)" : ""));
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     const Curve& c = panel.curves[i];
     std::string points;
     for (std::size_t k = 0; k < c.values.size(); ++k) {
       if (!std::isfinite(c.values[k])) continue;
       points +=
-          concat_text(left + (width - left - right) * (c.steps[k] - steps.low) / steps.size(), ",",
-                      y0 + top + (height - top - bottom) * (shown.high - scaled(c.values[k])) / shown.size(), " ");
+          concat_text(x_of(c.steps[k]), ",", y0 + top + high * (shown.high - scaled(c.values[k])) / shown.size(), " ");
     }
     const char* colour = colours[i % colours.size()];
     out += concat_text("<polyline points='", points, "' fill='none' stroke='", colour, "' stroke-width='2'/>");
     const double line = y0 + top + 12 + 20 * static_cast<double>(i);
-    out += label(width - right + 12, line, c.name + (c.values.empty() ? "" : " " + number(c.values.back())), colour);
+    const std::string last = plain && !c.values.empty() ? " " + number(c.values.back()) : "";
+    out += label(width - right + 12, line, escape_markup(c.name) + last, colour);
   }
+  for (const double mark : panel.marks)
+    out += concat_text("<path class='mark' d='M", x_of(mark), " ", y0 + top, "v", high,
+                       "' stroke='#d1495b' stroke-width='1.5' stroke-dasharray='5 4'/>");
+  if (!plain) return out + label(width - right + 12, y0 + height - bottom + 17, escape_markup(panel.axis));
   out += label(4, y0 + top + 12, number(values.high)) + label(4, y0 + height - bottom, number(values.low));
   return out + label(left, y0 + height - 12, "step " + number(steps.low)) +
          label(width - right - 90, y0 + height - 12, "step " + number(steps.high));
 }
+
+/// Cells between tabs or between two or more blanks.
+inline std::vector<std::string> table_cells(std::string_view line) {
+  std::vector<std::string> out(1);
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool gap = line[i] == '\t' || line.substr(i, 2) == "  ";
+    if (!gap) {
+      out.back() += line[i];
+      continue;
+    }
+    while (i + 1 < line.size() && line[i] == ' ' && line[i + 1] == ' ') ++i;
+    out.emplace_back();
+  }
+  for (std::string& cell : out) cell = std::string(trim(cell));
+  return out;
+}
+
+/// Reads lines into panels.
+class CurveTable {
+ public:
+  CurveTable(std::string_view table, bool rows, std::string_view name) : rows_(rows), name_(name) {
+    for_each_line(table, [&](std::string_view line, Index number) {
+      if (trim(line).empty()) {
+        header_.clear();
+      } else if (line.starts_with('#')) {
+        title_ = std::string(trim(line.substr(1)));
+        header_.clear();
+      } else if (header_.empty()) {
+        start(table_cells(trim(line)), number);
+      } else {
+        add(table_cells(trim(line)), number);
+      }
+    });
+    if (out_.empty()) raise<config_error>(101, name_, ": no values to draw");
+  }
+  std::vector<CurvePanel> panels() && { return std::move(out_); }
+
+ private:
+  double value(const std::string& cell, Index line) const {
+    if (cell == "-") return std::numeric_limits<double>::quiet_NaN();
+    double x = 0;
+    const auto end = detail::from_chars(cell.data(), cell.data() + cell.size(), x);
+    if (end.ec != std::errc{} || end.ptr != cell.data() + cell.size())
+      raise<io_error>(403, name_, ":", line, ": '", cell, "' is not a number");
+    return x;
+  }
+  void start(std::vector<std::string> cells, Index line) {
+    if (cells.size() < 2) raise<io_error>(403, name_, ":", line, ": one column, where curves need two");
+    header_ = std::move(cells);
+    CurvePanel panel{.title = std::exchange(title_, {}), .curves = {}, .axis = header_[0]};
+    steps_.clear();
+    for (std::size_t i = 1; i < header_.size(); ++i) {
+      if (rows_)
+        steps_.push_back(value(header_[i], line));
+      else
+        panel.curves.push_back({header_[i], {}, {}});
+    }
+    out_.push_back(std::move(panel));
+  }
+  void add(const std::vector<std::string>& cells, Index line) {
+    if (cells.size() != header_.size())
+      raise<io_error>(403, name_, ":", line, ": ", cells.size(), " cells below ", header_.size(), " names");
+    std::vector<Curve>& curves = out_.back().curves;
+    if (rows_) curves.push_back({cells[0], steps_, {}});
+    for (std::size_t i = 1; i < cells.size(); ++i) {
+      Curve& curve = rows_ ? curves.back() : curves[i - 1];
+      if (!rows_) curve.steps.push_back(value(cells[0], line));
+      curve.values.push_back(value(cells[i], line));
+    }
+  }
+
+  bool rows_;
+  std::string name_, title_;
+  std::vector<std::string> header_;
+  std::vector<double> steps_;
+  std::vector<CurvePanel> out_;
+};
 
 }  // namespace detail::curves
 
@@ -28675,6 +29274,10 @@ MOTIONLANG_BODY Curve curve_of_steps(std::string name, std::span<const float> va
     out.values.push_back(total / static_cast<double>(b - a));
   }
   return out;
+}
+
+MOTIONLANG_BODY std::vector<CurvePanel> parse_curves(std::string_view table, bool rows, std::string_view name) {
+  return detail::curves::CurveTable(table, rows, name).panels();
 }
 
 MOTIONLANG_BODY std::string curves_svg(std::span<const CurvePanel> panels) {
@@ -28773,10 +29376,66 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_VIEW_RIG_WRITER_HPP  // <motionlang/view/rig_writer.hpp>
+#define MOTIONLANG_HAS_VIEW_RIG_WRITER_HPP
+/// Writes motions on the character of a user: a GLB file with the motions added, or a page.
+///
+///     const RigWriter write = rig_writer({.file = "character.glb"});
+///     const std::string report = write("walk.glb", std::span(&motion, 1));
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The character of a user.
+struct RigOptions {
+  std::string file{};            // "": no character, and no writer
+  std::string joints{};          // table of its joints (formats/skeleton_table_file.hpp); "": a known one
+  bool drop_animations = false;  // of the character's file
+};
+
+/// Writes motions into a GLB file or a page (.html), and returns lines about how the skeleton follows. Throws
+/// option_error 103 for another extension, config_error 103 without motions, and what the writers throw.
+using RigWriter = std::function<std::string(const std::filesystem::path&, std::span<const Motion>)>;
+/// The character is read immediately. Throws what GlbRig and read_skeleton_table throw.
+RigWriter rig_writer(const RigOptions& options);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_RIG_WRITER_IPP  // <motionlang/view/rig_writer.ipp>
+#define MOTIONLANG_HAS_VIEW_RIG_WRITER_IPP
+// Bodies of rig_writer.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY RigWriter rig_writer(const RigOptions& options) {
+  if (options.file.empty()) return {};
+  GlbRig::FindTable find_table = detect_skeleton_table;
+  if (!options.joints.empty()) find_table = [&](const Skeleton& s) { return read_skeleton_table(options.joints, s); };
+  return [rig = GlbRig::open(options.file, find_table), options](const std::filesystem::path& path,
+                                                                 std::span<const Motion> motions) {
+    const std::string kind = file_kind(path);
+    if (kind != ".glb" && kind != ".html")
+      raise<option_error>(103, path.string(), ": a character (`rig`) is written to .glb and .html, not '", kind, "'");
+    if (motions.empty()) raise<config_error>(103, path.string(), ": no motion");
+    const MotionsOnRig on_rig = motions_on_rig(rig, motions);
+    if (kind == ".html")
+      write_rig_viewer(path, rig, on_rig.motions);
+    else
+      write_glb(path, rig, on_rig.motions, {.keep_animations = !options.drop_animations});
+    return concat_text(
+        path.string(), " on ", options.file, "\n",
+        on_rig.report ? to_string(*on_rig.report) : std::string("all joints follow: it is the motion's own skeleton"),
+        "\n");
+  };
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_VIEW_SEARCH_PAGE_HPP  // <motionlang/view/search_page.hpp>
 #define MOTIONLANG_HAS_VIEW_SEARCH_PAGE_HPP
-/// Search results as one self-contained HTML page: for each clip or moment its score, its place, its captions, and a
-/// film strip.
+/// Search results as lines, as JSON, and as one self-contained HTML page: for each clip or moment its score, its place,
+/// its captions, and on the page a film strip.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -28788,6 +29447,15 @@ struct FoundMotion {
   std::string strip{};        // film_strip_svg, or "" for none
   std::string problem{};      // the reason if there is no strip
 };
+
+/// The hits of an answer with their clips.
+std::vector<FoundMotion> found_motions(const MotionIndex& index, const TextAnswer& answer);
+
+/// Lines: the words that the model does not know, if nothing shows the query (`one`: "clip" or "moment"), and the hits.
+std::string search_text(std::span<const FoundMotion> found, const TextAnswer& answer, std::string_view one);
+/// kind  what was searched: "clips", "moments", "captions"
+std::string search_json(std::span<const FoundMotion> found, const TextAnswer& answer, std::string_view query,
+                        std::string_view kind);
 
 /// Draws the strips: reads the files of the hits, or records why a strip could not be drawn.
 void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read = {});
@@ -28815,6 +29483,53 @@ inline Motion found_motion(const FoundMotion& f, const MotionReadOptions& read) 
 }
 
 }  // namespace detail
+
+MOTIONLANG_BODY std::vector<FoundMotion> found_motions(const MotionIndex& index, const TextAnswer& answer) {
+  std::vector<FoundMotion> out;
+  for (std::size_t i = 0; i < answer.hits.size(); ++i) {
+    const MotionHit& h = answer.hits[i];
+    out.push_back({clip_of(index, h), h.start, h.end, answer.scores[i], {}, {}});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string search_text(std::span<const FoundMotion> found, const TextAnswer& answer,
+                                        std::string_view one) {
+  std::string out;
+  for (const UnknownWord& w : answer.unheard)
+    out += concat_text("nobody taught the model the word '", printable(w.word), "'",
+                       w.like.empty() ? "" : " (did you mean '" + w.like + "'?)", "\n");
+  if (!answer.shown) out += concat_text("no ", one, " shows this", found.empty() ? "" : "; the nearest are:", "\n");
+  int place = 0;
+  for (const FoundMotion& f : found) {
+    out += formatted("%3d  %.*f  %7.2f %7.2f s  ", ++place, answer.calibrated ? 4 : 3, f.score, f.start, f.end);
+    out += printable(f.clip.path);
+    if (!f.clip.name.empty()) out += " (" + printable(f.clip.name) + ")";
+    if (!f.clip.captions.empty()) out += "  \"" + printable(f.clip.captions.front()) + "\"";
+    out += "\n";
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string search_json(std::span<const FoundMotion> found, const TextAnswer& answer,
+                                        std::string_view query, std::string_view kind) {
+  auto hits = nlohmann::ordered_json::array(), unheard = nlohmann::ordered_json::array();
+  for (const FoundMotion& f : found)
+    hits.push_back({{"path", f.clip.path},
+                    {"name", f.clip.name},
+                    {"start", f.start},
+                    {"end", f.end},
+                    {"score", f.score},
+                    {"captions", f.clip.captions},
+                    {"license", f.clip.license}});
+  for (const UnknownWord& w : answer.unheard) unheard.push_back(w.word);
+  const nlohmann::ordered_json out{{"query", std::string(query)},
+                                   {"kind", std::string(kind)},
+                                   {"shown", answer.shown},
+                                   {"unknown_words", std::move(unheard)},
+                                   {"hits", std::move(hits)}};
+  return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
 
 MOTIONLANG_BODY void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read) {
   for (FoundMotion& f : found) {
@@ -28860,6 +29575,1194 @@ MOTIONLANG_BODY std::string search_html(std::span<const FoundMotion> found, std:
   }
   if (found.empty()) out += "<p>Nothing was found.</p>\n";
   return out + "</body>\n</html>\n";
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_VIEW_STUDY_CHART_HPP  // <motionlang/view/study_chart.hpp>
+#define MOTIONLANG_HAS_VIEW_STUDY_CHART_HPP
+/// The counts of a perceptual study as bars: preferences, ranks or ratings.
+///
+///     write_file("study.svg", bar_chart_svg(study_chart(study, count_study(study, answers))));
+///
+/// Source  TEMOS, figure 3 (thesis 4.3); thesis figure 6.6; TM2T, figure 4
+
+#ifndef MOTIONLANG_HAS_METRICS_STUDY_COUNTS_HPP  // <motionlang/metrics/study_counts.hpp>
+#define MOTIONLANG_HAS_METRICS_STUDY_COUNTS_HPP
+/// Counts the answers to a perceptual study: votes, majorities, mean ranks and ratings, with intervals. Raters who fail
+/// catch trials are left out.
+///
+///     const StudyCounts counts = count_study(study, answers);
+///     for (const PairCount& p : counts.pairs) use(p.preferred.share);      // of a against b
+///
+/// Source  TEMOS (Petrovich et al., ECCV 2022), appendix C: a majority vote for each item, a tie gives both 0.5; the
+///         answers of raters who fail a catch trial are discarded. STMC (thesis 6.3.4): preferred or similar. TM2T (Guo
+///         et al., ECCV 2022), figure 4: how often each method has each rank
+/// Differs the papers print no intervals. Here shares have the 95 % interval of Wilson (1927) over the items, means the
+///         one of metrics/summary.hpp over the items
+
+#ifndef MOTIONLANG_HAS_METRICS_STUDY_HPP  // <motionlang/metrics/study.hpp>
+#define MOTIONLANG_HAS_METRICS_STUDY_HPP
+/// Perceptual studies: what raters compare, the order in which they see it, and their answers.
+///
+///     const Study study = parse_study(read_file("study.tsv"), StudyKind::pairs, "study.tsv");
+///     const auto trials = study_trials(study, 7);          // the order of seed 7: trials and sides are shuffled
+///
+/// Table   columns are separated by tabs, the first line has their names. `text` is what a motion should show, `motion`
+///         a motion that texts describe, `timeline` a file of a timeline, `role` one of
+///             (empty)      the answer counts
+///             warmup       comes first and does not count
+///             catch NAME   has a known answer: the column NAME is right
+///         Every other column is a system. Its cells are files of motions or, if there is a column `motion`, texts. A
+///         cell may be empty. Lines that start with # are comments
+/// Source  TEMOS (Petrovich et al., ECCV 2022), section 4.3 and appendix C: pairs with swapped sides, three warm-ups,
+///         two catch trials; agreement from 1 to 5. STMC (thesis 6.3.2): the same, with "no preference". TM2T (Guo et
+///         al., ECCV 2022), appendix E: descriptions of a motion are ranked
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// `pairs`: which of two is better. `ranking`: all in order. `rating`: one at a time, from 1 to 5.
+enum class StudyKind { pairs, ranking, rating };
+/// Throws config_error 103 for another name than pairs, ranking and rating.
+StudyKind parse_study_kind(std::string_view name);
+std::string to_string(StudyKind kind);
+
+enum class StudyRole { counted, warmup, catch_trial };
+
+/// A line of the table.
+struct StudyItem {
+  StudyRole role = StudyRole::counted;
+  int right = -1;                      // of a catch trial: the system that is right
+  std::string text{};                  // "": none
+  std::string motion{}, timeline{};    // files; "": none
+  std::vector<std::string> choices{};  // of each system; "": it has none
+};
+
+struct Study {
+  StudyKind kind = StudyKind::pairs;
+  std::vector<std::string> systems{};
+  std::vector<StudyItem> items{};
+  bool ranks_texts = false;       // choices are texts that describe `motion`
+  std::uint64_t fingerprint = 0;  // of the table and the kind
+};
+
+/// Throws io_error 403, with the name and the line, for a table without systems, an unknown role, a line with the wrong
+/// number of cells or fewer choices than the kind compares, and a catch trial whose right system has no choice.
+Study parse_study(std::string_view table, StudyKind kind, std::string_view name = "study");
+
+/// The choices of an item that are shown together, from left to right.
+struct StudyTrial {
+  std::size_t item = 0;
+  std::vector<int> shown{};  // systems
+  bool operator==(const StudyTrial&) const = default;
+};
+/// The trials in the order of a seed: warm-ups first, in the order of the table, then all others, shuffled. Pairs are
+/// all pairs of systems; catch trials pair the right system with each other one.
+std::vector<StudyTrial> study_trials(const Study& study, std::uint64_t seed);
+
+/// The answer to a trial. Places are numbers of shown choices from the left, from 0.
+struct StudyAnswer {
+  std::size_t trial = 0;
+  std::vector<int> places{};  // pairs: the better one, or none without preference; ranking: from best to worst
+  int rating = 0;             // 1 to 5
+  double seconds = 0;
+};
+/// The file that a page saves for one rater.
+struct StudyAnswers {
+  std::string rater{};
+  std::uint64_t seed = 0;
+  std::vector<StudyAnswer> answers{};  // at most one for each trial
+};
+
+/// Reads what a page saves: lines "study", "kind", "seed" and "rater" with their values, then "trial answer seconds",
+/// separated by tabs. An answer has places separated by commas, "-" without a preference, or a rating. If a trial is
+/// answered again, the last answer counts. Throws io_error 403, with name and line, for another form, for answers to
+/// another study, and for an answer that its trial does not have.
+StudyAnswers parse_study_answers(std::string_view text, const Study& study, std::string_view name = "answers");
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_STUDY_IPP  // <motionlang/metrics/study.ipp>
+#define MOTIONLANG_HAS_METRICS_STUDY_IPP
+// Bodies of study.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline std::vector<std::string> study_cells(std::string_view line, char separator = '\t') {
+  std::vector<std::string> out(1);
+  for (const char c : line) {
+    if (c == separator)
+      out.emplace_back();
+    else
+      out.back() += c;
+  }
+  for (std::string& cell : out) cell = std::string(trim(cell));
+  return out;
+}
+
+/// FNV-1a.
+inline std::uint64_t study_fingerprint(std::string_view table, StudyKind kind) {
+  std::uint64_t h = 0xCBF29CE484222325u;
+  for (const char c : concat_text(to_string(kind), "\n", table))
+    h = (h ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+  return h;
+}
+
+template <class T>
+bool parse_whole(std::string_view text, T& out, int base = 10) {
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), out, base);
+  return end.ec == std::errc{} && end.ptr == text.data() + text.size();
+}
+
+template <class T>
+void shuffle(std::vector<T>& list, Philox& draw) {
+  for (std::size_t i = list.size(); i > 1; --i) std::swap(list[i - 1], list[draw.below(static_cast<std::uint32_t>(i))]);
+}
+
+/// The columns of the table.
+class StudyTable {
+ public:
+  StudyTable(std::string_view table, StudyKind kind, std::string_view name) : name_(name) {
+    out_.kind = kind;
+    out_.fingerprint = study_fingerprint(table, kind);
+    for_each_line(table, [&](std::string_view line, Index number) {
+      if (trim(line).empty() || line.starts_with('#')) return;
+      if (columns_.empty())
+        read_header(study_cells(line), number);
+      else
+        read_item(study_cells(line), number);
+    });
+    if (out_.items.empty()) raise<io_error>(403, name_, ": no line below the names of the columns");
+  }
+  Study study() && { return std::move(out_); }
+
+ private:
+  void read_header(std::vector<std::string> cells, Index line) {
+    columns_ = std::move(cells);
+    std::set<std::string> seen;
+    for (const std::string& c : columns_) {
+      if (c.empty() || !seen.insert(c).second)
+        raise<io_error>(403, name_, ":", line, ": column '", c, "' is not a new name");
+      if (c == "motion") out_.ranks_texts = true;
+      if (c != "role" && c != "text" && c != "motion" && c != "timeline") out_.systems.push_back(c);
+    }
+    if (out_.systems.empty() || (out_.systems.size() < 2 && out_.kind != StudyKind::rating))
+      raise<io_error>(403, name_, ":", line, ": the columns have ", counted(out_.systems.size(), "system"));
+  }
+  void read_item(const std::vector<std::string>& cells, Index line) {
+    if (cells.size() > columns_.size())
+      raise<io_error>(403, name_, ":", line, ": ", cells.size(), " cells below ", counted(columns_.size(), "column"));
+    StudyItem item;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const std::string cell = i < cells.size() ? cells[i] : "";
+      const std::string& column = columns_[i];
+      if (column == "text")
+        item.text = cell;
+      else if (column == "motion")
+        item.motion = cell;
+      else if (column == "timeline")
+        item.timeline = cell;
+      else if (column == "role")
+        read_role(cell, item, line);
+      else
+        item.choices.push_back(cell);
+    }
+    const auto choices =
+        std::count_if(item.choices.begin(), item.choices.end(), [](const auto& c) { return !c.empty(); });
+    if (choices < (out_.kind == StudyKind::rating ? 1 : 2))
+      raise<io_error>(403, name_, ":", line, ": ", counted(choices, "choice"), " to compare");
+    if (out_.ranks_texts && item.motion.empty()) raise<io_error>(403, name_, ":", line, ": no motion");
+    if (item.right >= 0 && item.choices[static_cast<std::size_t>(item.right)].empty())
+      raise<io_error>(403, name_, ":", line, ": the right answer has no choice");
+    out_.items.push_back(std::move(item));
+  }
+  void read_role(const std::string& cell, StudyItem& item, Index line) const {
+    if (cell.empty()) return;
+    if (cell == "warmup") {
+      item.role = StudyRole::warmup;
+      return;
+    }
+    const auto& systems = out_.systems;
+    const auto right =
+        cell.starts_with("catch ") ? std::find(systems.begin(), systems.end(), trim(cell.substr(6))) : systems.end();
+    if (right == systems.end())
+      raise<io_error>(403, name_, ":", line, ": role '", cell, "' is not warmup, or catch and a system");
+    item.role = StudyRole::catch_trial;
+    item.right = static_cast<int>(right - systems.begin());
+  }
+
+  std::string name_;
+  std::vector<std::string> columns_;
+  Study out_;
+};
+
+/// The trials of an item, with their choices in the order of the table.
+inline std::vector<StudyTrial> trials_of_item(const Study& study, std::size_t number) {
+  const StudyItem& item = study.items[number];
+  std::vector<int> systems;
+  for (std::size_t s = 0; s < item.choices.size(); ++s) {
+    if (!item.choices[s].empty()) systems.push_back(static_cast<int>(s));
+  }
+  if (study.kind == StudyKind::ranking) return {{number, systems}};
+  std::vector<StudyTrial> out;
+  for (std::size_t a = 0; a < systems.size(); ++a) {
+    if (study.kind == StudyKind::rating) out.push_back({number, {systems[a]}});
+    for (std::size_t b = a + 1; b < systems.size() && study.kind == StudyKind::pairs; ++b) {
+      const bool asked = item.right < 0 || systems[a] == item.right || systems[b] == item.right;
+      if (asked) out.push_back({number, {systems[a], systems[b]}});
+    }
+  }
+  return out;
+}
+
+/// An answer as a file has it. False if the trial does not have it.
+inline bool read_answer(std::string_view text, StudyKind kind, std::size_t shown, StudyAnswer& out) {
+  if (kind == StudyKind::rating) return parse_whole(text, out.rating) && out.rating >= 1 && out.rating <= 5;
+  if (text == "-") return kind == StudyKind::pairs;
+  std::set<int> seen;
+  for (const std::string& cell : study_cells(text, ',')) {
+    int place = 0;
+    if (!parse_whole(cell, place) || place < 0 || place >= static_cast<int>(shown) || !seen.insert(place).second)
+      return false;
+    out.places.push_back(place);
+  }
+  return out.places.size() == (kind == StudyKind::pairs ? 1 : shown);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string to_string(StudyKind kind) {
+  return kind == StudyKind::pairs ? "pairs" : kind == StudyKind::ranking ? "ranking" : "rating";
+}
+MOTIONLANG_BODY StudyKind parse_study_kind(std::string_view name) {
+  for (const StudyKind kind : {StudyKind::pairs, StudyKind::ranking, StudyKind::rating}) {
+    if (to_string(kind) == name) return kind;
+  }
+  raise<config_error>(103, "study '", name, "' is not one of pairs, ranking, rating");
+}
+
+MOTIONLANG_BODY Study parse_study(std::string_view table, StudyKind kind, std::string_view name) {
+  return detail::StudyTable(table, kind, name).study();
+}
+
+MOTIONLANG_BODY std::vector<StudyTrial> study_trials(const Study& study, std::uint64_t seed) {
+  std::vector<StudyTrial> out, later;
+  Philox draw = Philox{.seed = seed}.split("study");
+  for (std::size_t i = 0; i < study.items.size(); ++i) {
+    for (StudyTrial& trial : detail::trials_of_item(study, i)) {
+      detail::shuffle(trial.shown, draw);
+      (study.items[i].role == StudyRole::warmup ? out : later).push_back(std::move(trial));
+    }
+  }
+  detail::shuffle(later, draw);
+  out.insert(out.end(), later.begin(), later.end());
+  return out;
+}
+
+MOTIONLANG_BODY StudyAnswers parse_study_answers(std::string_view text, const Study& study, std::string_view name) {
+  StudyAnswers out;
+  std::vector<StudyTrial> trials;
+  std::set<std::string> headers;
+  detail::for_each_line(text, [&](std::string_view line, Index number) {
+    const auto fail = [&](const auto&... what) { raise<io_error>(403, name, ":", number, ": ", what...); };
+    if (detail::trim(line).empty() || line.starts_with('#')) return;
+    const auto cells = detail::study_cells(line);
+    if (trials.empty()) {
+      std::uint64_t fingerprint = 0;
+      const std::string value = cells.size() > 1 ? cells[1] : "";
+      if (cells[0] == "study" && (!detail::parse_whole(value, fingerprint, 16) || fingerprint != study.fingerprint))
+        fail("answers to another study, or to another version of its table");
+      if (cells[0] == "seed" && !detail::parse_whole(value, out.seed)) fail("seed '", value, "'");
+      if (cells[0] == "rater") out.rater = value;
+      headers.insert(cells[0]);
+      if (cells[0] != "trial") return;
+      if (!headers.contains("study") || !headers.contains("seed")) fail("no study or no seed before the answers");
+      trials = study_trials(study, out.seed);
+      return;
+    }
+    StudyAnswer answer;
+    if (cells.size() != 3 || !detail::parse_whole(cells[0], answer.trial) || answer.trial >= trials.size())
+      fail("a line has a trial below ", trials.size(), ", an answer and seconds");
+    answer.seconds = std::strtod(cells[2].c_str(), nullptr);
+    if (!detail::read_answer(cells[1], study.kind, trials[answer.trial].shown.size(), answer))
+      fail("'", cells[1], "' does not answer this trial of ", to_string(study.kind));
+    std::erase_if(out.answers, [&](const StudyAnswer& a) { return a.trial == answer.trial; });
+    out.answers.push_back(std::move(answer));
+  });
+  if (trials.empty()) raise<io_error>(403, name, ": no answers");
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A share of a number of cases, with the ends of its 95 % interval.
+struct StudyShare {
+  double share = 0, low = 0, high = 1;
+};
+/// Wilson's interval with z = 1.96: (p + z^2/2n +- z sqrt(p (1 - p) / n + z^2 / 4n^2)) / (1 + z^2/n). `part` may count
+/// halves. 0 and [0, 1] if `total` is 0.
+StudyShare wilson_share(double part, double total);
+
+/// A rater's file.
+struct StudyRater {
+  std::string name;
+  std::size_t answers = 0, caught = 0, passed = 0;  // caught: answered catch trials, passed: the right ones of them
+  bool kept = false;
+};
+
+/// The comparison of two systems.
+struct PairCount {
+  int a = 0, b = 0;  // a < b
+  std::size_t items = 0;
+  std::size_t votes_a = 0, votes_none = 0, votes_b = 0;
+  std::size_t items_a = 0, items_tied = 0, items_b = 0;  // by majority; "no preference" decides nothing
+  StudyShare preferred{};                                // items for a; a tie counts half
+  StudyShare preferred_or_similar{};                     // items for a, and ties
+};
+/// The ranks of a system, of 1 (best) to the number of systems.
+struct RankCount {
+  int system = 0;
+  std::vector<std::size_t> places{};  // how often it has each rank
+  MeanInterval rank{};                // over the items, of each the mean over its raters
+  double share(std::size_t place) const;
+};
+struct RatingCount {
+  int system = 0;
+  std::array<std::size_t, 5> ratings{};  // how often each
+  MeanInterval rating{};                 // over the items
+};
+
+struct StudyCounts {
+  std::vector<StudyRater> raters{};  // in the order of the answers
+  double raters_for_item = 0;        // kept answers for each trial that counts and has any
+  std::vector<PairCount> pairs{};
+  std::vector<RankCount> ranks{};
+  std::vector<RatingCount> ratings{};
+};
+
+/// A catch trial is passed if the right system is preferred, ranked first, or rated 4 or 5 and the others 1 or 2.
+/// Raters are kept if they pass this share of the catch trials that they answered, and answered one if there are any.
+StudyCounts count_study(const Study& study, std::span<const StudyAnswers> answers, double pass_share = 1);
+
+/// The counts of a study's kind as a table in Markdown: pairs of systems, or a row for each system.
+std::string study_table(const Study& study, const StudyCounts& counts);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_STUDY_COUNTS_IPP  // <motionlang/metrics/study_counts.ipp>
+#define MOTIONLANG_HAS_METRICS_STUDY_COUNTS_IPP
+// Bodies of study_counts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline bool passes(const Study& study, const StudyTrial& trial, const StudyAnswer& answer) {
+  const int right = study.items[trial.item].right;
+  if (study.kind == StudyKind::rating) return trial.shown[0] == right ? answer.rating >= 4 : answer.rating <= 2;
+  return !answer.places.empty() && trial.shown[static_cast<std::size_t>(answer.places[0])] == right;
+}
+
+/// Collects the answers of the raters who are kept.
+class StudyCounter {
+ public:
+  explicit StudyCounter(const Study& study) : study_(study) {}
+
+  void add(const StudyTrial& trial, const StudyAnswer& answer) {
+    ++trials_[{trial.item, std::set<int>(trial.shown.begin(), trial.shown.end())}];
+    if (study_.kind == StudyKind::pairs) add_pair(trial, answer);
+    if (study_.kind == StudyKind::ranking) {
+      for (std::size_t place = 0; place < answer.places.size(); ++place) {
+        const int system = trial.shown[static_cast<std::size_t>(answer.places[place])];
+        values_[system][trial.item].push_back(static_cast<double>(place + 1));
+      }
+    }
+    if (study_.kind == StudyKind::rating) values_[trial.shown[0]][trial.item].push_back(answer.rating);
+  }
+  void finish(StudyCounts& out) const {
+    double answers = 0;
+    for (const auto& [trial, count] : trials_) answers += static_cast<double>(count);
+    out.raters_for_item = trials_.empty() ? 0 : answers / static_cast<double>(trials_.size());
+    for (const auto& [systems, items] : votes_) out.pairs.push_back(pair_of(systems, items));
+    for (const auto& [system, items] : values_) {
+      if (study_.kind == StudyKind::ranking)
+        out.ranks.push_back({system, counts_of(items, study_.systems.size()), mean_over_items(items)});
+      if (study_.kind == StudyKind::rating) {
+        RatingCount r{system, {}, mean_over_items(items)};
+        const auto counts = counts_of(items, r.ratings.size());
+        std::copy(counts.begin(), counts.end(), r.ratings.begin());
+        out.ratings.push_back(r);
+      }
+    }
+  }
+
+ private:
+  struct Votes {
+    std::size_t a = 0, none = 0, b = 0;
+  };
+  using Items = std::map<std::size_t, std::vector<double>>;
+
+  void add_pair(const StudyTrial& trial, const StudyAnswer& answer) {
+    const auto [a, b] = std::minmax(trial.shown[0], trial.shown[1]);
+    Votes& votes = votes_[{a, b}][trial.item];
+    if (answer.places.empty())
+      ++votes.none;
+    else
+      ++(trial.shown[static_cast<std::size_t>(answer.places[0])] == a ? votes.a : votes.b);
+  }
+  static PairCount pair_of(const std::pair<int, int>& systems, const std::map<std::size_t, Votes>& items) {
+    PairCount out{.a = systems.first, .b = systems.second, .items = items.size()};
+    for (const auto& [item, votes] : items) {
+      out.votes_a += votes.a, out.votes_none += votes.none, out.votes_b += votes.b;
+      ++(votes.a > votes.b ? out.items_a : votes.a < votes.b ? out.items_b : out.items_tied);
+    }
+    const auto total = static_cast<double>(items.size()), a = static_cast<double>(out.items_a),
+               tied = static_cast<double>(out.items_tied);
+    out.preferred = wilson_share(a + 0.5 * tied, total);
+    out.preferred_or_similar = wilson_share(a + tied, total);
+    return out;
+  }
+  /// How often each of the values 1 ... `largest` occurs.
+  static std::vector<std::size_t> counts_of(const Items& items, std::size_t largest) {
+    std::vector<std::size_t> out(largest);
+    for (const auto& [item, values] : items) {
+      for (const double v : values) ++out[static_cast<std::size_t>(v) - 1];
+    }
+    return out;
+  }
+  static MeanInterval mean_over_items(const Items& items) {
+    std::vector<double> means;
+    for (const auto& [item, values] : items)
+      means.push_back(std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()));
+    return replication_interval(means);
+  }
+
+  const Study& study_;
+  std::map<std::pair<std::size_t, std::set<int>>, std::size_t> trials_;
+  std::map<std::pair<int, int>, std::map<std::size_t, Votes>> votes_;
+  std::map<int, Items> values_;  // of each system: ranks or ratings of each item
+};
+
+}  // namespace detail
+
+MOTIONLANG_BODY StudyShare wilson_share(double part, double total) {
+  if (!(total > 0)) return {};
+  constexpr double z = 1.96;
+  const double p = part / total, middle = p + z * z / (2 * total);
+  const double reach = z * std::sqrt(p * (1 - p) / total + z * z / (4 * total * total)), below = 1 + z * z / total;
+  return {p, std::clamp((middle - reach) / below, 0.0, 1.0), std::clamp((middle + reach) / below, 0.0, 1.0)};
+}
+
+MOTIONLANG_BODY double RankCount::share(std::size_t place) const {
+  const double all = std::accumulate(places.begin(), places.end(), 0.0);
+  return all > 0 ? static_cast<double>(places[place]) / all : 0;
+}
+
+MOTIONLANG_BODY StudyCounts count_study(const Study& study, std::span<const StudyAnswers> answers, double pass_share) {
+  const bool any_catch = std::any_of(study.items.begin(), study.items.end(),
+                                     [](const StudyItem& i) { return i.role == StudyRole::catch_trial; });
+  StudyCounts out;
+  detail::StudyCounter counter(study);
+  for (const StudyAnswers& file : answers) {
+    const auto trials = study_trials(study, file.seed);
+    StudyRater rater{file.rater, file.answers.size()};
+    for (const StudyAnswer& a : file.answers) {
+      const StudyTrial& trial = trials[a.trial];
+      if (study.items[trial.item].role != StudyRole::catch_trial) continue;
+      ++rater.caught;
+      rater.passed += detail::passes(study, trial, a) ? 1 : 0;
+    }
+    rater.kept = !any_catch || (rater.caught > 0 && static_cast<double>(rater.passed) >=
+                                                        pass_share * static_cast<double>(rater.caught) - 1e-9);
+    for (const StudyAnswer& a : file.answers) {
+      const StudyTrial& trial = trials[a.trial];
+      if (rater.kept && study.items[trial.item].role == StudyRole::counted) counter.add(trial, a);
+    }
+    out.raters.push_back(std::move(rater));
+  }
+  counter.finish(out);
+  return out;
+}
+
+namespace detail {
+
+inline std::string pair_table(const Study& study, const std::vector<PairCount>& pairs) {
+  const auto name = [&](int system) { return study.systems[static_cast<std::size_t>(system)]; };
+  const auto share = [](const StudyShare& s) {
+    return formatted("%.1f (%.1f to %.1f)", 100 * s.share, 100 * s.low, 100 * s.high);
+  };
+  std::string out =
+      "| a | b | items | votes a / none / b | items a / tie / b | a preferred % (95 %) | preferred or similar % (95 %) "
+      "|\n"
+      "|---|---|---|---|---|---|---|\n";
+  for (const PairCount& p : pairs)
+    out += concat_text("| ", name(p.a), " | ", name(p.b), " | ", p.items, " | ", p.votes_a, " / ", p.votes_none, " / ",
+                       p.votes_b, " | ", p.items_a, " / ", p.items_tied, " / ", p.items_b, " | ", share(p.preferred),
+                       " | ", share(p.preferred_or_similar), " |\n");
+  return out;
+}
+inline std::string rank_table(const Study& study, const std::vector<RankCount>& ranks) {
+  std::string out = "| system | mean rank (95 %) |", line = "|---|---|";
+  for (std::size_t i = 0; i < study.systems.size(); ++i) {
+    out += concat_text(" rank ", i + 1, " % |");
+    line += "---|";
+  }
+  out += "\n" + line + "\n";
+  for (const RankCount& r : ranks) {
+    out += "| " + study.systems[static_cast<std::size_t>(r.system)];
+    out += formatted(" | %.2f +- %.2f |", r.rank.mean, r.rank.half_width);
+    for (std::size_t place = 0; place < r.places.size(); ++place) out += formatted(" %.1f |", 100 * r.share(place));
+    out += "\n";
+  }
+  return out;
+}
+inline std::string rating_table(const Study& study, const std::vector<RatingCount>& ratings) {
+  std::string out = "| system | mean (95 %) | 1 | 2 | 3 | 4 | 5 |\n|---|---|---|---|---|---|---|\n";
+  for (const RatingCount& r : ratings) {
+    out += "| " + study.systems[static_cast<std::size_t>(r.system)];
+    out += formatted(" | %.2f +- %.2f | ", r.rating.mean, r.rating.half_width) + join_text(r.ratings, " | ") + " |\n";
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string study_table(const Study& study, const StudyCounts& counts) {
+  if (study.kind == StudyKind::pairs) return detail::pair_table(study, counts.pairs);
+  if (study.kind == StudyKind::ranking) return detail::rank_table(study, counts.ranks);
+  return detail::rating_table(study, counts.ratings);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Per cent. Pairs: a bar for each, with the items for the first system, ties, and those for the second; a line at 50
+/// and the interval of the preference. Rankings and ratings: a bar for each system, with the share of each rank or
+/// rating.
+BarChart study_chart(const Study& study, const StudyCounts& counts);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_STUDY_CHART_IPP  // <motionlang/view/study_chart.ipp>
+#define MOTIONLANG_HAS_VIEW_STUDY_CHART_IPP
+// Bodies of study_chart.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+template <class Counts>
+std::vector<double> per_cent(const Counts& counts) {
+  const double all = std::accumulate(counts.begin(), counts.end(), 0.0);
+  std::vector<double> out;
+  for (const auto n : counts) out.push_back(all > 0 ? 100 * static_cast<double>(n) / all : 0);
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY BarChart study_chart(const Study& study, const StudyCounts& counts) {
+  const auto name = [&](int system) { return study.systems[static_cast<std::size_t>(system)]; };
+  BarChart out{.title = "", .series = {}, .groups = {}, .stacked = true};
+  if (study.kind == StudyKind::pairs) {
+    out.title = "preferred by the majority, % of the items";
+    out.series = {"the first", "neither", "the second"};
+    out.mark = 50;
+    for (const PairCount& p : counts.pairs)
+      out.groups.push_back({name(p.a) + " : " + name(p.b),
+                            detail::per_cent(std::vector<std::size_t>{p.items_a, p.items_tied, p.items_b}),
+                            100 * p.preferred.low, 100 * p.preferred.high});
+  } else if (study.kind == StudyKind::ranking) {
+    out.title = "ranks, % of the answers";
+    for (std::size_t place = 1; place <= study.systems.size(); ++place)
+      out.series.push_back(concat_text("rank ", place));
+    for (const RankCount& r : counts.ranks) out.groups.push_back({name(r.system), detail::per_cent(r.places)});
+  } else {
+    out.title = "agreement from 1 to 5, % of the answers";
+    out.series = {"1", "2", "3", "4", "5"};
+    for (const RatingCount& r : counts.ratings) out.groups.push_back({name(r.system), detail::per_cent(r.ratings)});
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_VIEW_STUDY_PAGE_HPP  // <motionlang/view/study_page.hpp>
+#define MOTIONLANG_HAS_VIEW_STUDY_PAGE_HPP
+/// A perceptual study as one self-contained HTML page. A rater sees trial after trial, with the figures beside each
+/// other, and saves the answers as a file, which metrics/study.hpp reads.
+///
+///     const Study study = parse_study(table, StudyKind::pairs);
+///     const StudyFiles files{.motion = [](const std::string& file) { return read_motions(file)[0]; }};
+///     write_file("study.html", study_html(study, files, {.seed = 7}));
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct StudyPageOptions {
+  std::string title = "Which motion is better?";
+  std::string question{};      // "": that of the kind
+  std::string instructions{};  // on the first page; "": those of the kind
+  std::uint64_t seed = 0;      // of the order
+  bool show_text = true;       // else only the motions, as in a study of realism
+  bool no_preference = false;  // pairs: a third answer
+};
+
+/// Reads the files that the table names.
+struct StudyFiles {
+  std::function<Motion(const std::string&)> motion{};
+  std::function<std::vector<Track>(const std::string&)> timeline{};  // none: timelines are not shown
+};
+
+/// "Which motion corresponds better to the text?" and its kin.
+std::string study_question(const Study& study, bool show_text = true);
+
+/// The page contains no names of systems or files. Throws what `files` throws, and as viewer_html.
+std::string study_html(const Study& study, const StudyFiles& files, const StudyPageOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_STUDY_PAGE_IPP  // <motionlang/view/study_page.ipp>
+#define MOTIONLANG_HAS_VIEW_STUDY_PAGE_IPP
+// Bodies of study_page.hpp.
+
+#ifndef MOTIONLANG_HAS_VIEW_DETAIL_STUDY_PAGE_SOURCE_HPP  // <motionlang/view/detail/study_page_source.hpp>
+#define MOTIONLANG_HAS_VIEW_DETAIL_STUDY_PAGE_SOURCE_HPP
+/// The source of a study's page: style, elements, program. study_page.hpp puts title and data between them. The program
+/// continues that of viewer_page.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::string_view study_style = R"page(
+* { box-sizing: border-box; }
+body {
+  margin: 0 auto; max-width: 1180px; padding: 12px 18px 30px; background: var(--back); color: var(--text);
+  font: 16px/1.45 system-ui, -apple-system, "Segoe UI", sans-serif;
+}
+[hidden] { display: none !important; }
+h1 { font-size: 20px; margin: 6px 0; }
+#number { color: var(--faint); }
+#question { font-size: 19px; font-weight: 600; margin: 6px 0 2px; }
+#text { font-size: 18px; margin: 2px 0 8px; }
+button, input, textarea {
+  font: inherit; color: inherit; background: var(--panel); border: 1px solid var(--line); border-radius: 8px;
+  padding: 8px 14px; min-height: 40px;
+}
+button { cursor: pointer; }
+button:disabled { opacity: 0.45; cursor: default; }
+button[aria-pressed="true"], .main:not(:disabled) {
+  background: var(--accent); border-color: var(--accent); color: #fff;
+}
+:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
+#figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(300px, 100%), 1fr)); gap: 14px; }
+.figure { background: var(--panel); border: 1px solid var(--line); border-radius: 10px; overflow: hidden; }
+.figure canvas { display: block; width: 100%; height: 400px; touch-action: none; cursor: grab; }
+.figure button { width: calc(100% - 20px); margin: 10px; }
+#texts { list-style: none; padding: 0; margin: 12px 0; display: grid; gap: 8px; }
+#texts button { width: 100%; text-align: left; }
+#choices { display: flex; flex-wrap: wrap; gap: 8px; margin: 12px 0; }
+#bars { position: relative; margin: 12px 0; }
+.bar { position: relative; height: 26px; }
+.bar span {
+  position: absolute; top: 2px; height: 22px; padding: 0 8px; border-radius: 4px; white-space: nowrap; font-size: 13px;
+  line-height: 22px; background: color-mix(in srgb, var(--accent) 26%, transparent);
+}
+#cursor { position: absolute; top: 0; bottom: 0; width: 2px; background: var(--accent); }
+nav { display: flex; gap: 10px; margin: 14px 0; }
+textarea { width: 100%; height: 180px; font: 13px/1.4 ui-monospace, monospace; }
+)page";
+
+inline constexpr std::string_view study_body = R"page(
+<main>
+  <section id="start">
+    <h1 id="title"></h1><p id="instructions"></p>
+    <p><label>Your name or number <input id="rater" autocomplete="off"></label></p>
+    <p><button id="begin" class="main" type="button">Begin</button></p>
+  </section>
+  <section id="trial" hidden>
+    <div id="number" role="status"></div><div id="question"></div><div id="text"></div>
+    <div id="figures"></div><ul id="texts"></ul>
+    <div id="bars"></div>
+    <div id="choices"></div>
+    <nav><button id="back" type="button">Back</button><button id="next" class="main" type="button">Next</button></nav>
+  </section>
+  <section id="end" hidden>
+    <h1>Thank you</h1>
+    <p>Please save your answers and send the file to the person who gave you this page.</p>
+    <nav><button id="save" class="main" type="button">Save answers</button>
+    <button id="again" type="button">Back</button></nav>
+    <label>Or copy them from here:<textarea id="answers" readonly></textarea></label>
+  </section>
+</main>
+)page";
+
+inline constexpr std::string_view study_script = R"page(
+const clips = sharedClips(), shared = new SharedRenderer(), pause = 0.6;  // seconds in the last pose
+const agreement = ["Strongly disagree", "Disagree", "Neither agree nor disagree", "Agree", "Strongly agree"];
+const answers = page.trials.map(() => ({ places: [], rating: 0, none: false, seconds: 0 }));
+let trial = -1, panels = [], time = 0, before = 0, saved = true;
+
+const text = (tag, content, parent) => {
+  const e = document.createElement(tag);
+  e.textContent = content;
+  parent.append(e);
+  return e;
+};
+const show = (name) => { for (const id of ["start", "trial", "end"]) element(id).hidden = id !== name; };
+const letter = (i) => String.fromCharCode(65 + i);
+const wanted = () => page.trials[trial].texts.length || page.trials[trial].motions.length;
+const complete = (a, count) => page.kind === "rating" ? a.rating > 0
+  : page.kind === "pairs" ? a.none || a.places.length === 1 : a.places.length === count;
+
+/** A click on a choice: the better one of a pair, or the next rank; a second click takes a rank back. */
+function choose(place) {
+  const a = answers[trial];
+  saved = false;
+  if (page.kind === "pairs") {
+    a.none = place < 0;
+    a.places = place < 0 ? [] : [place];
+  } else if (a.places.includes(place)) {
+    a.places = a.places.filter((p) => p !== place);
+  } else {
+    a.places.push(place);
+    const count = wanted();
+    if (a.places.length === count - 1) {  // only one is left
+      a.places.push([...Array(count).keys()].find((p) => !a.places.includes(p)));
+    }
+  }
+  mark();
+}
+function rate(value) {
+  answers[trial].rating = value;
+  saved = false;
+  mark();
+}
+/** Shows the answer on the buttons. */
+function mark() {
+  const a = answers[trial];
+  for (const button of document.querySelectorAll("[data-place]")) {
+    const place = +button.dataset.place, rank = a.places.indexOf(place);
+    button.setAttribute("aria-pressed", place < 0 ? a.none : rank >= 0);
+    const shownRank = page.kind === "ranking" && rank >= 0 ? ` \u2014 ${rank + 1}` : "";
+    button.textContent = button.dataset.label + shownRank;
+  }
+  for (const button of document.querySelectorAll("[data-rating]"))
+    button.setAttribute("aria-pressed", a.rating === +button.dataset.rating);
+  element("next").disabled = !complete(a, wanted());
+}
+function placeButton(parent, place, label) {
+  const button = text("button", label, parent);
+  button.type = "button";
+  button.dataset.place = place;
+  button.dataset.label = label;
+  button.addEventListener("click", () => choose(place));
+}
+
+function open(number) {
+  trial = number;
+  const { text: about, motions, texts, tracks } = page.trials[trial];
+  show("trial");
+  element("number").textContent = `${trial + 1} of ${page.trials.length}`;
+  element("question").textContent = page.question;
+  element("text").textContent = about ? `\u201c${about}\u201d` : "";
+  for (const id of ["figures", "texts", "bars", "choices"]) element(id).replaceChildren();
+  panels = motions.map((m, i) => {
+    const figure = text("div", "", element("figures")), canvas = text("canvas", "", figure), camera = new Camera();
+    figure.className = "figure";
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", `Moving figure ${letter(i)}`);
+    camera.reset(clips[m]);
+    turnByDragging(canvas, camera, () => {});
+    if (!texts.length && page.kind !== "rating") placeButton(figure, i, `Motion ${letter(i)}`);
+    return { clip: clips[m], canvas, camera };
+  });
+  texts.forEach((t, i) => placeButton(text("li", "", element("texts")), i, `${letter(i)}. ${t}`));
+  if (page.none) placeButton(element("choices"), -1, "No preference");
+  if (page.kind === "rating") {
+    agreement.forEach((label, i) => {
+      const button = text("button", label, element("choices"));
+      button.type = "button";
+      button.dataset.rating = i + 1;
+      button.addEventListener("click", () => rate(i + 1));
+    });
+  }
+  const length = Math.max(0.1, ...panels.map((p) => p.clip.seconds));
+  for (const track of tracks) {
+    const bar = text("div", "", element("bars"));
+    const span = text("span", [track.text, ...track.parts].join(" \u00b7 "), bar);
+    bar.className = "bar";
+    Object.assign(span.style, { left: 100 * track.start / length + "%",
+      width: 100 * Math.max(0, Math.min(track.end, length) - track.start) / length + "%" });
+  }
+  if (tracks.length) text("div", "", element("bars")).id = "cursor";
+  element("back").disabled = trial === 0;
+  time = 0;
+  mark();
+}
+function leave(by) {
+  if (trial + by < page.trials.length) return open(trial + by);
+  trial = -1;
+  panels = [];
+  show("end");
+  element("answers").value = file();
+}
+
+/** The answers in the form that motionlang counts. */
+function file() {
+  const lines = [["study", page.study], ["kind", page.kind], ["seed", page.seed],
+                 ["rater", element("rater").value.replace(/\s+/g, " ").trim()], ["trial", "answer", "seconds"]];
+  answers.forEach((a, i) => {
+    const { texts, motions } = page.trials[i];
+    if (!complete(a, texts.length || motions.length)) return;
+    const given = page.kind === "rating" ? a.rating : a.none ? "-" : a.places.join(",");
+    lines.push([i, given, a.seconds.toFixed(1)]);
+  });
+  return lines.map((cells) => cells.join("\t") + "\n").join("");
+}
+function save() {
+  const link = document.createElement("a"), url = URL.createObjectURL(new Blob([file()], { type: "text/plain" }));
+  const rater = element("rater").value.replace(/[^A-Za-z0-9_-]+/g, "_") || "rater";
+  Object.assign(link, { href: url, download: `answers_${rater}.tsv` });
+  document.body.append(link);
+  link.click();
+  link.remove();
+  setTimeout(() => URL.revokeObjectURL(url), 10000);
+  saved = true;
+}
+
+function frame(now) {
+  const passed = Math.min(0.1, Math.max(0, now - before) / 1000);
+  before = now;
+  if (trial >= 0) {
+    const length = Math.max(0.1, ...panels.map((p) => p.clip.seconds));
+    time = (time + passed) % (length + pause);
+    answers[trial].seconds += passed;
+    for (const { clip, canvas, camera } of panels) shared.draw(canvas, clip, camera, Math.min(time, clip.seconds));
+    const cursor = element("cursor");
+    if (cursor) cursor.style.left = 100 * Math.min(time, length) / length + "%";
+  }
+  requestAnimationFrame(frame);
+}
+
+element("title").textContent = document.title = page.title;
+element("instructions").textContent = page.instructions;
+element("begin").addEventListener("click", () => open(0));
+element("back").addEventListener("click", () => leave(-1));
+element("next").addEventListener("click", () => leave(1));
+element("again").addEventListener("click", () => open(page.trials.length - 1));
+element("save").addEventListener("click", save);
+addEventListener("keydown", (event) => {
+  if (trial < 0 || event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === "INPUT") return;
+  const number = +event.key;
+  if (event.key === "Enter" && event.target.tagName !== "BUTTON" && !element("next").disabled) leave(1);
+  else if (page.kind === "rating" && number >= 1 && number <= 5) rate(number);
+  else if (page.kind !== "rating" && number >= 1 && number <= wanted()) choose(number - 1);
+  else if (page.none && event.key === "0") choose(-1);
+});
+addEventListener("beforeunload", (event) => { if (!saved) event.preventDefault(); });
+
+/** For scripts that look at the page. */
+window.motionlang = Object.freeze({
+  state: () => ({ trial, trials: page.trials.length, kind: page.kind, time, renderer: shared.kind, file: file() }) });
+requestAnimationFrame(frame);
+)page";
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The motions of a page, each once, without their names.
+class StudyMotions {
+ public:
+  explicit StudyMotions(const StudyFiles& files) : files_(files) {}
+  std::size_t number(const std::string& file) {
+    const auto [place, is_new] = numbers_.try_emplace(file, numbers_.size());
+    if (is_new) {
+      Motion motion = files_.motion(file);
+      motion.name.clear();
+      shared_.add("study", motion, {}, "");
+    }
+    return place->second;
+  }
+  void put_into(nlohmann::ordered_json& page) && { std::move(shared_).put_into(page); }
+
+ private:
+  const StudyFiles& files_;
+  std::map<std::string, std::size_t> numbers_;
+  SharedMotions shared_;
+};
+
+inline nlohmann::ordered_json study_tracks(const StudyFiles& files, const std::string& file) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  if (file.empty() || !files.timeline) return out;
+  const auto tracks = files.timeline(file);
+  require_finite_times("study", tracks);
+  for (const Track& t : tracks)
+    out.push_back({{"text", t.text}, {"start", t.start}, {"end", t.end}, {"parts", t.parts}});
+  return out;
+}
+
+inline std::string study_instructions(const Study& study) {
+  if (study.kind == StudyKind::rating)
+    return "You will see one motion at a time. Choose how much you agree with the statement.";
+  if (study.kind == StudyKind::ranking)
+    return "Click the answers in the order of your preference, the best one first. A second click takes a choice back.";
+  return "You will see two motions beside each other. Choose the better one. Drag a figure to see it from another "
+         "side.";
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string study_question(const Study& study, bool show_text) {
+  if (study.kind == StudyKind::rating)
+    return show_text ? "The body motion correctly represents the text." : "The motion is realistic.";
+  if (study.ranks_texts)
+    return study.kind == StudyKind::ranking ? "Which texts describe the motion best?"
+                                            : "Which text describes the motion better?";
+  if (study.kind == StudyKind::ranking)
+    return show_text ? "Which motions correspond best to the text?" : "Which motions are the most realistic?";
+  return show_text ? "Which motion corresponds better to the text?" : "Which motion is more realistic?";
+}
+
+MOTIONLANG_BODY std::string study_html(const Study& study, const StudyFiles& files, const StudyPageOptions& options) {
+  using json = nlohmann::ordered_json;
+  detail::StudyMotions motions(files);
+  json trials = json::array();
+  for (const StudyTrial& trial : study_trials(study, options.seed)) {
+    const StudyItem& item = study.items[trial.item];
+    json one{{"text", options.show_text ? item.text : ""},
+             {"tracks", options.show_text ? detail::study_tracks(files, item.timeline) : json::array()}};
+    json shown = json::array(), texts = json::array();
+    if (study.ranks_texts) shown.push_back(motions.number(item.motion));
+    for (const int system : trial.shown) {
+      const std::string& choice = item.choices[static_cast<std::size_t>(system)];
+      if (study.ranks_texts)
+        texts.push_back(choice);
+      else
+        shown.push_back(motions.number(choice));
+    }
+    one["motions"] = std::move(shown);
+    one["texts"] = std::move(texts);
+    trials.push_back(std::move(one));
+  }
+  char fingerprint[20];
+  std::snprintf(fingerprint, sizeof fingerprint, "%016llx", static_cast<unsigned long long>(study.fingerprint));
+  json page{{"title", options.title},
+            {"question", options.question.empty() ? study_question(study, options.show_text) : options.question},
+            {"instructions", options.instructions.empty() ? detail::study_instructions(study) : options.instructions},
+            {"kind", to_string(study.kind)},
+            {"study", fingerprint},
+            {"seed", std::to_string(options.seed)},  // a number of JavaScript has 53 bits only
+            {"none", options.no_preference && study.kind == StudyKind::pairs},
+            {"trials", std::move(trials)}};
+  std::move(motions).put_into(page);
+  return detail::self_contained_page(
+      options.title, concat_text(detail::page_colours, detail::study_style), detail::study_body, page,
+      {detail::viewer_script_pose, detail::viewer_script_draw, detail::viewer_script_shared, detail::study_script});
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_VIEW_TIMELINE_PICTURE_HPP  // <motionlang/view/timeline_picture.hpp>
+#define MOTIONLANG_HAS_VIEW_TIMELINE_PICTURE_HPP
+/// Timelines as a picture: a bar for each text over time, and below them the text that each body part follows.
+///
+/// Source  thesis figure 6.5: timelines, and the body part timelines that are made of them
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Timelines below each other, as SVG. The caller cuts texts that a model needs cut (compose/cut_texts.hpp). Throws
+/// config_error 101 without a timeline, and what plan_timeline throws, except that texts may be hidden.
+/// fps   of the timelines
+std::string timelines_svg(std::span<const Timeline> timelines, double fps);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_TIMELINE_PICTURE_IPP  // <motionlang/view/timeline_picture.ipp>
+#define MOTIONLANG_HAS_VIEW_TIMELINE_PICTURE_IPP
+// Bodies of timeline_picture.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Draws one timeline after the other. The y axis points down.
+class TimelinePicture {
+ public:
+  explicit TimelinePicture(double fps) : fps_(fps) {}
+
+  double height(const TimelinePlan& plan) const {
+    return axis + line * texts(plan) + gap + part_line * plan.timeline.body.size() + 2 * gap;
+  }
+  void draw(SvgSurface& on, const TimelinePlan& plan, double top) const {
+    const double scale = (width - left - right) / std::max<double>(1, static_cast<double>(plan.frames));
+    const auto x_of = [&](Index frame) { return left + scale * static_cast<double>(frame); };
+    const double bars = top + axis, parts = bars + line * texts(plan) + gap;
+    const double end = parts + part_line * plan.timeline.body.size();
+    const double seconds = static_cast<double>(plan.frames) / fps_;
+    for (double t = 0; t <= seconds + 1e-9; t += tick(seconds)) {
+      const double x = left + scale * t * fps_;
+      on.guide(x, bars - 4, end);
+      on.text({x, bars - 8}, fixed(t, 1) + " s", TextRole::small, TextAnchor::middle);
+    }
+    int row = 0;
+    for (std::size_t i = 0; i < plan.timeline.intervals.size(); ++i) {
+      const Interval& text = plan.timeline.intervals[i];
+      if (text.text.empty()) continue;
+      labelled_bar(on, {x_of(text.start), bars + line * row++ + 3}, x_of(text.end), line - 6, colour(i), text.text);
+    }
+    for (int p = 0; p < plan.timeline.body.size(); ++p) {
+      const double y = parts + part_line * p;
+      on.text({left - 10, y + 13}, plan.timeline.body.name(static_cast<BodyPart>(p)), TextRole::small, TextAnchor::end);
+      for (const PartInterval& piece : plan.merged) {
+        const auto owner = static_cast<std::size_t>(piece.owner);
+        if (piece.part != static_cast<BodyPart>(p)) continue;
+        const bool free = plan.timeline.intervals[owner].text.empty();
+        const double x = x_of(piece.range.start);
+        on.bar({x + 1, y + 2}, std::max(1.0, x_of(piece.range.end) - x - 2), part_line - 4,
+               free ? Rgb{0xdd, 0xe2, 0xe8} : colour(owner));
+      }
+    }
+  }
+  static constexpr double width = 900;
+
+ private:
+  static constexpr double left = 90, right = 24, axis = 26, line = 28, part_line = 20, gap = 10;
+
+  static int texts(const TimelinePlan& plan) {
+    int n = 0;
+    for (const Interval& i : plan.timeline.intervals) n += i.text.empty() ? 0 : 1;
+    return n;
+  }
+  static Rgb colour(std::size_t text) { return text_colours[text % text_colours.size()]; }
+  static double tick(double seconds) {
+    for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 60.0, 300.0}) {
+      if (seconds / step <= 14) return step;
+    }
+    return seconds / 10;
+  }
+  /// A text stands in its bar, or beside it where it does not fit.
+  static void labelled_bar(SvgSurface& on, Point2 corner, double end, double height, const Rgb& colour,
+                           const std::string& text) {
+    const double letters = 6.6 * static_cast<double>(text.size()), size = std::max(2.0, end - corner.x);
+    const bool inside = letters + 16 < size, after = !inside && end + letters + 12 < width;
+    on.bar(corner, size, height, colour);
+    on.text({inside  ? corner.x + 8
+             : after ? end + 6
+                     : corner.x - 6,
+             corner.y + height - 6},
+            text, inside ? TextRole::bar : TextRole::usual, inside || after ? TextAnchor::start : TextAnchor::end);
+  }
+
+  double fps_;
+};
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string timelines_svg(std::span<const Timeline> timelines, double fps) {
+  if (timelines.empty()) raise<config_error>(101, "timelines_svg: no timeline");
+  if (!(fps > 0)) raise<config_error>(101, "timelines_svg: frame rate ", fps);
+  const detail::TimelinePicture picture(fps);
+  std::vector<TimelinePlan> plans;
+  double height = 8;
+  for (const Timeline& t : timelines) {
+    plans.push_back(plan_timeline(t, {.hidden = HiddenTexts::ignore}));
+    height += picture.height(plans.back());
+  }
+  detail::SvgSurface surface(picture.width, height, timelines.size() == 1 ? "timeline" : "timelines");
+  double top = 8;
+  for (const TimelinePlan& plan : plans) {
+    picture.draw(surface, plan, top);
+    top += picture.height(plan);
+  }
+  return surface.finish();
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_VIEW_WORD_CHARTS_HPP  // <motionlang/view/word_charts.hpp>
+#define MOTIONLANG_HAS_VIEW_WORD_CHARTS_HPP
+/// Charts that compare the words of data sets: how many words appear how often, and how many texts have each verb.
+///
+/// Source  TEACH (thesis annex A), figure A.3
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The texts of a data set.
+struct NamedTexts {
+  std::string name;
+  std::vector<std::string> texts;
+};
+struct WordCharts {
+  CurvePanel words;     // for 1 ... 50 times, how many words of each set appear at least so often
+  BarChart verbs;       // texts of each set with the verbs that most texts have
+  std::string about{};  // a line for each set: texts, words, verbs
+};
+/// most  number of verbs
+WordCharts word_charts(std::span<const NamedTexts> sets, std::size_t most = 25);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_WORD_CHARTS_IPP  // <motionlang/view/word_charts.ipp>
+#define MOTIONLANG_HAS_VIEW_WORD_CHARTS_IPP
+// Bodies of word_charts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY WordCharts word_charts(std::span<const NamedTexts> sets, std::size_t most) {
+  WordCharts out{.words = {.title = "words that appear at least so often", .curves = {}, .axis = "times"},
+                 .verbs = {.title = "texts with a verb", .series = {}, .groups = {}}};
+  std::vector<std::string> all;
+  for (const NamedTexts& set : sets) all.insert(all.end(), set.texts.begin(), set.texts.end());
+  const auto verbs = commanded_verbs(all);
+  std::map<std::string, std::size_t> total;
+  std::vector<std::map<std::string, std::size_t>> of_set;
+  for (const NamedTexts& set : sets) {
+    const auto counts = word_counts(set.texts);
+    Curve curve{set.name, {}, {}};
+    for (std::size_t least = 1; least <= 50; ++least) {
+      curve.steps.push_back(static_cast<double>(least));
+      curve.values.push_back(static_cast<double>(words_at_least(counts, least)));
+    }
+    out.words.curves.push_back(std::move(curve));
+    out.verbs.series.push_back(set.name);
+    of_set.push_back(verb_counts(set.texts, verbs));
+    for (const auto& [verb, count] : of_set.back()) total[verb] += count;
+    out.about += concat_text(set.name, ": ", counted(set.texts.size(), "text"), ", ", counted(counts.size(), "word"),
+                             ", ", counted(of_set.back().size(), "verb"), "\n");
+  }
+  std::vector<std::pair<std::size_t, std::string>> order;
+  for (const auto& [verb, count] : total) order.emplace_back(count, verb);
+  std::ranges::sort(order, [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (std::size_t i = 0; i < std::min(order.size(), most); ++i) {
+    BarGroup group{.name = order[i].second, .values = {}};
+    for (auto& counts : of_set) group.values.push_back(static_cast<double>(counts[group.name]));
+    out.verbs.groups.push_back(std::move(group));
+  }
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END

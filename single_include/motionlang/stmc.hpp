@@ -5188,7 +5188,7 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
     for (Index r = r0; r < r1; ++r) finish(r * n + c0, c1 - c0);
   };
   if (ready == nullptr) {
-    const Precision precision = detail::precision_of<S>();
+    const Precision precision = precision_of(weight);  // of panels that other kernels have packed, too
     if (precision != Precision::bf16 && m > 0 && m * (n + k) < n * k &&  // x and y are smaller than the weight
         detail::float_tiles(precision, detail::any_rows, n, k) == nullptr) {
       y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
@@ -5225,7 +5225,7 @@ Dense<S> KernelOps<S>::conv1d(const Dense<S>& x, const Offsets& before, const Of
   const auto* prepared = detail::prepared_panels(weight, n, k, taps);
   detail::Panels<S> packed;
   if (prepared == nullptr)
-    packed = detail::pack_panels(detail::window_matrix(weight).data(), k, n, Index{1}, k, detail::precision_of<S>());
+    packed = detail::pack_panels(detail::window_matrix(weight).data(), k, n, Index{1}, k, precision_of(weight));
   return detail::convolve(x, before, after, prepared == nullptr ? packed : prepared->panels,
                           bias == nullptr ? nullptr : bias->data(), stride, padding, act);
 }
@@ -7881,6 +7881,9 @@ struct GenerateOptions {
   Progress progress{};                  // called after every step, or after every motion; may cancel
   GenerateNotes* notes = nullptr;       // filled if given
 };
+
+/// True if a text that ends may be divided into its action and what follows (compose/text_timeline.hpp).
+inline bool ends_actions(const GenerateOptions& o) { return o.cut_texts && o.mode == StmcMode::stmc; }
 
 /// A small number of steps that does as many prompts as all steps, measured by `motionlang judge --compare`.
 inline constexpr Index fast_steps = 10;
@@ -17995,9 +17998,9 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_WEIGHTS_STMC_RECORD_HPP
 /// The record of an STMC run in one safetensors file, for edits in another process.
 ///
-/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the
-///            generator and the options of the run; for a body other than the human one body/parts, the names joined by
-///            " # ", and body/path
+/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp; if there
+///            are several: "bf16, fp32 from text_encoder.embedding.weight"), the generator and the options of the run;
+///            for a body other than the human one body/parts, the names joined by " # ", and body/path
 /// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame,
 ///            end, body parts as bits; their texts are metadata text/0/0, ...
 
@@ -18353,107 +18356,21 @@ MOTIONLANG_NAMESPACE_END
 /// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; guidance and sampling
 ///             ("ddpm 20": sampler and steps), the recommended values, which are optional; and, for readers: license,
 ///             provenance, data, command, commit. Nothing in the file is executed. Word vectors are stored as in
-///             weights/word_vector_file.hpp, with the prefix text_encoder.vectors.
+///             weights/word_vector_file.hpp, with the prefix text_encoder.vectors; the captions of the training as in
+///             weights/known_caption_file.hpp
 
-#ifndef MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP  // <motionlang/weights/module_file.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP
-/// Parameters of modules in files of weights: the path of a field is the name of its tensor.
+#ifndef MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_HPP  // <motionlang/weights/known_caption_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_HPP
+/// The captions of a training in the file of its weights (text/known_captions.hpp).
 ///
-///     save_module("model.safetensors", model);
-///     load_module(model, "model.safetensors");                          // into a model of the same sizes
-///     load_module(model, open_weights("logs/last.ckpt"), "denoiser.");   // any TensorSet (weights/weight_file.hpp)
-
-#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_HPP  // <motionlang/file/key_report.hpp>
-#define MOTIONLANG_HAS_FILE_KEY_REPORT_HPP
-/// Names of tensors that do not match between a file and a model, as a list that tells a person what to do.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Names that a file lacks, and names that the model does not use.
-struct KeyReport {
-  std::vector<std::string> missing, unexpected;
-};
-
-/// The number of characters to insert, remove or exchange to turn a into b (Levenshtein), but at most `limit`.
-std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
-
-/// The name that is most similar to `name`; empty if none shares half of it. Only the first 2,000 names of a long list
-/// are compared.
-std::string nearest_name(std::string_view name, const std::vector<std::string>& among);
-
-/// A line for each name, with the most similar name of the other list.
-std::string to_string(const KeyReport& report);
-
-namespace detail {
-
-[[noreturn]] void raise_key_mismatch(std::string_view file, const KeyReport& report);
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_IPP  // <motionlang/file/key_report.ipp>
-#define MOTIONLANG_HAS_FILE_KEY_REPORT_IPP
-// Bodies of key_report.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
-  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t k = 0; k < b.size(); ++k) {
-      const std::size_t exchanged = diagonal + (a[i] == b[k] ? 0 : 1);
-      diagonal = row[k + 1];
-      row[k + 1] = std::min(exchanged, std::min(diagonal, row[k]) + 1);
-    }
-  }
-  return std::min(row.back(), limit);
-}
-
-MOTIONLANG_BODY std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
-  constexpr std::size_t longest = 256;
-  std::string_view best;
-  std::size_t distance = std::min(name.size(), longest) / 2 + 1;
-  for (const std::string& candidate : std::span(among).first(std::min<std::size_t>(among.size(), 2000))) {
-    if (name.size() > longest || candidate.size() > longest) continue;
-    const std::size_t d = edit_distance(name, candidate, distance);
-    if (d < distance) distance = d, best = candidate;
-  }
-  return std::string(best);
-}
-
-MOTIONLANG_BODY std::string to_string(const KeyReport& report) {
-  constexpr std::size_t most = 20;  // lines of a list
-  std::string text;
-  const auto list = [&](const char* what, const std::vector<std::string>& names, const std::vector<std::string>& others,
-                        const char* has) {
-    for (std::size_t i = 0; i < names.size() && i < most; ++i) {
-      const std::string like = nearest_name(names[i], others);
-      text += concat_text("\n  ", what, " ", names[i]);
-      if (!like.empty()) text += concat_text("  (", has, " ", like, ")");
-    }
-    if (names.size() > most) text += concat_text("\n  ", what, " ", names.size() - most, " more");
-  };
-  list("missing   ", report.missing, report.unexpected, "the file has");
-  list("unexpected", report.unexpected, report.missing, "the model has");
-  return text;
-}
-
-namespace detail {
-
-MOTIONLANG_BODY void raise_key_mismatch(std::string_view file, const KeyReport& report) {
-  raise<io_error>(406, file, ": ", counted(report.missing.size(), "tensor is missing", "tensors are missing"), ", ",
-                  counted(report.unexpected.size(), "is", "are"), " not expected:", report);
-}
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
+///     const auto stmc = load_stmc<B>(path);
+///     const KnownCaptions captions = load_known_captions(path, stmc.text_encoder);
+///
+/// Tensors    captions.codes (captions, width) I8, captions.mean (width) F32, captions.seconds (captions) F32,
+///            captions.then (captions) I16: -1 for an action that repeats, else a line of captions.then; if texts were
+///            tried, captions.done (texts) F32, and codes has their rows behind those of the captions
+/// Metadata   captions: one on each line, and texts that were tried; captions.then: texts for what follows, one on each
+///            line; captions.nearness
 
 #ifndef MOTIONLANG_HAS_FILE_SAFETENSORS_HPP  // <motionlang/file/safetensors.hpp>
 #define MOTIONLANG_HAS_FILE_SAFETENSORS_HPP
@@ -18843,6 +18760,98 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_FILE_TENSOR_SET_HPP  // <motionlang/file/tensor_set.hpp>
 #define MOTIONLANG_HAS_FILE_TENSOR_SET_HPP
 /// Named tensors of a file: the result of every reader of weights, and the source from which modules are filled.
+
+#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_HPP  // <motionlang/file/key_report.hpp>
+#define MOTIONLANG_HAS_FILE_KEY_REPORT_HPP
+/// Names of tensors that do not match between a file and a model, as a list that tells a person what to do.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Names that a file lacks, and names that the model does not use.
+struct KeyReport {
+  std::vector<std::string> missing, unexpected;
+};
+
+/// The number of characters to insert, remove or exchange to turn a into b (Levenshtein), but at most `limit`.
+std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
+
+/// The name that is most similar to `name`; empty if none shares half of it. Only the first 2,000 names of a long list
+/// are compared.
+std::string nearest_name(std::string_view name, const std::vector<std::string>& among);
+
+/// A line for each name, with the most similar name of the other list.
+std::string to_string(const KeyReport& report);
+
+namespace detail {
+
+[[noreturn]] void raise_key_mismatch(std::string_view file, const KeyReport& report);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_IPP  // <motionlang/file/key_report.ipp>
+#define MOTIONLANG_HAS_FILE_KEY_REPORT_IPP
+// Bodies of key_report.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      const std::size_t exchanged = diagonal + (a[i] == b[k] ? 0 : 1);
+      diagonal = row[k + 1];
+      row[k + 1] = std::min(exchanged, std::min(diagonal, row[k]) + 1);
+    }
+  }
+  return std::min(row.back(), limit);
+}
+
+MOTIONLANG_BODY std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
+  constexpr std::size_t longest = 256;
+  std::string_view best;
+  std::size_t distance = std::min(name.size(), longest) / 2 + 1;
+  for (const std::string& candidate : std::span(among).first(std::min<std::size_t>(among.size(), 2000))) {
+    if (name.size() > longest || candidate.size() > longest) continue;
+    const std::size_t d = edit_distance(name, candidate, distance);
+    if (d < distance) distance = d, best = candidate;
+  }
+  return std::string(best);
+}
+
+MOTIONLANG_BODY std::string to_string(const KeyReport& report) {
+  constexpr std::size_t most = 20;  // lines of a list
+  std::string text;
+  const auto list = [&](const char* what, const std::vector<std::string>& names, const std::vector<std::string>& others,
+                        const char* has) {
+    for (std::size_t i = 0; i < names.size() && i < most; ++i) {
+      const std::string like = nearest_name(names[i], others);
+      text += concat_text("\n  ", what, " ", names[i]);
+      if (!like.empty()) text += concat_text("  (", has, " ", like, ")");
+    }
+    if (names.size() > most) text += concat_text("\n  ", what, " ", names.size() - most, " more");
+  };
+  list("missing   ", report.missing, report.unexpected, "the file has");
+  list("unexpected", report.unexpected, report.missing, "the model has");
+  return text;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY void raise_key_mismatch(std::string_view file, const KeyReport& report) {
+  raise<io_error>(406, file, ": ", counted(report.missing.size(), "tensor is missing", "tensors are missing"), ", ",
+                  counted(report.unexpected.size(), "is", "are"), " not expected:", report);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
 
 #ifndef MOTIONLANG_HAS_FILE_TENSOR_VIEW_HPP  // <motionlang/file/tensor_view.hpp>
 #define MOTIONLANG_HAS_FILE_TENSOR_VIEW_HPP
@@ -19759,6 +19768,791 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_TEXT_KNOWN_CAPTIONS_HPP  // <motionlang/text/known_captions.hpp>
+#define MOTIONLANG_HAS_TEXT_KNOWN_CAPTIONS_HPP
+/// The captions that a motion model learned from, with the times that their actions take. They tell if a model can know
+/// what a text means, which texts it knows instead, and how long the text should last.
+///
+///     const auto captions = load_known_captions(path, stmc.text_encoder);     // weights/known_caption_file.hpp
+///     if (!captions.knows("do a moonwalk")) show(captions.nearest("do a moonwalk", 3));
+///     const auto action = captions.action("have a seat");                     // 2.4 s, then "sit quietly"
+///
+/// The captions of mirrored motions are known as well, but not stored: a text and its mirror image are looked up.
+/// Texts that were tried with the model can be added, so that it also tells at what it often fails.
+
+#ifndef MOTIONLANG_HAS_TEXT_TEXT_TABLE_HPP  // <motionlang/text/text_table.hpp>
+#define MOTIONLANG_HAS_TEXT_TEXT_TABLE_HPP
+/// A table of texts that finds those nearest in meaning to another text.
+///
+///     const auto table = TextTable::encoded(captions, text_vectors(encoder));   // any encoder with a vector per text
+///     for (const NearText& near : table.nearest("have a seat", 3))
+///       std::cout << near.text << ' ' << near.likeness << '\n';                 // sit down 0.8
+///
+/// Two things make texts alike. Their vectors point in the same direction from the mean of the table, and the table's
+/// text says the words of the other, or words like them. A rare word counts more than a common one. So a text with a
+/// word that nobody knows is far from every text, although an encoder puts its vector somewhere.
+///
+///     likeness = max(0, cos(vector - mean, vector' - mean)) (0.01 + 0.99 words)
+///     words    = sum_w rarity_w max_v alike(w, v) / sum_w rarity_w
+///     rarity_w = log((1 + texts) / (1 + texts with w))
+///     alike    = 1 for the same word, else the cosine between the words' vectors, and 0 without these
+
+#include <functional>   // encoders
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Gives the vectors of texts, (texts, width), one after the other.
+using TextVectors = std::function<std::vector<float>(std::span<const std::string>)>;
+
+/// The same by a network that maps texts to a tensor (texts, width), such as CaptionEncoder. The function keeps it.
+template <class Encoder>
+TextVectors text_vectors(Encoder encoder) {
+  return [encoder = std::move(encoder)](std::span<const std::string> texts) {
+    const auto rows = encoder(texts);
+    return std::vector<float>(rows.span().begin(), rows.span().end());
+  };
+}
+
+/// A text of a table, and how alike it is to another: 1 for the same, 0 for one that has nothing in common with it.
+struct NearText {
+  Index row = 0;
+  std::string text{};
+  double likeness = 0;
+};
+
+namespace detail {
+
+/// True for words that say nothing about a motion: "the", "your", "person".
+bool is_function_word(const std::string& word);
+
+}  // namespace detail
+
+class TextTable {
+ public:
+  /// No texts.
+  TextTable() = default;
+  /// From what `codes` and `mean` gave. codes: (texts, width). `source` stands in messages. Throws shape_error 205 for
+  /// another number of codes.
+  TextTable(std::vector<std::string> texts, std::vector<std::int8_t> codes, std::vector<float> mean, TextVectors encode,
+            WordVectors words = {}, std::string_view source = "TextTable");
+  /// Encodes the texts now. words: vectors of words, which tell how alike two words are; none: only the same are.
+  /// Throws what `encode` throws.
+  static TextTable encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words = {});
+
+  /// The table with more texts at its end, which are encoded now. The mean stays. An empty table stays empty. Throws
+  /// what `encode` throws.
+  TextTable with(const std::vector<std::string>& more) const;
+  /// The first texts alone. Throws shape_error 203 if there are fewer.
+  TextTable first(Index count) const;
+
+  bool empty() const { return size() == 0; }
+  Index size() const { return table_ ? static_cast<Index>(table_->texts.size()) : 0; }
+  const std::vector<std::string>& texts() const { return table().texts; }
+  /// The directions of the texts from their mean, in 8 bits a number: the largest number of a text is 127.
+  std::span<const std::int8_t> codes() const { return table().codes; }
+  std::span<const float> mean() const { return table().mean; }
+  const WordVectors& words() const { return table().words; }
+
+  /// At most `count` texts, the nearest first.
+  /// wanted  rows that may be found; none: all
+  std::vector<NearText> nearest(const std::string& text, Index count,
+                                const std::function<bool(Index)>& wanted = {}) const;
+  /// The nearest of several texts each, which are encoded together.
+  std::vector<std::vector<NearText>> nearest(std::span<const std::string> texts, Index count,
+                                             const std::function<bool(Index text, Index row)>& wanted = {}) const;
+
+ private:
+  struct Words;
+  struct Table {
+    std::vector<std::string> texts{};
+    std::vector<std::int8_t> codes{};
+    std::vector<float> mean{};
+    TextVectors encode{};
+    WordVectors words{};
+    std::shared_ptr<const Words> said{};  // in the texts
+  };
+  const Table& table() const;
+  std::vector<double> likeness(const std::string& text, std::span<const float> vector) const;
+
+  std::shared_ptr<const Table> table_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_TEXT_TABLE_IPP  // <motionlang/text/text_table.ipp>
+#define MOTIONLANG_HAS_TEXT_TEXT_TABLE_IPP
+// Bodies of text_table.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY bool is_function_word(const std::string& word) {
+  static const std::set<std::string> words{
+      "a",      "an",      "and",      "are",     "as",      "at",     "be",     "been",  "being", "both",     "by",
+      "can",    "do",      "does",     "doing",   "for",     "from",   "he",     "her",   "hers",  "him",      "his",
+      "i",      "in",      "is",       "it",      "its",     "just",   "like",   "man",   "me",    "my",       "of",
+      "on",     "one",     "or",       "our",     "ourself", "person", "please", "she",   "so",    "some",     "that",
+      "the",    "their",   "them",     "there",   "these",   "they",   "this",   "those", "to",    "us",       "very",
+      "was",    "we",      "were",     "while",   "who",     "with",   "woman",  "you",   "your",  "yourself", "human",
+      "figure", "someone", "somebody", "himself", "herself", "itself"};
+  return words.contains(word);
+}
+
+}  // namespace detail
+
+/// The words of the texts by number.
+struct TextTable::Words {
+  std::vector<std::string> words{};            // in alphabetical order
+  std::vector<double> rarity{};                // of each
+  std::vector<std::vector<float>> vectors{};   // of each; empty: it has none
+  std::vector<std::uint32_t> said{}, first{};  // word numbers of all texts; where each text begins
+  double rarest = 0;                           // of a word that no text says
+
+  std::optional<std::size_t> find(const std::string& word) const {
+    const auto exact = [&](const std::string& w) { return std::binary_search(words.begin(), words.end(), w); };
+    const std::string form = known_form(word, exact);
+    const auto found = std::lower_bound(words.begin(), words.end(), form);
+    if (found == words.end() || *found != form) return std::nullopt;
+    return static_cast<std::size_t>(found - words.begin());
+  }
+};
+
+MOTIONLANG_BODY TextTable::TextTable(std::vector<std::string> texts, std::vector<std::int8_t> codes,
+                                     std::vector<float> mean, TextVectors encode, WordVectors words,
+                                     std::string_view source) {
+  if (codes.size() != texts.size() * mean.size())
+    raise<shape_error>(205, source, ": ", counted(codes.size(), "number"), " for ", counted(texts.size(), "text"),
+                       " of ", mean.size());
+  auto said = std::make_shared<Words>();
+  std::map<std::string, double> texts_with;
+  std::vector<std::vector<std::string>> words_of;
+  for (const std::string& text : texts) {
+    words_of.push_back(WordPiece::words(text));
+    std::erase_if(words_of.back(), detail::is_function_word);
+    for (const std::string& word : std::set<std::string>(words_of.back().begin(), words_of.back().end()))
+      ++texts_with[word];
+  }
+  const double all = 1 + static_cast<double>(texts.size());
+  for (const auto& [word, count] : texts_with) {
+    said->words.push_back(word);
+    said->rarity.push_back(std::log(all / (1 + count)));
+    const auto row = words.find(word);
+    said->vectors.push_back(row ? words.vector(*row) : std::vector<float>());
+  }
+  said->rarest = std::log(all);
+  for (const auto& list : words_of) {
+    said->first.push_back(static_cast<std::uint32_t>(said->said.size()));
+    for (const std::string& word : list)
+      said->said.push_back(static_cast<std::uint32_t>(std::lower_bound(said->words.begin(), said->words.end(), word) -
+                                                      said->words.begin()));
+  }
+  said->first.push_back(static_cast<std::uint32_t>(said->said.size()));
+  table_ = std::make_shared<const Table>(
+      Table{std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words), std::move(said)});
+}
+
+namespace detail {
+
+/// The vectors of texts, some at a time.
+inline std::vector<float> vectors_in_parts(std::span<const std::string> texts, const TextVectors& encode) {
+  constexpr std::size_t at_once = 256;
+  std::vector<float> out;
+  for (std::size_t first = 0; first < texts.size(); first += at_once) {
+    const auto some = encode(texts.subspan(first, std::min(at_once, texts.size() - first)));
+    out.insert(out.end(), some.begin(), some.end());
+  }
+  return out;
+}
+
+/// The directions of vectors from a mean, in 8 bits a number.
+inline std::vector<std::int8_t> direction_codes(std::span<const float> vectors, std::span<const float> mean) {
+  std::vector<std::int8_t> codes;
+  for (std::size_t first = 0; first < vectors.size(); first += mean.size()) {
+    float largest = 0;
+    for (std::size_t k = 0; k < mean.size(); ++k) largest = std::max(largest, std::abs(vectors[first + k] - mean[k]));
+    for (std::size_t k = 0; k < mean.size(); ++k)
+      codes.push_back(
+          static_cast<std::int8_t>(largest > 0 ? std::round((vectors[first + k] - mean[k]) / largest * 127) : 0));
+  }
+  return codes;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY TextTable TextTable::encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words) {
+  const auto vectors = detail::vectors_in_parts(texts, encode);
+  std::vector<double> sum(texts.empty() ? 0 : vectors.size() / texts.size());
+  for (std::size_t i = 0; i < vectors.size(); ++i) sum[i % sum.size()] += static_cast<double>(vectors[i]);
+  std::vector<float> mean;
+  for (const double s : sum) mean.push_back(static_cast<float>(s / static_cast<double>(texts.size())));
+  auto codes = detail::direction_codes(vectors, mean);
+  return {std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words)};
+}
+
+MOTIONLANG_BODY TextTable TextTable::with(const std::vector<std::string>& more) const {
+  if (empty()) return {};
+  Table all = table();
+  all.texts.insert(all.texts.end(), more.begin(), more.end());
+  const auto codes = detail::direction_codes(detail::vectors_in_parts(more, all.encode), all.mean);
+  all.codes.insert(all.codes.end(), codes.begin(), codes.end());
+  return {std::move(all.texts), std::move(all.codes), std::move(all.mean), std::move(all.encode), std::move(all.words)};
+}
+
+MOTIONLANG_BODY TextTable TextTable::first(Index count) const {
+  if (count < 0 || count > size()) raise<shape_error>(203, "TextTable: the first ", count, " of ", size());
+  if (empty()) return {};
+  Table some = table();
+  some.texts.resize(static_cast<std::size_t>(count));
+  some.codes.resize(static_cast<std::size_t>(count) * some.mean.size());
+  return {std::move(some.texts), std::move(some.codes), std::move(some.mean), std::move(some.encode),
+          std::move(some.words)};
+}
+
+MOTIONLANG_BODY const TextTable::Table& TextTable::table() const {
+  static const Table none{.said = std::make_shared<const Words>()};
+  return table_ ? *table_ : none;
+}
+
+MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text, std::span<const float> vector) const {
+  const Table& t = table();
+  const std::size_t width = t.mean.size();
+  // How alike each word of the text is to each word of the table, with the rarity as its weight.
+  const Words& said = *t.said;
+  std::vector<std::vector<double>> alike;
+  double weights = 0;
+  std::set<std::string> seen;
+  for (const std::string& word : WordPiece::words(text)) {
+    if (detail::is_function_word(word) || !seen.insert(word).second) continue;
+    const auto same = said.find(word);
+    const auto row = t.words.find(word);
+    const auto of_word = row ? t.words.vector(*row) : std::vector<float>();
+    const double weight = same ? said.rarity[*same] : said.rarest;
+    auto& list = alike.emplace_back(said.words.size());
+    for (std::size_t v = 0; v < said.words.size() && row; ++v) {
+      if (!said.vectors[v].empty()) list[v] = weight * std::max(0.0, word_likeness(of_word, said.vectors[v]));
+    }
+    if (same) list[*same] = weight;
+    weights += weight;
+  }
+  std::vector<double> out(t.texts.size());
+  double own = 0;
+  for (std::size_t k = 0; k < width; ++k) own += std::pow(static_cast<double>(vector[k] - t.mean[k]), 2);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    double product = 0, length = 0, words = 0;
+    for (std::size_t k = 0; k < width; ++k) {
+      const double code = t.codes[i * width + k];
+      product += code * static_cast<double>(vector[k] - t.mean[k]), length += code * code;
+    }
+    if (product <= 0) continue;
+    for (const auto& list : alike) {
+      double best = 0;
+      for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) best = std::max(best, list[said.said[w]]);
+      words += best;
+    }
+    out[i] = product / std::sqrt(own * length) * (0.01 + 0.99 * (weights > 0 ? words / weights : 1));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::vector<NearText>> TextTable::nearest(
+    std::span<const std::string> texts, Index count, const std::function<bool(Index, Index)>& wanted) const {
+  std::vector<std::vector<NearText>> out(texts.size());
+  if (empty() || texts.empty()) return out;
+  const auto vectors = table().encode(texts);
+  if (vectors.size() != texts.size() * mean().size())
+    raise<shape_error>(205, "TextTable: the encoder gives ", counted(vectors.size(), "number"), " for ",
+                       counted(texts.size(), "text"), ", those of the table have ", mean().size());
+  for (std::size_t t = 0; t < texts.size(); ++t) {
+    const auto all = likeness(texts[t], std::span(vectors).subspan(t * mean().size(), mean().size()));
+    std::vector<Index> rows;
+    for (Index row = 0; row < size(); ++row) {
+      if (!wanted || wanted(static_cast<Index>(t), row)) rows.push_back(row);
+    }
+    const auto of = [&](Index row) { return all[static_cast<std::size_t>(row)]; };
+    const auto most = std::clamp<Index>(count, 0, std::ssize(rows));
+    std::partial_sort(rows.begin(), rows.begin() + most, rows.end(),
+                      [&](Index a, Index b) { return of(a) > of(b) || (of(a) == of(b) && a < b); });
+    for (Index i = 0; i < most; ++i) {
+      const Index row = rows[static_cast<std::size_t>(i)];
+      out[t].push_back({row, this->texts()[static_cast<std::size_t>(row)], of(row)});
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<NearText> TextTable::nearest(const std::string& text, Index count,
+                                                         const std::function<bool(Index)>& wanted) const {
+  if (!wanted) return nearest(std::span(&text, 1), count).front();
+  return nearest(std::span(&text, 1), count, [&](Index, Index row) { return wanted(row); }).front();
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The action of a text: how long it takes, and whether it goes on for any time. If it ends, `then` is a text for what
+/// follows.
+struct KnownAction {
+  double seconds = 0;
+  bool repeats = true;
+  std::string then{};
+};
+
+class KnownCaptions {
+ public:
+  /// No captions.
+  KnownCaptions() = default;
+  /// table     captions, and behind them texts that were tried
+  /// actions   of the captions
+  /// nearness  the least likeness of a text that is known (dividing_likeness)
+  /// done      the shares of the motions that did what the tried texts say
+  /// Throws    shape_error 205 for other numbers of actions and shares; messages name `source`
+  KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness, std::vector<double> done = {},
+                std::string_view source = "KnownCaptions");
+
+  /// The same with other texts that were tried, and the shares of the motions that did what they say.
+  KnownCaptions with_tried(const std::vector<std::string>& texts, std::vector<double> done) const;
+
+  bool empty() const { return table_.empty(); }
+  const TextTable& table() const { return table_; }
+  const std::vector<KnownAction>& actions() const { return actions_; }
+  double nearness() const { return nearness_; }
+  /// The shares of the texts that were tried, which follow the captions in the table.
+  const std::vector<double>& done() const { return done_; }
+
+  /// At most `count` captions or mirror images of captions, the nearest first, each once.
+  std::vector<NearText> nearest(const std::string& text, Index count) const;
+  /// True if the nearest caption is near.
+  bool knows(const std::string& text) const;
+  /// The action of a text that is known, by the captions near it: most of them decide if it repeats, three quarters of
+  /// these take no longer, and what follows is that of the nearest.
+  std::optional<KnownAction> action(const std::string& text) const;
+  /// The share of motions that do what the text says, by the texts nearly like it that were tried. Nothing if there are
+  /// none.
+  std::optional<double> success(const std::string& text) const;
+
+ private:
+  struct Found {
+    NearText near{};
+    bool mirrored = false;
+  };
+  /// In the rows from `first` to before `last`.
+  std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
+
+  TextTable table_{};
+  std::vector<KnownAction> actions_{};
+  double nearness_ = 0;
+  std::vector<double> done_{};
+};
+
+/// The likeness that divides best what is related from what is not: the largest sum of the shares that are on the right
+/// side. Half way between the two values that it divides. 0 if one of both has no values.
+double dividing_likeness(std::vector<double> related, std::vector<double> unrelated);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_KNOWN_CAPTIONS_IPP  // <motionlang/text/known_captions.ipp>
+#define MOTIONLANG_HAS_TEXT_KNOWN_CAPTIONS_IPP
+// Bodies of known_captions.hpp.
+
+#ifndef MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP  // <motionlang/text/mirror_caption.hpp>
+#define MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP
+/// The caption of a mirrored motion: left and right are exchanged.
+///
+///     left <-> right, with the endings -s, -ward(s), -most, -hand(ed)
+///     clockwise <-> counterclockwise, anticlockwise -> clockwise; also in parts: "counter-clockwise", "clock-wise"
+///
+/// Only whole words are exchanged, all at once, with their capitals. The verb "left" is exchanged, too, because words
+/// alone do not show the difference.
+///
+/// Source   Guo et al. (CVPR 2022): HumanML3D contains finished texts of mirrored clips, but no program that makes them
+/// Differs  from the texts of the published KIT annotations, which exchange inside words: "upright" is "upleft" there
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The caption of the mirrored motion.
+std::string mirror_caption(std::string_view caption);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_IPP  // <motionlang/text/mirror_caption.ipp>
+#define MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_IPP
+// Bodies of mirror_caption.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Letters and digits; bytes of characters outside ASCII belong to words.
+constexpr bool in_word(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+         static_cast<unsigned char>(c) >= 0x80;
+}
+
+constexpr bool is_capital(char c) { return c >= 'A' && c <= 'Z'; }
+
+/// The word for the other side, in small letters; empty if a word has no side.
+inline std::string word_of_other_side(std::string_view word) {
+  if (word == "clockwise") return "counterclockwise";
+  if (word == "counterclockwise" || word == "anticlockwise") return "clockwise";
+  constexpr std::array<std::string_view, 7> endings{"", "s", "ward", "wards", "most", "hand", "handed"};
+  const bool left = word.starts_with("left");
+  if (!left && !word.starts_with("right")) return {};
+  const std::string_view ending = word.substr(left ? 4 : 5);
+  for (const std::string_view e : endings) {
+    if (ending == e) return (left ? "right" : "left") + std::string(ending);
+  }
+  return {};
+}
+
+/// The capitals of `like`: all, the first one, or none.
+inline std::string with_capitals(std::string word, std::string_view like) {
+  const bool all = like.size() > 1 && is_capital(like[0]) && is_capital(like[1]);
+  for (std::size_t i = 0; i < word.size() && (all || (i == 0 && is_capital(like[0]))); ++i) {
+    word[i] = static_cast<char>(word[i] - 'a' + 'A');
+  }
+  return word;
+}
+
+/// Words and the gaps between them, alternating, beginning with a word (perhaps an empty one).
+inline std::vector<std::string_view> words_and_gaps(std::string_view text) {
+  std::vector<std::string_view> out;
+  for (bool word = true; !text.empty(); word = !word) {
+    std::size_t n = 0;
+    while (n < text.size() && in_word(text[n]) == word) ++n;
+    out.push_back(text.substr(0, n));
+    text.remove_prefix(n);
+  }
+  return out;
+}
+
+/// Words `first`, first + 2, ... of `count` in small letters as one; empty if more than a hyphen or a blank is between
+/// them.
+inline std::string joined_words(const std::vector<std::string_view>& pieces, std::size_t first, std::size_t count) {
+  std::string out;
+  for (std::size_t i = 0; i < 2 * count - 1; ++i) {
+    if (first + i >= pieces.size()) return {};
+    const std::string_view piece = pieces[first + i];
+    if (i % 2 == 1 && piece != "-" && piece != " ") return {};
+    if (i % 2 == 0) {
+      for (const char c : piece) out += lower(c);
+    }
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string mirror_caption(std::string_view caption) {
+  const auto pieces = detail::words_and_gaps(caption);
+  std::string out;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    std::size_t words = i % 2 == 0 ? 3 : 0;  // "counter clock-wise" is one word in three
+    std::string other;
+    for (; words > 0; --words) {
+      const std::string word = detail::joined_words(pieces, i, words);
+      if (words > 1 && !word.ends_with("clockwise")) continue;
+      if (other = detail::word_of_other_side(word); !other.empty()) break;
+    }
+    if (words == 0) {
+      out += pieces[i];
+    } else {
+      out += detail::with_capitals(other, pieces[i]);
+      i += 2 * words - 2;
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY KnownCaptions::KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness,
+                                             std::vector<double> done, std::string_view source)
+    : table_(std::move(table)), actions_(std::move(actions)), nearness_(nearness), done_(std::move(done)) {
+  if (std::ssize(actions_) + std::ssize(done_) != table_.size())
+    raise<shape_error>(205, source, ": ", counted(actions_.size(), "action"), " and ", counted(done_.size(), "share"),
+                       " for ", counted(table_.size(), "text"));
+}
+
+MOTIONLANG_BODY KnownCaptions KnownCaptions::with_tried(const std::vector<std::string>& texts,
+                                                        std::vector<double> done) const {
+  return {table_.first(std::ssize(actions_)).with(texts), actions_, nearness_, std::move(done)};
+}
+
+MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std::string& text, Index count,
+                                                                       Index first, Index last) const {
+  std::vector<std::string> texts{text};
+  if (std::string mirrored = mirror_caption(text); mirrored != text) texts.push_back(std::move(mirrored));
+  const auto near = table_.nearest(texts, count, [&](Index, Index row) { return row >= first && row < last; });
+  std::vector<Found> all, out;
+  for (std::size_t t = 0; t < near.size(); ++t) {
+    for (NearText n : near[t]) {
+      if (t == 1) n.text = mirror_caption(n.text);
+      all.push_back({std::move(n), t == 1});
+    }
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Found& a, const Found& b) { return a.near.likeness > b.near.likeness; });
+  for (Found& f : all) {
+    const bool again = std::any_of(out.begin(), out.end(), [&](const Found& o) { return o.near.text == f.near.text; });
+    if (!again && std::ssize(out) < count) out.push_back(std::move(f));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& text, Index count) const {
+  std::vector<NearText> out;
+  for (Found& f : found(text, count, 0, std::ssize(actions_))) out.push_back(std::move(f.near));
+  return out;
+}
+
+MOTIONLANG_BODY bool KnownCaptions::knows(const std::string& text) const {
+  const auto first = nearest(text, 1);
+  return !first.empty() && first.front().likeness >= nearness_;
+}
+
+MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& text) const {
+  constexpr Index asked = 12;
+  constexpr double as_near = 0.9, exact = 3;  // a share of the best likeness; the weight of the caption itself
+  const auto found = this->found(text, asked, 0, std::ssize(actions_));
+  if (found.empty() || found.front().near.likeness < nearness_) return std::nullopt;
+  double repeats = 0, all = 0;
+  const auto weight = [&](const Found& f) {
+    if (f.near.likeness < as_near * found.front().near.likeness) return 0.0;
+    return f.near.text == text ? exact * f.near.likeness : f.near.likeness;
+  };
+  const auto action_of = [&](const Found& f) { return actions_[static_cast<std::size_t>(f.near.row)]; };
+  for (const Found& f : found) {
+    all += weight(f);
+    if (action_of(f).repeats) repeats += weight(f);
+  }
+  KnownAction out{.repeats = 2 * repeats > all};
+  std::vector<std::pair<double, double>> lengths;  // seconds, weight
+  for (const Found& f : found) {
+    const KnownAction action = action_of(f);
+    if (weight(f) == 0 || action.repeats != out.repeats) continue;
+    if (lengths.empty()) out.then = f.mirrored ? mirror_caption(action.then) : action.then;
+    lengths.emplace_back(action.seconds, weight(f));
+  }
+  std::sort(lengths.begin(), lengths.end());
+  const double three_quarters = 0.75 * (out.repeats ? repeats : all - repeats);
+  double until = 0;
+  for (const auto& [seconds, w] : lengths) {
+    out.seconds = seconds;
+    if (until += w; until >= three_quarters) break;
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::optional<double> KnownCaptions::success(const std::string& text) const {
+  constexpr Index asked = 3;
+  constexpr double nearly_same = 0.8;
+  double done = 0, weights = 0;
+  for (const Found& f : found(text, asked, std::ssize(actions_), table_.size())) {
+    if (f.near.likeness < nearly_same) continue;
+    done += f.near.likeness * done_[static_cast<std::size_t>(f.near.row) - actions_.size()];
+    weights += f.near.likeness;
+    if (f.near.text == text) break;  // the text itself, which is the nearest
+  }
+  if (weights == 0) return std::nullopt;
+  return done / weights;
+}
+
+MOTIONLANG_BODY double dividing_likeness(std::vector<double> related, std::vector<double> unrelated) {
+  if (related.empty() || unrelated.empty()) return 0;
+  std::sort(related.begin(), related.end());
+  std::sort(unrelated.begin(), unrelated.end());
+  const auto below = [](const std::vector<double>& values, double x) {
+    const auto count = std::lower_bound(values.begin(), values.end(), x) - values.begin();
+    return static_cast<double>(count) / static_cast<double>(values.size());
+  };
+  double best = -2, out = 0;
+  for (const double r : related) {  // the smallest related value that is still counted in
+    const double right = below(unrelated, r) - below(related, r);
+    if (right <= best) continue;
+    best = right;
+    const auto next = std::lower_bound(unrelated.begin(), unrelated.end(), r);
+    out = next == unrelated.begin() ? r : (r + *(next - 1)) / 2;
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The prefix of the names of their tensors, which are constants.
+inline constexpr const char* caption_tensors = "captions.";
+
+/// None if the file lists no captions. encode: by the text encoder of the file; words: its vectors of words. Throws
+/// io_error 406, 407, config_error 107.
+KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors encode, const WordVectors& words = {});
+
+/// Known captions as tensors and metadata, for a file that is about to be written. Views point into it.
+class StoredCaptions {
+ public:
+  /// Throws config_error 101 for more than 32,767 different texts of what follows.
+  explicit StoredCaptions(const KnownCaptions& captions);
+  void add_to(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata) const;
+
+ private:
+  KnownCaptions captions_;
+  std::vector<float> seconds_{};
+  std::vector<std::int16_t> then_{};
+  std::vector<float> done_{};
+  std::vector<std::string> following_{};
+};
+
+/// Writes the file again with these captions instead of its own. Throws io_error 401.
+void replace_known_captions(const FilePath& path, const KnownCaptions& captions);
+
+/// The captions of a file of ours. encoder: of the same file, with its vectors of words.
+template <class Encoder>
+KnownCaptions load_known_captions(const FilePath& path, const Encoder& encoder) {
+  return stored_known_captions(SafetensorsFile::open(path), text_vectors(encoder), encoder.vectors);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_IPP  // <motionlang/weights/known_caption_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_IPP
+// Bodies of known_caption_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr const char *captions_entry = "captions", *following_entry = "captions.then",
+                            *nearness_entry = "captions.nearness";
+
+inline std::vector<std::string> lines_of_entry(const SafetensorsFile& file, const char* entry) {
+  const auto found = file.metadata().find(entry);
+  if (found == file.metadata().end()) raise<config_error>(107, file.name(), ": metadata '", entry, "' is missing");
+  std::vector<std::string> lines;
+  for_each_line(found->second, [&](std::string_view line, Index) { lines.emplace_back(line); });
+  return lines;
+}
+
+inline double nearness_of(const SafetensorsFile& file) {
+  const std::string text = join_text(lines_of_entry(file, nearness_entry), " ");
+  double value = 0;
+  const auto [end, error] = from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0 && value <= 1))
+    raise<config_error>(107, file.name(), ": metadata '", nearness_entry, "' = '", text, "' is not in 0 ... 1");
+  return value;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors encode,
+                                                    const WordVectors& words) {
+  if (!file.metadata().contains(detail::captions_entry)) return {};
+  auto texts = detail::lines_of_entry(file, detail::captions_entry);
+  const auto following = detail::lines_of_entry(file, detail::following_entry);
+  const std::string prefix = caption_tensors;
+  const TensorView &codes = file.tensor(prefix + "codes"), &mean = file.tensor(prefix + "mean"),
+                   &seconds = file.tensor(prefix + "seconds"), &then = file.tensor(prefix + "then");
+  const auto require = [&](const TensorView& view, DType dtype, const FileShape& shape) {
+    if (view.dtype != dtype || view.shape != shape)
+      raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.dtype, " ", view.shape, ", not ", dtype,
+                      " ", shape);
+  };
+  const auto* tried = file.find(prefix + "done");
+  const Index all = std::ssize(texts), last = tried == nullptr ? 0 : tried->shape.count();
+  const Index count = all - last;
+  if (count < 0)
+    raise<io_error>(407, file.name(), ": tensor '", tried->name, "' is ", tried->shape, " for ", counted(all, "text"));
+  if (tried != nullptr) require(*tried, DType::F32, {last});
+  if (mean.shape.rank() != 1) raise<io_error>(407, file.name(), ": tensor '", mean.name, "' is ", mean.shape);
+  require(mean, DType::F32, {mean.shape[0]});
+  require(codes, DType::I8, {all, mean.shape[0]});
+  require(seconds, DType::F32, {count});
+  require(then, DType::I16, {count});
+  const auto lengths = values_of<float>(seconds);
+  const auto numbers = values_of<std::int16_t>(then);
+  std::vector<KnownAction> actions;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    if (numbers[i] >= std::ssize(following))
+      raise<config_error>(107, file.name(), ": caption ", i, " is followed by text ", numbers[i], " of ",
+                          following.size());
+    actions.push_back({.seconds = static_cast<double>(lengths[i]), .repeats = numbers[i] < 0});
+    if (numbers[i] >= 0) actions.back().then = following[static_cast<std::size_t>(numbers[i])];
+  }
+  std::vector<double> done;
+  if (tried != nullptr) done = values_of<double>(*tried);
+  return {TextTable(std::move(texts), values_of<std::int8_t>(codes), values_of<float>(mean), std::move(encode), words,
+                    file.name()),
+          std::move(actions), detail::nearness_of(file), std::move(done), file.name()};
+}
+
+MOTIONLANG_BODY StoredCaptions::StoredCaptions(const KnownCaptions& captions) : captions_(captions) {
+  for (const KnownAction& action : captions_.actions()) {
+    seconds_.push_back(static_cast<float>(action.seconds));
+    if (action.repeats) {
+      then_.push_back(-1);
+      continue;
+    }
+    auto found = std::find(following_.begin(), following_.end(), action.then);
+    if (found == following_.end()) found = following_.insert(found, action.then);
+    if (std::ssize(following_) > std::numeric_limits<std::int16_t>::max())
+      raise<config_error>(101, "known captions: ", following_.size(), " different texts follow actions");
+    then_.push_back(static_cast<std::int16_t>(found - following_.begin()));
+  }
+  for (const double share : captions_.done()) done_.push_back(static_cast<float>(share));
+}
+
+MOTIONLANG_BODY void StoredCaptions::add_to(std::vector<TensorView>& tensors,
+                                            std::map<std::string, std::string>& metadata) const {
+  if (captions_.empty()) return;
+  const TextTable& table = captions_.table();
+  const Index all = table.size(), count = std::ssize(seconds_), width = std::ssize(table.mean());
+  const std::string prefix = caption_tensors;
+  metadata[detail::captions_entry] = join_text(table.texts(), "\n");
+  metadata[detail::following_entry] = join_text(following_, "\n");
+  metadata[detail::nearness_entry] = concat_text(captions_.nearness());
+  tensors.push_back(tensor_view(prefix + "codes", {all, width}, table.codes()));
+  tensors.push_back(tensor_view(prefix + "mean", {width}, table.mean()));
+  tensors.push_back(tensor_view(prefix + "seconds", {count}, std::span<const float>(seconds_)));
+  tensors.push_back(tensor_view(prefix + "then", {count}, std::span<const std::int16_t>(then_)));
+  if (!done_.empty())
+    tensors.push_back(tensor_view(prefix + "done", {std::ssize(done_)}, std::span<const float>(done_)));
+}
+
+MOTIONLANG_BODY void replace_known_captions(const FilePath& path, const KnownCaptions& captions) {
+  const auto file = SafetensorsFile::open(path);
+  std::vector<TensorView> tensors;
+  for (const TensorView& t : file.tensors()) {
+    if (!t.name.starts_with(caption_tensors)) tensors.push_back(t);
+  }
+  auto metadata = file.metadata();
+  for (const char* entry : {detail::captions_entry, detail::following_entry, detail::nearness_entry})
+    metadata.erase(entry);
+  const StoredCaptions stored(captions);
+  stored.add_to(tensors, metadata);
+  write_safetensors(path, tensors, metadata);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP  // <motionlang/weights/module_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP
+/// Parameters of modules in files of weights: the path of a field is the name of its tensor.
+///
+///     save_module("model.safetensors", model);
+///     load_module(model, "model.safetensors");                          // into a model of the same sizes
+///     load_module(model, open_weights("logs/last.ckpt"), "denoiser.");   // any TensorSet (weights/weight_file.hpp)
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The name of a module's tensor in files: its path, unless the module translates (`official_key`).
@@ -20083,9 +20877,14 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// The entry of the words in the metadata.
+inline constexpr const char* vector_words_entry = "vector_words";
+
 /// The vectors of a file whose tensors begin with `prefix`; none if it has no list of words. Throws io_error 406, 407,
 /// config_error 107.
 WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix = "");
+/// The same from any file of weights. `list`: the entry vector_words of its metadata.
+WordVectors listed_word_vectors(const TensorSet& file, std::string_view list, const std::string& prefix = "");
 /// Adds them to what is about to be written. The views are of `vectors`, which has to outlive them.
 void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
                         const WordVectors& vectors, const std::string& prefix = "");
@@ -20104,16 +20903,11 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-inline constexpr const char* vector_words_entry = "vector_words";
-}  // namespace detail
-
-MOTIONLANG_BODY WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix) {
-  const auto found = file.metadata().find(detail::vector_words_entry);
-  if (found == file.metadata().end()) return {};
+MOTIONLANG_BODY WordVectors listed_word_vectors(const TensorSet& file, std::string_view list,
+                                                const std::string& prefix) {
   const TensorView &codes = file.tensor(prefix + "codes"), &scales = file.tensor(prefix + "scales");
   std::vector<std::string> words;
-  detail::for_each_line(found->second, [&](std::string_view word, Index) { words.emplace_back(word); });
+  detail::for_each_line(list, [&](std::string_view word, Index) { words.emplace_back(word); });
   if (scales.shape.rank() != 1 || codes.dtype != DType::I8 ||
       codes.shape != FileShape{std::ssize(words), scales.shape[0]})
     raise<io_error>(407, file.name(), ": tensors '", codes.name, "' (", codes.dtype, ", ", codes.shape, ") and '",
@@ -20121,10 +20915,15 @@ MOTIONLANG_BODY WordVectors stored_word_vectors(const SafetensorsFile& file, con
   return {std::move(words), values_of<std::int8_t>(codes), values_of<float>(scales), file.name()};
 }
 
+MOTIONLANG_BODY WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix) {
+  const auto found = file.metadata().find(vector_words_entry);
+  return found == file.metadata().end() ? WordVectors() : listed_word_vectors(file, found->second, prefix);
+}
+
 MOTIONLANG_BODY void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
                                         const WordVectors& vectors, const std::string& prefix) {
   if (vectors.empty()) return;
-  metadata[detail::vector_words_entry] = join_text(vectors.words(), "\n");
+  metadata[vector_words_entry] = join_text(vectors.words(), "\n");
   tensors.push_back(tensor_view(prefix + "codes", {vectors.size(), vectors.width()}, vectors.codes()));
   tensors.push_back(tensor_view(prefix + "scales", {vectors.width()}, vectors.scales()));
 }
@@ -20132,7 +20931,7 @@ MOTIONLANG_BODY void store_word_vectors(std::vector<TensorView>& tensors, std::m
 MOTIONLANG_BODY WordVectors read_word_vectors(const FilePath& path) {
   const auto file = SafetensorsFile::open(path);
   WordVectors out = stored_word_vectors(file);
-  if (out.empty()) raise<config_error>(103, file.name(), ": metadata '", detail::vector_words_entry, "' is missing");
+  if (out.empty()) raise<config_error>(103, file.name(), ": metadata '", vector_words_entry, "' is missing");
   return out;
 }
 
@@ -20232,7 +21031,9 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   check_sizes(file, c, tokenizer.size(), vectors.width());
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{}, std::move(vectors));
   KeyReport report = load_module_partly(model, file, "", LoadFor::inference);
-  std::erase_if(report.unexpected, [](const std::string& name) { return name.starts_with(detail::vector_tensors); });
+  std::erase_if(report.unexpected, [](const std::string& name) {
+    return name.starts_with(detail::vector_tensors) || name.starts_with(caption_tensors);
+  });
   if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);
   return model;
 }
@@ -20242,16 +21043,20 @@ Stmc<B> load_stmc(const FilePath& path) {
   return load_stmc<B>(SafetensorsFile::open(path));
 }
 
-/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. Throws io_error 401,
-/// config_error 102 if `about` would overwrite an entry of the model.
+/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. captions: those of its
+/// training, if they are to be stored. Throws io_error 401, config_error 102 if `about` would overwrite an entry of the
+/// model.
 template <Backend B>
 void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig& config,
-               const std::map<std::string, std::string>& about, DType dtype = DType::F16) {
+               const std::map<std::string, std::string>& about, DType dtype = DType::F16,
+               const KnownCaptions& captions = {}) {
   TensorStore store;
   store.add_module(model, "", dtype);
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
   auto tensors = store.views();
   store_word_vectors(tensors, metadata, model.text_encoder.vectors, detail::vector_tensors);
+  const StoredCaptions stored(captions);
+  stored.add_to(tensors, metadata);
   detail::add_metadata(metadata, about, "model", path.string());
   write_safetensors(path, tensors, metadata);
 }
@@ -20467,14 +21272,34 @@ struct RecordAbout {
   Index rows = 0;
   bool exact = true;
 };
-/// The weights of a model and the precision in which they are used.
+/// The precisions of a model's products: "bf16", or "bf16, fp32 from text_encoder.embedding.weight" if they change from
+/// one weight to the next, in the order of its fields.
+template <Module M>
+std::string weights_precision(const M& model) {
+  using B = module_backend<M>;
+  Precision last = product_precision();
+  std::string out;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (!has_panels<B>(t.rank)) continue;
+      const Precision own = B::precision_of(*t.data);
+      if (out.empty())
+        out = precision_name(own);
+      else if (own != last)
+        out += concat_text(", ", precision_name(own), " from ", t.path);
+      last = own;
+    }
+  }
+  return out.empty() ? precision_name(last) : out;
+}
+
+/// The weights of a model and the precisions in which they are used.
 struct RecordModel {
-  std::string checksum;
-  Precision precision;
+  std::string checksum, precision;
 };
 template <Module M>
 RecordModel record_model(const M& model) {
-  return {weights_checksum(model), precision_of(model)};
+  return {weights_checksum(model), weights_precision(model)};
 }
 /// Guidance and sampling are set in the options. The timelines go into the store.
 Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps, TensorStore& store);
@@ -20590,7 +21415,7 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const RecordMod
       {"record", "stmc"},
       {"format", "1"},
       {"model", model.checksum},
-      {"precision", precision_name(model.precision)},
+      {"precision", model.precision},
       {"seed", text(run.rng.seed)},
       {"stream", text(run.rng.stream)},
       {"timelines", text(run.timelines.size())},
@@ -20632,9 +21457,8 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const Recor
   if (word("model") != model.checksum)
     raise<config_error>(102, name, ": made with weights of checksum ", word("model"), ", these have ", model.checksum,
                         "; the same weights have another checksum in another scalar, which other backends may use");
-  const std::string precision = precision_name(model.precision);
-  if (word("precision") != precision)
-    raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", precision);
+  if (word("precision") != model.precision)
+    raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", model.precision);
   RecordAbout out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};
   out.rows = metadata_size(m, "rows", latest_time, name);
   out.exact = word("exact") == "1";

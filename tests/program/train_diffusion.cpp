@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include <motionlang/file/id_list.hpp>
 #include <motionlang/file/npy.hpp>
 #include <motionlang/weights/embedding_cache.hpp>
 
