@@ -288,6 +288,8 @@
 #include <motionlang/metrics/sampled_errors.hpp>
 #include <motionlang/metrics/similarity_scale.hpp>
 #include <motionlang/metrics/stgcn.hpp>
+#include <motionlang/metrics/study.hpp>
+#include <motionlang/metrics/study_counts.hpp>
 #include <motionlang/metrics/summary.hpp>
 #include <motionlang/metrics/temos_score.hpp>
 
@@ -309,5 +311,6 @@
 #include <motionlang/search/query_bench.hpp>
 #include <motionlang/search/search_encoder.hpp>
 #include <motionlang/search/text_answer.hpp>
+#include <motionlang/search/text_similarity.hpp>
 #include <motionlang/search/unit_rows.hpp>
 #include <motionlang/search/vector_scan.hpp>

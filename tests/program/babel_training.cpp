@@ -210,7 +210,6 @@ TEST_CASE("SINC of separate texts (STE) is trained, generated and measured; -ing
   };
   const auto both = made("walk # 0 # 2 # legs\nwave # 0 # 2 # right arm\n");
   CHECK(both.frames() == 60);
-  CHECK(made("wave # 0 # 2 # right arm\nwalk # 0 # 2 # legs\n").local != both.local);  // it reads them in order
   const auto measured = run({"evaluate", "ste/model", "--data", ".", "--babel", "babel.json", "--spelling",
                              "spelling.json", "--samples", "2", "--splits", "splits"},
                             w.path);
@@ -222,8 +221,10 @@ TEST_CASE("SINC of separate texts (STE) is trained, generated and measured; -ing
   CHECK(short_ones.code == 1);  // the pair has 45 frames
 
   const auto first_losses = [&](const std::vector<std::string>& more) {
-    const auto out = w.train("train-sinc", "out",
-                             all + std::vector<std::string>{"--set", "data.types=spatial_pairs", "--fresh"} + more);
+    const auto out = w.train(
+        "train-sinc", "out",
+        all + std::vector<std::string>{"--set", "data.types=spatial_pairs", "--set", "optimiser.epochs=12", "--fresh"} +
+            more);
     REQUIRE_MESSAGE(out.code == 0, out.text);
     return w.losses("out");
   };
@@ -301,7 +302,7 @@ TEST_CASE("TMR finds the texts of BABEL's segments in its sequences; table 5.5")
                           "spelling.json", "--part", "all", "--stride", "0.5"},
                          w.path);
   REQUIRE_MESSAGE(found.code == 0, found.text);
-  CHECK_MESSAGE(contains(found.text, "20 texts in 5 sequences of BABEL, % found"), found.text);
+  CHECK_MESSAGE(contains(found.text, "20 texts in 5 sequences of BABEL; % found"), found.text);
   for (const char* row : {"\n  1 s ", "\n  2 s ", "\n  3 s ", "\n  all lengths ", "\n  a random window "})
     CHECK_MESSAGE(contains(found.text, row), found.text);
   const auto shares =

@@ -23,7 +23,8 @@ TEST_CASE("figure: each kind writes its picture") {
     return svg;
   };
   CHECK(contains(drawn({"timelines", "two.txt"}), "raise both arms"));
-  CHECK(drawn({"timelines", "two.txt", "--cut-texts"}) != drawn({"timelines", "two.txt"}));
+  ml::write_file(w / "long.txt", std::string_view("walk forward # 0 # 30 # legs\n"));
+  CHECK(drawn({"timelines", "long.txt", "--cut-texts"}) != drawn({"timelines", "long.txt"}));
   const std::string part = drawn({"bodies", "walk.bvh", "--timeline", "two.txt", "--poses", "4"});
   CHECK(occurrences(part, "class=\"pose\"") == 4);
   CHECK(part != drawn({"bodies", "walk.bvh", "--timeline", "two.txt", "--poses", "4", "--colours", "newest"}));

@@ -34,7 +34,10 @@ struct DiffusionClips : Clips {
       set("clips.num_frames=12");
     }
     if (command == "train-motiondiffuse") {
-      for (const char* a : {"network.text_latent_dim=8", "network.text_ff_size=8", "network.text_num_heads=2"}) set(a);
+      // its linear schedule needs twenty steps or more
+      for (const char* a :
+           {"diffusion.steps=20", "network.text_latent_dim=8", "network.text_ff_size=8", "network.text_num_heads=2"})
+        set(a);
     }
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments, path);

@@ -5,7 +5,6 @@
 #include <motionlang/generate/babel_latents.ipp>
 #include <motionlang/generate/detail/kept_clip.ipp>
 #include <motionlang/generate/finish_motion.ipp>
-#include <motionlang/generate/gallery_prompts.ipp>
 #include <motionlang/generate/judged_clips.ipp>
 #include <motionlang/generate/judged_prompts.ipp>
 #include <motionlang/generate/judged_verbs.ipp>

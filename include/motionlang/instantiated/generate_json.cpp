@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Bodies of the headers in generate/ that need nlohmann_json, compiled once for motionlang::instantiated.
 #include <motionlang/generate/describe_files.ipp>
+#include <motionlang/generate/gallery_prompts.ipp>
 #include <motionlang/generate/guo_motions.ipp>
 #include <motionlang/generate/missing_parts.ipp>
 #include <motionlang/generate/motion_model_place.ipp>

@@ -59,7 +59,8 @@ MOTIONLANG_BODY std::string describe_motion(const std::string& name, const Motio
                                   m.fps, m.seconds(), counted(m.skeleton.size(), "joint").c_str());
   if (m.frames() == 0) return out;
   out += "  root moves within " + detail::extent_text(m.root) + "\n";
-  if (std::ranges::is_permutation(m.skeleton.names, smpl24_skeleton().names)) {  // BVH has them depth first
+  if (const auto& smpl = smpl24_skeleton().names; std::is_permutation(
+          m.skeleton.names.begin(), m.skeleton.names.end(), smpl.begin(), smpl.end())) {  // BVH has them depth first
     const auto q = motion_quality(on_smpl(m));
     out += formatted("  feet on the floor %.0f %% of the time, sliding at %.2f m/s; jitter %.0f m/s^3; ",
                      100 * q.feet.contact, q.feet.speed, q.jitter);

@@ -116,8 +116,9 @@ MOTIONLANG_BODY std::string describe_inspection(const std::vector<InspectedMotio
         m.unreadable.empty() ? join_text(m.findings, "; ", finding) : "unreadable: " + m.unreadable;
     out += m.name + ": " + (text.empty() ? "good" : text) + "\n";
   }
-  const auto good = std::ranges::count_if(found, [](const InspectedMotion& m) { return m.good(); });
-  const auto unreadable = std::ranges::count_if(found, [](const InspectedMotion& m) { return !m.unreadable.empty(); });
+  const auto good = std::count_if(found.begin(), found.end(), [](const InspectedMotion& m) { return m.good(); });
+  const auto unreadable =
+      std::count_if(found.begin(), found.end(), [](const InspectedMotion& m) { return !m.unreadable.empty(); });
   out += concat_text("\n", counted(found.size(), "motion"), ", ", good, " without a finding\n");
   const auto line = [&](Index count, std::string_view name, std::string_view meaning) {
     if (count > 0) out += formatted("%6td  %-14s ", count, std::string(name).c_str()) + std::string(meaning) + "\n";

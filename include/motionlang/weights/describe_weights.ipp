@@ -15,7 +15,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY bool holds_weights(const FilePath& path) {
   constexpr std::string_view kinds[] = {".safetensors", ".pt", ".pth", ".ckpt", ".tar", ".bin", ".pkl"};
-  return std::ranges::find(kinds, file_kind(path)) != std::end(kinds) || may_be_weights(path);
+  return std::find(std::begin(kinds), std::end(kinds), file_kind(path)) != std::end(kinds) || may_be_weights(path);
 }
 
 MOTIONLANG_BODY std::string line_about_weights(const WeightFile& weights) {
@@ -41,7 +41,7 @@ MOTIONLANG_BODY std::string describe_weights(const FilePath& path) {
   if (std::filesystem::is_directory(path.string())) out += printable(describe_folder(path), "\n");
   for (const FileValue& v : weights.values()) {
     const std::string text = to_string(v), name = printable(v.path);
-    const auto lines = std::ranges::count(text, '\n') + 1;
+    const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
     out += lines > 1 ? formatted("  %-24s (%td lines)\n", name.c_str(), lines)
                      : formatted("  %-24s %s\n", name.c_str(), printable(text).c_str());
   }

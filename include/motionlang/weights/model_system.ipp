@@ -18,7 +18,8 @@ MOTIONLANG_BODY ModelSystem model_system(const FilePath& model) {
   const std::string found = system_of_run(model);
   if (!found.empty() && found != "motionlang") return {found, false};
   const auto is_weights = [](const auto& entry) { return entry.path().extension() == ".safetensors"; };
-  if (!fs::exists(folder / "config.json") && std::ranges::any_of(fs::directory_iterator(folder), is_weights))
+  if (!fs::exists(folder / "config.json") &&
+      std::any_of(fs::directory_iterator(folder), fs::directory_iterator(), is_weights))
     return {"stmc", true};
   return {read_model_folder(model).system, true};
 }

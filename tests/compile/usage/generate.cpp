@@ -26,6 +26,7 @@
 #include <motionlang/search/text_similarity.hpp>
 #include <motionlang/stmc.hpp>
 #include <motionlang/systems/sinc_baseline.hpp>
+#include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/gallery_page.hpp>
 #include <motionlang/view/loss_curves.hpp>
 #include <motionlang/view/study_chart.hpp>

@@ -12,6 +12,7 @@
 #include <motionlang/metrics/mtt.hpp>
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/metrics/rows.hpp>
+#include <motionlang/metrics/similarity_scale.hpp>
 #include <motionlang/metrics/study_counts.hpp>
 #include <motionlang/text/glove.hpp>
 
@@ -59,4 +60,8 @@ void study_() {
 }
 void study_counts_(const Study& study, const std::vector<StudyAnswers>& answers) {
 #include "metrics/study_counts.1.inc"
+}
+void similarity_(const std::vector<float>& unlike, const std::vector<float>& own,
+                 const std::vector<float>& strangers) {
+#include "metrics/similarity_scale.1.inc"
 }

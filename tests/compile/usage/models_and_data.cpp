@@ -23,7 +23,9 @@
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/kinematics/treadmill.hpp>
 #include <motionlang/search/kept_index.hpp>
+#include <motionlang/search/query_bench.hpp>
 #include <motionlang/search/search.hpp>
+#include <motionlang/search/text_answer.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/view/body_view.hpp>
 #include <motionlang/view/rig_viewer.hpp>
@@ -151,4 +153,10 @@ void rig_page(const Motion& motion) {
 }
 void character(const Motion& motion) {
 #include "view/rig_writer.1.inc"
+}
+void queries_(const MotionIndex& index, const TmrSearchEncoder<B>& tmr) {
+#include "search/query_bench.1.inc"
+}
+void answer_(const MotionIndex& index, const TmrSearchEncoder<B>& tmr) {
+#include "search/text_answer.1.inc"
 }

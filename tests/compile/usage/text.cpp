@@ -8,6 +8,7 @@
 #include <motionlang/text/clip_text.hpp>
 #include <motionlang/text/clip_tokenizer.hpp>
 #include <motionlang/text/glove.hpp>
+#include <motionlang/text/stranger_texts.hpp>
 #include <motionlang/text/text_table.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/word_piece_tokens.hpp>
@@ -53,4 +54,7 @@ void known_captions_(const std::string& path, const Stmc<B>& stmc) {
 }
 void word_vectors() {
 #include "text/word_vectors.1.inc"
+}
+void strangers_(const WordPiece& tokenizer, const WordVectors& vectors, Philox& rng) {
+#include "text/stranger_texts.1.inc"
 }

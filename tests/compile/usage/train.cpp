@@ -15,6 +15,7 @@
 #include <motionlang/train/guo_matching_training.hpp>
 #include <motionlang/train/guo_movement_training.hpp>
 #include <motionlang/train/guo_retrieval.hpp>
+#include <motionlang/train/measured_similarity.hpp>
 #include <motionlang/train/presets.hpp>
 #include <motionlang/train/recognition.hpp>
 #include <motionlang/train/retrieval_evaluation.hpp>
@@ -109,4 +110,8 @@ void foot_velocity(const Normalizer<A>& normaliser, const Tensor<A, 2>& out, con
 void sampled_errors(const RifkeVariant& variant,
                     const std::vector<std::pair<std::vector<JointFrames>, JointFrames>>& items) {
 #include "metrics/sampled_errors.1.inc"
+}
+void similarity_(const TmrModel<B>& model, const DescribedMotions& data, const EmbeddingCache& sentences,
+                 const StrangerTexts& strangers) {
+#include "train/measured_similarity.1.inc"
 }
