@@ -79,9 +79,9 @@ def pairs(browser):
     answers = [line.split("\t")[1] for line in lines[5:]]
     if answers != ["-"] + ["0"] * (trials - 1):
         problems.append(f"answers {answers}")
-    browser.run("HTMLAnchorElement.prototype.click = function () { window.saved = [this.download, this.href]; }")
+    browser.run("HTMLAnchorElement.prototype.click = function () { window.downloaded = [this.download, this.href]; }")
     click(browser, "#save")
-    if browser.run("return saved[0]") != "answers_Ann_B.tsv":
+    if browser.run("return downloaded[0]") != "answers_Ann_B.tsv":
         problems.append("the file is not saved")
     return problems
 
