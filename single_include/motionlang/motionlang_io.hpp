@@ -7322,7 +7322,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY FeatureRows feature_rows(const Motion& motion, const MotionFeatures& features, double fps) {
   if (fps == 0) fps = features.fps;
-  const std::vector<double> values = features.from_motion(resample(motion, fps));
+  // A BVH file has SMPL's joints depth first.
+  const auto &names = motion.skeleton.names, &smpl = smpl24_skeleton().names;
+  const bool has_smpls = std::is_permutation(names.begin(), names.end(), smpl.begin(), smpl.end());
+  const std::vector<double> values = features.from_motion(resample(has_smpls ? on_smpl(motion) : motion, fps));
   return {{values.begin(), values.end()}, std::ssize(values) / features.width, features.width, fps};
 }
 
@@ -14386,7 +14389,7 @@ MOTIONLANG_BODY std::string describe_card(const CaptionCard& card) {
                      card.verbs.size(), " verbs with the segments that show them:\n");
   std::vector<std::pair<std::size_t, std::string>> verbs;
   for (const auto& [verb, segments] : card.verbs) verbs.emplace_back(segments, verb);
-  std::ranges::sort(verbs, [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::sort(verbs.begin(), verbs.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::size_t column = 0;
   for (const auto& [segments, verb] : verbs) {
     const std::string next = concat_text(" ", printable(verb), " ", segments);
@@ -16674,60 +16677,6 @@ MOTIONLANG_BODY bool KeptIndex::write(Progress progress) {
 }
 
 MOTIONLANG_BODY void KeptIndex::write_without_graphs() { write_motion_index(file_, *index_); }
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_SEARCH_TEXT_SIMILARITY_HPP  // <motionlang/search/text_similarity.hpp>
-#define MOTIONLANG_HAS_SEARCH_TEXT_SIMILARITY_HPP
-/// The similarity of a text and a motion over time: the text against a window around each frame.
-///
-///     const auto over_time = text_similarity(tmr, "a person sits down", motion, 20);
-///
-/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.4; thesis figures 5.8 and 5.9: windows of 20 frames, at
-///         20 frames per second
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct SimilarityOverTime {
-  double fps = 0;                     // of the model
-  std::vector<FrameSlice> windows{};  // one around each frame (metrics/retrieval.hpp)
-  std::vector<double> similarity{};   // cosine, of each frame
-  Index best = 0;                     // the first frame with the largest
-};
-
-/// width   frames of a window
-/// Throws  config_error 101 for a width below 1; numeric_error 302 for a motion without frames; what the encoder throws
-SimilarityOverTime text_similarity(const SearchEncoder& encoder, const std::string& text, const Motion& motion,
-                                   Index width);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_SEARCH_TEXT_SIMILARITY_IPP  // <motionlang/search/text_similarity.ipp>
-#define MOTIONLANG_HAS_SEARCH_TEXT_SIMILARITY_IPP
-// Bodies of text_similarity.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY SimilarityOverTime text_similarity(const SearchEncoder& encoder, const std::string& text,
-                                                   const Motion& motion, Index width) {
-  const std::vector<float> rows = encoder.rows_of(motion);
-  SimilarityOverTime out{.fps = encoder.model().fps, .windows = moment_windows(encoder.frames(rows), width)};
-  if (out.windows.empty()) raise<numeric_error>(302, "text_similarity: motion '", motion.name, "' has no frames");
-  const Index latent = encoder.model().width;
-  const auto moments = unit_rows(encoder.encode_windows(rows, out.windows), latent),
-             query = unit_rows(encoder.encode_texts(std::span(&text, 1)), latent);
-  for (std::size_t w = 0; w < out.windows.size(); ++w) {
-    double sum = 0;
-    for (std::size_t c = 0; c < static_cast<std::size_t>(latent); ++c)
-      sum += static_cast<double>(query[c]) * static_cast<double>(moments[w * static_cast<std::size_t>(latent) + c]);
-    out.similarity.push_back(sum);
-  }
-  out.best =
-      static_cast<Index>(std::max_element(out.similarity.begin(), out.similarity.end()) - out.similarity.begin());
-  return out;
-}
 
 MOTIONLANG_NAMESPACE_END
 #endif
@@ -23342,7 +23291,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY bool holds_weights(const FilePath& path) {
   constexpr std::string_view kinds[] = {".safetensors", ".pt", ".pth", ".ckpt", ".tar", ".bin", ".pkl"};
-  return std::ranges::find(kinds, file_kind(path)) != std::end(kinds) || may_be_weights(path);
+  return std::find(std::begin(kinds), std::end(kinds), file_kind(path)) != std::end(kinds) || may_be_weights(path);
 }
 
 MOTIONLANG_BODY std::string line_about_weights(const WeightFile& weights) {
@@ -23368,7 +23317,7 @@ MOTIONLANG_BODY std::string describe_weights(const FilePath& path) {
   if (std::filesystem::is_directory(path.string())) out += printable(describe_folder(path), "\n");
   for (const FileValue& v : weights.values()) {
     const std::string text = to_string(v), name = printable(v.path);
-    const auto lines = std::ranges::count(text, '\n') + 1;
+    const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
     out += lines > 1 ? formatted("  %-24s (%td lines)\n", name.c_str(), lines)
                      : formatted("  %-24s %s\n", name.c_str(), printable(text).c_str());
   }
@@ -24101,7 +24050,8 @@ MOTIONLANG_BODY ModelSystem model_system(const FilePath& model) {
   const std::string found = system_of_run(model);
   if (!found.empty() && found != "motionlang") return {found, false};
   const auto is_weights = [](const auto& entry) { return entry.path().extension() == ".safetensors"; };
-  if (!fs::exists(folder / "config.json") && std::ranges::any_of(fs::directory_iterator(folder), is_weights))
+  if (!fs::exists(folder / "config.json") &&
+      std::any_of(fs::directory_iterator(folder), fs::directory_iterator(), is_weights))
     return {"stmc", true};
   return {read_model_folder(model).system, true};
 }
@@ -28461,7 +28411,8 @@ MOTIONLANG_BODY std::string describe_motion(const std::string& name, const Motio
                                   m.fps, m.seconds(), counted(m.skeleton.size(), "joint").c_str());
   if (m.frames() == 0) return out;
   out += "  root moves within " + detail::extent_text(m.root) + "\n";
-  if (std::ranges::is_permutation(m.skeleton.names, smpl24_skeleton().names)) {  // BVH has them depth first
+  if (const auto& smpl = smpl24_skeleton().names; std::is_permutation(
+          m.skeleton.names.begin(), m.skeleton.names.end(), smpl.begin(), smpl.end())) {  // BVH has them depth first
     const auto q = motion_quality(on_smpl(m));
     out += formatted("  feet on the floor %.0f %% of the time, sliding at %.2f m/s; jitter %.0f m/s^3; ",
                      100 * q.feet.contact, q.feet.speed, q.jitter);
@@ -28932,8 +28883,9 @@ MOTIONLANG_BODY std::string describe_inspection(const std::vector<InspectedMotio
         m.unreadable.empty() ? join_text(m.findings, "; ", finding) : "unreadable: " + m.unreadable;
     out += m.name + ": " + (text.empty() ? "good" : text) + "\n";
   }
-  const auto good = std::ranges::count_if(found, [](const InspectedMotion& m) { return m.good(); });
-  const auto unreadable = std::ranges::count_if(found, [](const InspectedMotion& m) { return !m.unreadable.empty(); });
+  const auto good = std::count_if(found.begin(), found.end(), [](const InspectedMotion& m) { return m.good(); });
+  const auto unreadable =
+      std::count_if(found.begin(), found.end(), [](const InspectedMotion& m) { return !m.unreadable.empty(); });
   out += concat_text("\n", counted(found.size(), "motion"), ", ", good, " without a finding\n");
   const auto line = [&](Index count, std::string_view name, std::string_view meaning) {
     if (count > 0) out += formatted("%6td  %-14s ", count, std::string(name).c_str()) + std::string(meaning) + "\n";
@@ -29589,562 +29541,6 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Source  TEMOS, figure 3 (thesis 4.3); thesis figure 6.6; TM2T, figure 4
 
-#ifndef MOTIONLANG_HAS_METRICS_STUDY_COUNTS_HPP  // <motionlang/metrics/study_counts.hpp>
-#define MOTIONLANG_HAS_METRICS_STUDY_COUNTS_HPP
-/// Counts the answers to a perceptual study: votes, majorities, mean ranks and ratings, with intervals. Raters who fail
-/// catch trials are left out.
-///
-///     const StudyCounts counts = count_study(study, answers);
-///     for (const PairCount& p : counts.pairs) use(p.preferred.share);      // of a against b
-///
-/// Source  TEMOS (Petrovich et al., ECCV 2022), appendix C: a majority vote for each item, a tie gives both 0.5; the
-///         answers of raters who fail a catch trial are discarded. STMC (thesis 6.3.4): preferred or similar. TM2T (Guo
-///         et al., ECCV 2022), figure 4: how often each method has each rank
-/// Differs the papers print no intervals. Here shares have the 95 % interval of Wilson (1927) over the items, means the
-///         one of metrics/summary.hpp over the items
-
-#ifndef MOTIONLANG_HAS_METRICS_STUDY_HPP  // <motionlang/metrics/study.hpp>
-#define MOTIONLANG_HAS_METRICS_STUDY_HPP
-/// Perceptual studies: what raters compare, the order in which they see it, and their answers.
-///
-///     const Study study = parse_study(read_file("study.tsv"), StudyKind::pairs, "study.tsv");
-///     const auto trials = study_trials(study, 7);          // the order of seed 7: trials and sides are shuffled
-///
-/// Table   columns are separated by tabs, the first line has their names. `text` is what a motion should show, `motion`
-///         a motion that texts describe, `timeline` a file of a timeline, `role` one of
-///             (empty)      the answer counts
-///             warmup       comes first and does not count
-///             catch NAME   has a known answer: the column NAME is right
-///         Every other column is a system. Its cells are files of motions or, if there is a column `motion`, texts. A
-///         cell may be empty. Lines that start with # are comments
-/// Source  TEMOS (Petrovich et al., ECCV 2022), section 4.3 and appendix C: pairs with swapped sides, three warm-ups,
-///         two catch trials; agreement from 1 to 5. STMC (thesis 6.3.2): the same, with "no preference". TM2T (Guo et
-///         al., ECCV 2022), appendix E: descriptions of a motion are ranked
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// `pairs`: which of two is better. `ranking`: all in order. `rating`: one at a time, from 1 to 5.
-enum class StudyKind { pairs, ranking, rating };
-/// Throws config_error 103 for another name than pairs, ranking and rating.
-StudyKind parse_study_kind(std::string_view name);
-std::string to_string(StudyKind kind);
-
-enum class StudyRole { counted, warmup, catch_trial };
-
-/// A line of the table.
-struct StudyItem {
-  StudyRole role = StudyRole::counted;
-  int right = -1;                      // of a catch trial: the system that is right
-  std::string text{};                  // "": none
-  std::string motion{}, timeline{};    // files; "": none
-  std::vector<std::string> choices{};  // of each system; "": it has none
-};
-
-struct Study {
-  StudyKind kind = StudyKind::pairs;
-  std::vector<std::string> systems{};
-  std::vector<StudyItem> items{};
-  bool ranks_texts = false;       // choices are texts that describe `motion`
-  std::uint64_t fingerprint = 0;  // of the table and the kind
-};
-
-/// Throws io_error 403, with the name and the line, for a table without systems, an unknown role, a line with the wrong
-/// number of cells or fewer choices than the kind compares, and a catch trial whose right system has no choice.
-Study parse_study(std::string_view table, StudyKind kind, std::string_view name = "study");
-
-/// The choices of an item that are shown together, from left to right.
-struct StudyTrial {
-  std::size_t item = 0;
-  std::vector<int> shown{};  // systems
-  bool operator==(const StudyTrial&) const = default;
-};
-/// The trials in the order of a seed: warm-ups first, in the order of the table, then all others, shuffled. Pairs are
-/// all pairs of systems; catch trials pair the right system with each other one.
-std::vector<StudyTrial> study_trials(const Study& study, std::uint64_t seed);
-
-/// The answer to a trial. Places are numbers of shown choices from the left, from 0.
-struct StudyAnswer {
-  std::size_t trial = 0;
-  std::vector<int> places{};  // pairs: the better one, or none without preference; ranking: from best to worst
-  int rating = 0;             // 1 to 5
-  double seconds = 0;
-};
-/// The file that a page saves for one rater.
-struct StudyAnswers {
-  std::string rater{};
-  std::uint64_t seed = 0;
-  std::vector<StudyAnswer> answers{};  // at most one for each trial
-};
-
-/// Reads what a page saves: lines "study", "kind", "seed" and "rater" with their values, then "trial answer seconds",
-/// separated by tabs. An answer has places separated by commas, "-" without a preference, or a rating. If a trial is
-/// answered again, the last answer counts. Throws io_error 403, with name and line, for another form, for answers to
-/// another study, and for an answer that its trial does not have.
-StudyAnswers parse_study_answers(std::string_view text, const Study& study, std::string_view name = "answers");
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_METRICS_STUDY_IPP  // <motionlang/metrics/study.ipp>
-#define MOTIONLANG_HAS_METRICS_STUDY_IPP
-// Bodies of study.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-inline std::vector<std::string> study_cells(std::string_view line, char separator = '\t') {
-  std::vector<std::string> out(1);
-  for (const char c : line) {
-    if (c == separator)
-      out.emplace_back();
-    else
-      out.back() += c;
-  }
-  for (std::string& cell : out) cell = std::string(trim(cell));
-  return out;
-}
-
-/// FNV-1a.
-inline std::uint64_t study_fingerprint(std::string_view table, StudyKind kind) {
-  std::uint64_t h = 0xCBF29CE484222325u;
-  for (const char c : concat_text(to_string(kind), "\n", table))
-    h = (h ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
-  return h;
-}
-
-template <class T>
-bool parse_whole(std::string_view text, T& out, int base = 10) {
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), out, base);
-  return end.ec == std::errc{} && end.ptr == text.data() + text.size();
-}
-
-template <class T>
-void shuffle(std::vector<T>& list, Philox& draw) {
-  for (std::size_t i = list.size(); i > 1; --i) std::swap(list[i - 1], list[draw.below(static_cast<std::uint32_t>(i))]);
-}
-
-/// The columns of the table.
-class StudyTable {
- public:
-  StudyTable(std::string_view table, StudyKind kind, std::string_view name) : name_(name) {
-    out_.kind = kind;
-    out_.fingerprint = study_fingerprint(table, kind);
-    for_each_line(table, [&](std::string_view line, Index number) {
-      if (trim(line).empty() || line.starts_with('#')) return;
-      if (columns_.empty())
-        read_header(study_cells(line), number);
-      else
-        read_item(study_cells(line), number);
-    });
-    if (out_.items.empty()) raise<io_error>(403, name_, ": no line below the names of the columns");
-  }
-  Study study() && { return std::move(out_); }
-
- private:
-  void read_header(std::vector<std::string> cells, Index line) {
-    columns_ = std::move(cells);
-    std::set<std::string> seen;
-    for (const std::string& c : columns_) {
-      if (c.empty() || !seen.insert(c).second)
-        raise<io_error>(403, name_, ":", line, ": column '", c, "' is not a new name");
-      if (c == "motion") out_.ranks_texts = true;
-      if (c != "role" && c != "text" && c != "motion" && c != "timeline") out_.systems.push_back(c);
-    }
-    if (out_.systems.empty() || (out_.systems.size() < 2 && out_.kind != StudyKind::rating))
-      raise<io_error>(403, name_, ":", line, ": the columns have ", counted(out_.systems.size(), "system"));
-  }
-  void read_item(const std::vector<std::string>& cells, Index line) {
-    if (cells.size() > columns_.size())
-      raise<io_error>(403, name_, ":", line, ": ", cells.size(), " cells below ", counted(columns_.size(), "column"));
-    StudyItem item;
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-      const std::string cell = i < cells.size() ? cells[i] : "";
-      const std::string& column = columns_[i];
-      if (column == "text")
-        item.text = cell;
-      else if (column == "motion")
-        item.motion = cell;
-      else if (column == "timeline")
-        item.timeline = cell;
-      else if (column == "role")
-        read_role(cell, item, line);
-      else
-        item.choices.push_back(cell);
-    }
-    const auto choices =
-        std::count_if(item.choices.begin(), item.choices.end(), [](const auto& c) { return !c.empty(); });
-    if (choices < (out_.kind == StudyKind::rating ? 1 : 2))
-      raise<io_error>(403, name_, ":", line, ": ", counted(choices, "choice"), " to compare");
-    if (out_.ranks_texts && item.motion.empty()) raise<io_error>(403, name_, ":", line, ": no motion");
-    if (item.right >= 0 && item.choices[static_cast<std::size_t>(item.right)].empty())
-      raise<io_error>(403, name_, ":", line, ": the right answer has no choice");
-    out_.items.push_back(std::move(item));
-  }
-  void read_role(const std::string& cell, StudyItem& item, Index line) const {
-    if (cell.empty()) return;
-    if (cell == "warmup") {
-      item.role = StudyRole::warmup;
-      return;
-    }
-    const auto& systems = out_.systems;
-    const auto right =
-        cell.starts_with("catch ") ? std::find(systems.begin(), systems.end(), trim(cell.substr(6))) : systems.end();
-    if (right == systems.end())
-      raise<io_error>(403, name_, ":", line, ": role '", cell, "' is not warmup, or catch and a system");
-    item.role = StudyRole::catch_trial;
-    item.right = static_cast<int>(right - systems.begin());
-  }
-
-  std::string name_;
-  std::vector<std::string> columns_;
-  Study out_;
-};
-
-/// The trials of an item, with their choices in the order of the table.
-inline std::vector<StudyTrial> trials_of_item(const Study& study, std::size_t number) {
-  const StudyItem& item = study.items[number];
-  std::vector<int> systems;
-  for (std::size_t s = 0; s < item.choices.size(); ++s) {
-    if (!item.choices[s].empty()) systems.push_back(static_cast<int>(s));
-  }
-  if (study.kind == StudyKind::ranking) return {{number, systems}};
-  std::vector<StudyTrial> out;
-  for (std::size_t a = 0; a < systems.size(); ++a) {
-    if (study.kind == StudyKind::rating) out.push_back({number, {systems[a]}});
-    for (std::size_t b = a + 1; b < systems.size() && study.kind == StudyKind::pairs; ++b) {
-      const bool asked = item.right < 0 || systems[a] == item.right || systems[b] == item.right;
-      if (asked) out.push_back({number, {systems[a], systems[b]}});
-    }
-  }
-  return out;
-}
-
-/// An answer as a file has it. False if the trial does not have it.
-inline bool read_answer(std::string_view text, StudyKind kind, std::size_t shown, StudyAnswer& out) {
-  if (kind == StudyKind::rating) return parse_whole(text, out.rating) && out.rating >= 1 && out.rating <= 5;
-  if (text == "-") return kind == StudyKind::pairs;
-  std::set<int> seen;
-  for (const std::string& cell : study_cells(text, ',')) {
-    int place = 0;
-    if (!parse_whole(cell, place) || place < 0 || place >= static_cast<int>(shown) || !seen.insert(place).second)
-      return false;
-    out.places.push_back(place);
-  }
-  return out.places.size() == (kind == StudyKind::pairs ? 1 : shown);
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY std::string to_string(StudyKind kind) {
-  return kind == StudyKind::pairs ? "pairs" : kind == StudyKind::ranking ? "ranking" : "rating";
-}
-MOTIONLANG_BODY StudyKind parse_study_kind(std::string_view name) {
-  for (const StudyKind kind : {StudyKind::pairs, StudyKind::ranking, StudyKind::rating}) {
-    if (to_string(kind) == name) return kind;
-  }
-  raise<config_error>(103, "study '", name, "' is not one of pairs, ranking, rating");
-}
-
-MOTIONLANG_BODY Study parse_study(std::string_view table, StudyKind kind, std::string_view name) {
-  return detail::StudyTable(table, kind, name).study();
-}
-
-MOTIONLANG_BODY std::vector<StudyTrial> study_trials(const Study& study, std::uint64_t seed) {
-  std::vector<StudyTrial> out, later;
-  Philox draw = Philox{.seed = seed}.split("study");
-  for (std::size_t i = 0; i < study.items.size(); ++i) {
-    for (StudyTrial& trial : detail::trials_of_item(study, i)) {
-      detail::shuffle(trial.shown, draw);
-      (study.items[i].role == StudyRole::warmup ? out : later).push_back(std::move(trial));
-    }
-  }
-  detail::shuffle(later, draw);
-  out.insert(out.end(), later.begin(), later.end());
-  return out;
-}
-
-MOTIONLANG_BODY StudyAnswers parse_study_answers(std::string_view text, const Study& study, std::string_view name) {
-  StudyAnswers out;
-  std::vector<StudyTrial> trials;
-  std::set<std::string> headers;
-  detail::for_each_line(text, [&](std::string_view line, Index number) {
-    const auto fail = [&](const auto&... what) { raise<io_error>(403, name, ":", number, ": ", what...); };
-    if (detail::trim(line).empty() || line.starts_with('#')) return;
-    const auto cells = detail::study_cells(line);
-    if (trials.empty()) {
-      std::uint64_t fingerprint = 0;
-      const std::string value = cells.size() > 1 ? cells[1] : "";
-      if (cells[0] == "study" && (!detail::parse_whole(value, fingerprint, 16) || fingerprint != study.fingerprint))
-        fail("answers to another study, or to another version of its table");
-      if (cells[0] == "seed" && !detail::parse_whole(value, out.seed)) fail("seed '", value, "'");
-      if (cells[0] == "rater") out.rater = value;
-      headers.insert(cells[0]);
-      if (cells[0] != "trial") return;
-      if (!headers.contains("study") || !headers.contains("seed")) fail("no study or no seed before the answers");
-      trials = study_trials(study, out.seed);
-      return;
-    }
-    StudyAnswer answer;
-    if (cells.size() != 3 || !detail::parse_whole(cells[0], answer.trial) || answer.trial >= trials.size())
-      fail("a line has a trial below ", trials.size(), ", an answer and seconds");
-    answer.seconds = std::strtod(cells[2].c_str(), nullptr);
-    if (!detail::read_answer(cells[1], study.kind, trials[answer.trial].shown.size(), answer))
-      fail("'", cells[1], "' does not answer this trial of ", to_string(study.kind));
-    std::erase_if(out.answers, [&](const StudyAnswer& a) { return a.trial == answer.trial; });
-    out.answers.push_back(std::move(answer));
-  });
-  if (trials.empty()) raise<io_error>(403, name, ": no answers");
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// A share of a number of cases, with the ends of its 95 % interval.
-struct StudyShare {
-  double share = 0, low = 0, high = 1;
-};
-/// Wilson's interval with z = 1.96: (p + z^2/2n +- z sqrt(p (1 - p) / n + z^2 / 4n^2)) / (1 + z^2/n). `part` may count
-/// halves. 0 and [0, 1] if `total` is 0.
-StudyShare wilson_share(double part, double total);
-
-/// A rater's file.
-struct StudyRater {
-  std::string name;
-  std::size_t answers = 0, caught = 0, passed = 0;  // caught: answered catch trials, passed: the right ones of them
-  bool kept = false;
-};
-
-/// The comparison of two systems.
-struct PairCount {
-  int a = 0, b = 0;  // a < b
-  std::size_t items = 0;
-  std::size_t votes_a = 0, votes_none = 0, votes_b = 0;
-  std::size_t items_a = 0, items_tied = 0, items_b = 0;  // by majority; "no preference" decides nothing
-  StudyShare preferred{};                                // items for a; a tie counts half
-  StudyShare preferred_or_similar{};                     // items for a, and ties
-};
-/// The ranks of a system, of 1 (best) to the number of systems.
-struct RankCount {
-  int system = 0;
-  std::vector<std::size_t> places{};  // how often it has each rank
-  MeanInterval rank{};                // over the items, of each the mean over its raters
-  double share(std::size_t place) const;
-};
-struct RatingCount {
-  int system = 0;
-  std::array<std::size_t, 5> ratings{};  // how often each
-  MeanInterval rating{};                 // over the items
-};
-
-struct StudyCounts {
-  std::vector<StudyRater> raters{};  // in the order of the answers
-  double raters_for_item = 0;        // kept answers for each trial that counts and has any
-  std::vector<PairCount> pairs{};
-  std::vector<RankCount> ranks{};
-  std::vector<RatingCount> ratings{};
-};
-
-/// A catch trial is passed if the right system is preferred, ranked first, or rated 4 or 5 and the others 1 or 2.
-/// Raters are kept if they pass this share of the catch trials that they answered, and answered one if there are any.
-StudyCounts count_study(const Study& study, std::span<const StudyAnswers> answers, double pass_share = 1);
-
-/// The counts of a study's kind as a table in Markdown: pairs of systems, or a row for each system.
-std::string study_table(const Study& study, const StudyCounts& counts);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_METRICS_STUDY_COUNTS_IPP  // <motionlang/metrics/study_counts.ipp>
-#define MOTIONLANG_HAS_METRICS_STUDY_COUNTS_IPP
-// Bodies of study_counts.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-inline bool passes(const Study& study, const StudyTrial& trial, const StudyAnswer& answer) {
-  const int right = study.items[trial.item].right;
-  if (study.kind == StudyKind::rating) return trial.shown[0] == right ? answer.rating >= 4 : answer.rating <= 2;
-  return !answer.places.empty() && trial.shown[static_cast<std::size_t>(answer.places[0])] == right;
-}
-
-/// Collects the answers of the raters who are kept.
-class StudyCounter {
- public:
-  explicit StudyCounter(const Study& study) : study_(study) {}
-
-  void add(const StudyTrial& trial, const StudyAnswer& answer) {
-    ++trials_[{trial.item, std::set<int>(trial.shown.begin(), trial.shown.end())}];
-    if (study_.kind == StudyKind::pairs) add_pair(trial, answer);
-    if (study_.kind == StudyKind::ranking) {
-      for (std::size_t place = 0; place < answer.places.size(); ++place) {
-        const int system = trial.shown[static_cast<std::size_t>(answer.places[place])];
-        values_[system][trial.item].push_back(static_cast<double>(place + 1));
-      }
-    }
-    if (study_.kind == StudyKind::rating) values_[trial.shown[0]][trial.item].push_back(answer.rating);
-  }
-  void finish(StudyCounts& out) const {
-    double answers = 0;
-    for (const auto& [trial, count] : trials_) answers += static_cast<double>(count);
-    out.raters_for_item = trials_.empty() ? 0 : answers / static_cast<double>(trials_.size());
-    for (const auto& [systems, items] : votes_) out.pairs.push_back(pair_of(systems, items));
-    for (const auto& [system, items] : values_) {
-      if (study_.kind == StudyKind::ranking)
-        out.ranks.push_back({system, counts_of(items, study_.systems.size()), mean_over_items(items)});
-      if (study_.kind == StudyKind::rating) {
-        RatingCount r{system, {}, mean_over_items(items)};
-        const auto counts = counts_of(items, r.ratings.size());
-        std::copy(counts.begin(), counts.end(), r.ratings.begin());
-        out.ratings.push_back(r);
-      }
-    }
-  }
-
- private:
-  struct Votes {
-    std::size_t a = 0, none = 0, b = 0;
-  };
-  using Items = std::map<std::size_t, std::vector<double>>;
-
-  void add_pair(const StudyTrial& trial, const StudyAnswer& answer) {
-    const auto [a, b] = std::minmax(trial.shown[0], trial.shown[1]);
-    Votes& votes = votes_[{a, b}][trial.item];
-    if (answer.places.empty())
-      ++votes.none;
-    else
-      ++(trial.shown[static_cast<std::size_t>(answer.places[0])] == a ? votes.a : votes.b);
-  }
-  static PairCount pair_of(const std::pair<int, int>& systems, const std::map<std::size_t, Votes>& items) {
-    PairCount out{.a = systems.first, .b = systems.second, .items = items.size()};
-    for (const auto& [item, votes] : items) {
-      out.votes_a += votes.a, out.votes_none += votes.none, out.votes_b += votes.b;
-      ++(votes.a > votes.b ? out.items_a : votes.a < votes.b ? out.items_b : out.items_tied);
-    }
-    const auto total = static_cast<double>(items.size()), a = static_cast<double>(out.items_a),
-               tied = static_cast<double>(out.items_tied);
-    out.preferred = wilson_share(a + 0.5 * tied, total);
-    out.preferred_or_similar = wilson_share(a + tied, total);
-    return out;
-  }
-  /// How often each of the values 1 ... `largest` occurs.
-  static std::vector<std::size_t> counts_of(const Items& items, std::size_t largest) {
-    std::vector<std::size_t> out(largest);
-    for (const auto& [item, values] : items) {
-      for (const double v : values) ++out[static_cast<std::size_t>(v) - 1];
-    }
-    return out;
-  }
-  static MeanInterval mean_over_items(const Items& items) {
-    std::vector<double> means;
-    for (const auto& [item, values] : items)
-      means.push_back(std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()));
-    return replication_interval(means);
-  }
-
-  const Study& study_;
-  std::map<std::pair<std::size_t, std::set<int>>, std::size_t> trials_;
-  std::map<std::pair<int, int>, std::map<std::size_t, Votes>> votes_;
-  std::map<int, Items> values_;  // of each system: ranks or ratings of each item
-};
-
-}  // namespace detail
-
-MOTIONLANG_BODY StudyShare wilson_share(double part, double total) {
-  if (!(total > 0)) return {};
-  constexpr double z = 1.96;
-  const double p = part / total, middle = p + z * z / (2 * total);
-  const double reach = z * std::sqrt(p * (1 - p) / total + z * z / (4 * total * total)), below = 1 + z * z / total;
-  return {p, std::clamp((middle - reach) / below, 0.0, 1.0), std::clamp((middle + reach) / below, 0.0, 1.0)};
-}
-
-MOTIONLANG_BODY double RankCount::share(std::size_t place) const {
-  const double all = std::accumulate(places.begin(), places.end(), 0.0);
-  return all > 0 ? static_cast<double>(places[place]) / all : 0;
-}
-
-MOTIONLANG_BODY StudyCounts count_study(const Study& study, std::span<const StudyAnswers> answers, double pass_share) {
-  const bool any_catch = std::any_of(study.items.begin(), study.items.end(),
-                                     [](const StudyItem& i) { return i.role == StudyRole::catch_trial; });
-  StudyCounts out;
-  detail::StudyCounter counter(study);
-  for (const StudyAnswers& file : answers) {
-    const auto trials = study_trials(study, file.seed);
-    StudyRater rater{file.rater, file.answers.size()};
-    for (const StudyAnswer& a : file.answers) {
-      const StudyTrial& trial = trials[a.trial];
-      if (study.items[trial.item].role != StudyRole::catch_trial) continue;
-      ++rater.caught;
-      rater.passed += detail::passes(study, trial, a) ? 1 : 0;
-    }
-    rater.kept = !any_catch || (rater.caught > 0 && static_cast<double>(rater.passed) >=
-                                                        pass_share * static_cast<double>(rater.caught) - 1e-9);
-    for (const StudyAnswer& a : file.answers) {
-      const StudyTrial& trial = trials[a.trial];
-      if (rater.kept && study.items[trial.item].role == StudyRole::counted) counter.add(trial, a);
-    }
-    out.raters.push_back(std::move(rater));
-  }
-  counter.finish(out);
-  return out;
-}
-
-namespace detail {
-
-inline std::string pair_table(const Study& study, const std::vector<PairCount>& pairs) {
-  const auto name = [&](int system) { return study.systems[static_cast<std::size_t>(system)]; };
-  const auto share = [](const StudyShare& s) {
-    return formatted("%.1f (%.1f to %.1f)", 100 * s.share, 100 * s.low, 100 * s.high);
-  };
-  std::string out =
-      "| a | b | items | votes a / none / b | items a / tie / b | a preferred % (95 %) | preferred or similar % (95 %) "
-      "|\n"
-      "|---|---|---|---|---|---|---|\n";
-  for (const PairCount& p : pairs)
-    out += concat_text("| ", name(p.a), " | ", name(p.b), " | ", p.items, " | ", p.votes_a, " / ", p.votes_none, " / ",
-                       p.votes_b, " | ", p.items_a, " / ", p.items_tied, " / ", p.items_b, " | ", share(p.preferred),
-                       " | ", share(p.preferred_or_similar), " |\n");
-  return out;
-}
-inline std::string rank_table(const Study& study, const std::vector<RankCount>& ranks) {
-  std::string out = "| system | mean rank (95 %) |", line = "|---|---|";
-  for (std::size_t i = 0; i < study.systems.size(); ++i) {
-    out += concat_text(" rank ", i + 1, " % |");
-    line += "---|";
-  }
-  out += "\n" + line + "\n";
-  for (const RankCount& r : ranks) {
-    out += "| " + study.systems[static_cast<std::size_t>(r.system)];
-    out += formatted(" | %.2f +- %.2f |", r.rank.mean, r.rank.half_width);
-    for (std::size_t place = 0; place < r.places.size(); ++place) out += formatted(" %.1f |", 100 * r.share(place));
-    out += "\n";
-  }
-  return out;
-}
-inline std::string rating_table(const Study& study, const std::vector<RatingCount>& ratings) {
-  std::string out = "| system | mean (95 %) | 1 | 2 | 3 | 4 | 5 |\n|---|---|---|---|---|---|---|\n";
-  for (const RatingCount& r : ratings) {
-    out += "| " + study.systems[static_cast<std::size_t>(r.system)];
-    out += formatted(" | %.2f +- %.2f | ", r.rating.mean, r.rating.half_width) + join_text(r.ratings, " | ") + " |\n";
-  }
-  return out;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY std::string study_table(const Study& study, const StudyCounts& counts) {
-  if (study.kind == StudyKind::pairs) return detail::pair_table(study, counts.pairs);
-  if (study.kind == StudyKind::ranking) return detail::rank_table(study, counts.ranks);
-  return detail::rating_table(study, counts.ratings);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Per cent. Pairs: a bar for each, with the items for the first system, ties, and those for the second; a line at 50
@@ -30756,7 +30152,7 @@ MOTIONLANG_BODY WordCharts word_charts(std::span<const NamedTexts> sets, std::si
   }
   std::vector<std::pair<std::size_t, std::string>> order;
   for (const auto& [verb, count] : total) order.emplace_back(count, verb);
-  std::ranges::sort(order, [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (std::size_t i = 0; i < std::min(order.size(), most); ++i) {
     BarGroup group{.name = order[i].second, .values = {}};
     for (auto& counts : of_set) group.values.push_back(static_cast<double>(counts[group.name]));

@@ -34,9 +34,9 @@ struct DiffusionClips : Clips {
       set("clips.num_frames=12");
     }
     if (command == "train-motiondiffuse") {
-      // its linear schedule needs twenty steps or more
+      // its linear schedule needs more than twenty steps
       for (const char* a :
-           {"diffusion.steps=20", "network.text_latent_dim=8", "network.text_ff_size=8", "network.text_num_heads=2"})
+           {"diffusion.steps=24", "network.text_latent_dim=8", "network.text_ff_size=8", "network.text_num_heads=2"})
         set(a);
     }
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -102,7 +102,7 @@ TEST_CASE("a training that is extended goes on with the same numbers") {
     CHECK_MESSAGE(contains(rest.text, "continuing at step 2 of 4"), rest.text);
     CHECK(clips.losses(halves) == clips.losses(whole));
     CHECK(clips.weights(halves) == clips.weights(whole));
-    const Outcome other = train(halves, "3", {"--set", "diffusion.steps=5"});
+    const Outcome other = train(halves, "3", {"--set", "diffusion.steps=30"});
     CHECK_MESSAGE((other.code == 1 && contains(other.text, "[motionlang.config.102]")), other.text);
   }
 }

@@ -117,7 +117,7 @@ void remember(const ml::MotionModel& generator, const JudgeOptions& o, const std
 void run(const JudgeOptions& o) {
   o.machine.apply();
   if (!o.clips.empty()) return judge_clips(o);
-  const auto generator = load_generator(o.backend, ml::stmc_model_file(o.model));
+  const auto generator = load_generator(o.backend, o.model);
   if (o.remember && generator->captions().empty())
     ml::raise<usage_error>(102, o.model, ": --remember is for weights with their captions, which train writes");
   if (!o.compare.empty()) return compare(*generator, o);
@@ -137,6 +137,7 @@ void run(const JudgeOptions& o) {
   }
   if (o.bench == "all" || o.seconds.size() > 1) print(ml::judgement_header() + summary);
   if (o.remember) remember(*generator, o, judgements);
+  if (!ml::find_motion_model(o.model).system.empty()) return;  // only weights of train have figures of recordings
   const auto about = ml::SafetensorsFile::open(ml::stmc_model_file(o.model)).metadata();
   if (about.contains("real.skate") && about.contains("real.jitter"))
     std::printf("recordings: foot skate %.3f m/s, jitter %.1f m/s^3\n", std::stod(about.at("real.skate")),

@@ -142,13 +142,13 @@ MOTIONLANG_C_API void motionlang_free_motions(motionlang_motions* motions); /* N
 MOTIONLANG_C_API int motionlang_write_motion(const motionlang_motion* motion, const char* file);
 /* Writes several motions into one .glb (on one skeleton) or .html file. */
 MOTIONLANG_C_API int motionlang_write_motions(const motionlang_motion* const* motions, int64_t count, const char* file);
-/* Writes motions on the character of a GLB or VRM file. A .glb file is that file with the animations added, an .html file
- * is a page that shows it. joints: a table of the character's joints; NULL: its skeleton is a known one. */
+/* Writes motions on the character of a GLB or VRM file. A .glb file is that file with the animations added, and an
+ * .html file is a page that shows it. joints: a table of the character's joints; NULL: its skeleton is a known one. */
 MOTIONLANG_C_API int motionlang_write_on_character(const motionlang_motion* const* motions, int64_t count,
                                                    const char* character, const char* joints, const char* file);
-/* Writes the features of a system, (frames, width) as .npy, at its own rate: "guoh3d" (HumanML3D), "kit", "rifke" (TMR),
- * "smplrifke" (STMC), "actor", and the others of `motionlang info --features list`. The motion is on SMPL's joints.
- * Error 103 for another name and for other joints. */
+/* Writes the features of a system, (frames, width) as .npy, at its own rate: "guoh3d" (HumanML3D), "kit", "rifke"
+ * (TMR), "smplrifke" (STMC), "actor", and the others of `motionlang info --features list`. The motion is on SMPL's
+ * joints. Error 103 for another name and for other joints. */
 MOTIONLANG_C_API int motionlang_write_features(const motionlang_motion* motion, const char* features, const char* file);
 /* The contents of a file of one motion in memory. `kind` is its extension, ".glb". */
 MOTIONLANG_C_API int motionlang_motion_bytes(const motionlang_motion* motion, const char* kind,

@@ -48,7 +48,7 @@ std::vector<JudgedPrompt> trunk_prompts(double seconds);
 /// Paraphrases of the prompts that the bundled model was trained for.
 std::vector<JudgedPrompt> paraphrase_prompts(double seconds);
 
-/// Prompts of a file with lines "text # verb" or "text # verb # seconds", such as "a person takes a seat # sit down # 4".
+/// Prompts of a file with lines "text # verb" or "text # verb # seconds", such as "take a seat # sit down # 4".
 /// The verbs are those of judged_verbs.hpp.
 /// seconds  of the lines that name none
 /// name     of the file, for messages

@@ -28,8 +28,8 @@ std::string describe_recordings(const RecordedFigures& figures, bool details = f
 std::string steps_cost_header();
 std::string steps_cost_row(const std::string& sampler, const StepsCost& cost);
 
-/// Writes a film strip of each motion, NAME_PROMPT_SEED.png, with the verdict as its title. The judgement must have kept
-/// its motions. Throws io_error 401.
+/// Writes a film strip of each motion, NAME_PROMPT_SEED.png, with the verdict as its title. The judgement must have
+/// kept its motions. Throws io_error 401.
 void write_judged_strips(const FilePath& folder, const std::string& name, const Judgement& judgement);
 
 MOTIONLANG_NAMESPACE_END

@@ -63,7 +63,7 @@ inline bool commands_pose(const std::string& caption) {
   return verbs.contains(commanded_verb(caption));
 }
 
-/// A command to be in a pose among the captions, that of the most segments; of several the shortest. "" if there is none.
+/// A command to be in a pose among the captions: that of the most segments, the shortest among equals. "" if none.
 inline std::string commonest_pose(const CaptionedSegment& segment, const SegmentsOfCaption& segments_of) {
   std::string best;
   std::size_t most = 0;

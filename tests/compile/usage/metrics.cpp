@@ -61,7 +61,6 @@ void study_() {
 void study_counts_(const Study& study, const std::vector<StudyAnswers>& answers) {
 #include "metrics/study_counts.1.inc"
 }
-void similarity_(const std::vector<float>& unlike, const std::vector<float>& own,
-                 const std::vector<float>& strangers) {
+void similarity_(const std::vector<float>& unlike, const std::vector<float>& own, const std::vector<float>& strangers) {
 #include "metrics/similarity_scale.1.inc"
 }
