@@ -35,6 +35,7 @@ MOTIONLANG_BODY WordCharts word_charts(std::span<const NamedTexts> sets, std::si
                              ", ", counted(of_set.back().size(), "verb"), "\n");
   }
   std::vector<std::pair<std::size_t, std::string>> order;
+  order.reserve(total.size());
   for (const auto& [verb, count] : total) order.emplace_back(count, verb);
   std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (std::size_t i = 0; i < std::min(order.size(), most); ++i) {
