@@ -10,7 +10,7 @@ import pathlib
 import sys
 import time
 
-from viewer_test import WEBGL, Browser, start_driver
+from viewer_test import WEBGL, start_driver, use_page
 
 
 def wait(browser, condition, seconds=20):
@@ -111,30 +111,17 @@ def rating(browser):
     return [] if answer and answer[0].split("\t")[1] == "4" else [f"rating {answer}"]
 
 
-def use(port, page, steps, flags, renderer):
-    browser = Browser(port, flags)
-    try:
-        browser.post("/url", {"url": page.resolve().as_uri()})
-        problems = [] if browser.run("return 'motionlang' in window") else ["the page's program did not start"]
-        if not problems:
-            used = browser.run("return motionlang.state().renderer")
-            problems += [] if used == renderer else [f"draws with {used}"]
-            problems += steps(browser)
-        problems += [entry["message"] for entry in browser.post("/se/log", {"type": "browser"})
-                     if entry["level"] == "SEVERE"]
-    finally:
-        browser.close()
-    print(f"{page.name}, {renderer}: {'; '.join(problems) or 'passed'}")
-    return not problems
+def use(port, page, steps, renderer, flags):
+    return use_page(port, page, f"{page.name}, ", steps, renderer, flags)
 
 
 def main(driver_path, folder):
     folder = pathlib.Path(folder)
     driver, port = start_driver(driver_path)
     try:
-        passed = [use(port, folder / f"{steps.__name__}.html", steps, WEBGL, "webgl2")
+        passed = [use(port, folder / f"{steps.__name__}.html", steps, "webgl2", WEBGL)
                   for steps in (gallery, pairs, ranking, rating)]
-        passed.append(use(port, folder / "gallery.html", gallery, ["--disable-3d-apis"], "canvas"))
+        passed.append(use(port, folder / "gallery.html", gallery, "canvas", ["--disable-3d-apis"]))
     finally:
         driver.terminate()
     return 0 if all(passed) else 1

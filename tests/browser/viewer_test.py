@@ -79,7 +79,8 @@ def start_driver(path, tries=5):
     raise RuntimeError(f"{path} ended {tries} times without a port")
 
 
-def use_page(port, page, probe, renderer, flags):
+def use_page(port, page, name, steps, renderer, flags):
+    """Opens a page, checks what it draws with, calls steps(browser), and prints the problems under a name."""
     browser = Browser(port, flags)
     try:
         browser.post("/url", {"url": pathlib.Path(page).resolve().as_uri()})
@@ -87,21 +88,25 @@ def use_page(port, page, probe, renderer, flags):
         if not problems:
             used = browser.run("return motionlang.state().renderer")
             problems += [] if used == renderer else [f"draws with {used}"]
-            problems += drag_and_wheel(browser)
-            problems += browser.post("/execute/async", {"script": probe, "args": []})
+            problems += steps(browser)
         problems += [entry["message"] for entry in browser.post("/se/log", {"type": "browser"})
                      if entry["level"] == "SEVERE"]
     finally:
         browser.close()
-    print(f"{renderer}: {'; '.join(problems) or 'passed'}")
+    print(f"{name}{renderer}: {'; '.join(problems) or 'passed'}")
     return not problems
 
 
 def main(driver_path, page, probe_path):
     probe = pathlib.Path(probe_path).read_text(encoding="utf-8")
+
+    def steps(browser):
+        return drag_and_wheel(browser) + browser.post("/execute/async", {"script": probe, "args": []})
+
     driver, port = start_driver(driver_path)
     try:
-        passed = [use_page(port, page, probe, "webgl2", WEBGL), use_page(port, page, probe, "canvas", ["--disable-3d-apis"])]
+        passed = [use_page(port, page, "", steps, "webgl2", WEBGL),
+                  use_page(port, page, "", steps, "canvas", ["--disable-3d-apis"])]
     finally:
         driver.terminate()
     return 0 if all(passed) else 1

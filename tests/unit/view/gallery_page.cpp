@@ -9,20 +9,11 @@
 #include <motionlang/view/viewer.hpp>
 
 #include "../../support/markup.hpp"
+#include "../../support/page_data.hpp"
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
 using nlohmann::json;
-
-namespace {
-
-json data_of(const std::string& page) {
-  const std::string_view open = "id=\"data\">";
-  const std::size_t from = page.find(open) + open.size();
-  return json::parse(page.substr(from, page.find("</script>", from) - from));
-}
-
-}  // namespace
 
 TEST_CASE("a card for each motion; motions of one skeleton share its figure") {
   const ml::Motion walk = synthetic::walk({.frames = 40}), turn = synthetic::walk({.frames = 30, .turn = 1.0});

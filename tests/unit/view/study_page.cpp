@@ -8,18 +8,13 @@
 #include <motionlang/file/json.hpp>
 
 #include "../../support/markup.hpp"
+#include "../../support/page_data.hpp"
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
 using nlohmann::json;
 
 namespace {
-
-json data_of(const std::string& page) {
-  const std::string_view open = "id=\"data\">";
-  const std::size_t from = page.find(open) + open.size();
-  return json::parse(page.substr(from, page.find("</script>", from) - from));
-}
 
 /// Reads "NAME FRAMES" as a walk of as many frames; notes what is read.
 struct Files {

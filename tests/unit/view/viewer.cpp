@@ -11,6 +11,7 @@
 #include <motionlang/view/viewer.hpp>
 
 #include "../../support/markup.hpp"
+#include "../../support/page_data.hpp"
 #include "../../support/synthetic_motion.hpp"
 #include "../../support/temporary_folder.hpp"
 
@@ -18,12 +19,6 @@ namespace ml = motionlang;
 using nlohmann::json;
 
 namespace {
-
-json data_of(const std::string& page) {
-  const std::string_view open = "id=\"data\">";
-  const std::size_t from = page.find(open) + open.size();
-  return json::parse(page.substr(from, page.find("</script>", from) - from));
-}
 
 /// The motion as the page's program decodes it.
 ml::Motion decoded(const json& entry) {
