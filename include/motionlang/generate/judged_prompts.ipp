@@ -2,7 +2,7 @@
 // Bodies of judged_prompts.hpp.
 #pragma once
 
-#include <algorithm>  // any_of, count_if, find_if, max
+#include <algorithm>  // any_of, count_if, max
 #include <ctime>      // time of the processor
 #include <map>        // texts
 #include <utility>    // pair
@@ -236,12 +236,10 @@ MOTIONLANG_BODY std::vector<JudgedPrompt> parse_judged_prompts(std::string_view 
     if (detail::trim(content).empty()) return;
     const detail::TimelineLine line(content, number, name);
     if (line.fields() < 2 || line.fields() > 3) line.fail(501, line.fields(), "expected 'text # verb # seconds'");
-    const auto& verbs = judged_verbs();
-    const auto is_it = [&](const JudgedVerb& v) { return v.name == line.field(1); };
-    const auto verb = std::find_if(verbs.begin(), verbs.end(), is_it);
-    if (verb == verbs.end())
-      line.fail(501, 1, "'", line.field(1),
-                "' is not one of the verbs: ", join_text(verbs, ", ", [](const JudgedVerb& v) { return v.name; }));
+    const JudgedVerb* verb = known_verb(line.field(1));
+    if (verb == nullptr)
+      line.fail(501, 1, "'", line.field(1), "' is not one of the verbs: ",
+                join_text(judged_verbs(), ", ", [](const JudgedVerb& v) { return v.name; }));
     out.push_back({{{line.text(), verb->name}}, line.fields() == 3 ? line.seconds(2) : seconds});
   });
   if (out.empty()) raise<timeline_error>(507, name, ": no line");

@@ -26,6 +26,8 @@ struct JudgedVerb {
 
 /// All verbs.
 const std::vector<JudgedVerb>& judged_verbs();
+/// Null for an unknown name.
+const JudgedVerb* known_verb(std::string_view name);
 /// Throws config_error 103 for an unknown name.
 const JudgedVerb& find_verb(std::string_view name);
 

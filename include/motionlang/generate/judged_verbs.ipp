@@ -544,10 +544,15 @@ MOTIONLANG_BODY const std::vector<JudgedVerb>& judged_verbs() {
   return list;
 }
 
-MOTIONLANG_BODY const JudgedVerb& find_verb(std::string_view name) {
+MOTIONLANG_BODY const JudgedVerb* known_verb(std::string_view name) {
   for (const JudgedVerb& v : judged_verbs()) {
-    if (v.name == name) return v;
+    if (v.name == name) return &v;
   }
+  return nullptr;
+}
+
+MOTIONLANG_BODY const JudgedVerb& find_verb(std::string_view name) {
+  if (const JudgedVerb* verb = known_verb(name)) return *verb;
   raise<config_error>(103, "find_verb: '", name, "' is not a judged verb");
 }
 

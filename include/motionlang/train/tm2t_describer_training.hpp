@@ -28,16 +28,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// width: of the features
 inline Seq2SeqConfig describer_sizes(const Tm2tDescriberConfig& c, const MotionVocabulary& tokens, const GloVe& words,
                                      Index width) {
-  return {.source_symbols = c.tokens ? tokens.size() : 0,
-          .source_width = c.tokens ? 0 : 4 * width,
-          .target_symbols = words.size() + 1,
-          .d_model = c.latent_dim,
-          .d_inner = c.ff_size,
-          .heads = c.num_heads,
-          .head_width = c.latent_dim / c.num_heads,
-          .encoder_layers = c.num_layers,
-          .decoder_layers = c.num_layers,
-          .dropout = c.dropout};
+  Seq2SeqConfig out = detail::tm2t_transformer_sizes(c);
+  out.source_symbols = c.tokens ? tokens.size() : 0;
+  out.source_width = c.tokens ? 0 : 4 * width;
+  out.target_symbols = words.size() + 1;
+  return out;
 }
 
 template <AutodiffBackend A>

@@ -15,12 +15,29 @@
 #include <motionlang/datasets/motion_tokens.hpp>
 #include <motionlang/datasets/tm2t_data.hpp>
 #include <motionlang/file/detail/content_hash.hpp>
+#include <motionlang/nn/seq2seq_transformer.hpp>
 #include <motionlang/systems/tm2t.hpp>
 #include <motionlang/tensor/arg_max.hpp>
 #include <motionlang/train/epoch_task.hpp>
 #include <motionlang/train/tm2t_model_folder.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The sizes of a transformer of TM2T that its configuration gives; c: of the describer or of the writer.
+template <class C>
+Seq2SeqConfig tm2t_transformer_sizes(const C& c) {
+  return {.d_model = c.latent_dim,
+          .d_inner = c.ff_size,
+          .heads = c.num_heads,
+          .head_width = c.latent_dim / c.num_heads,
+          .encoder_layers = c.num_layers,
+          .decoder_layers = c.num_layers,
+          .dropout = c.dropout};
+}
+
+}  // namespace detail
 
 /// A text and its motion, as they are used in training.
 struct TokenizedText {

@@ -22,18 +22,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 inline Seq2SeqConfig transformer_writer_sizes(const Tm2tWriterConfig& c, const MotionVocabulary& tokens,
                                               Index word_width) {
-  return {.source_symbols = 0,
-          .source_width = word_width,
-          .target_symbols = tokens.size(),
-          .d_model = c.latent_dim,
-          .d_inner = c.ff_size,
-          .heads = c.num_heads,
-          .head_width = c.latent_dim / c.num_heads,
-          .encoder_layers = c.num_layers,
-          .decoder_layers = c.num_layers,
-          .source_positions = 50,
-          .target_positions = 100,
-          .dropout = c.dropout};
+  Seq2SeqConfig out = detail::tm2t_transformer_sizes(c);
+  out.source_symbols = 0;
+  out.source_width = word_width;
+  out.target_symbols = tokens.size();
+  out.source_positions = 50;
+  out.target_positions = 100;
+  return out;
 }
 
 template <AutodiffBackend A>
