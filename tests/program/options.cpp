@@ -70,7 +70,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
       {"train",
        {"--data",        "--captions",       "--out",      "--steps",      "--batch",       "--lr",
         "--width",       "--feed-forward",   "--layers",   "--vocabulary", "--dropout",     "--velocity-weight",
-        "--text-weight", "--text-steps",     "--denoiser", "--seed",       "--license",     "--provenance",
+        "--text-weight", "--text-steps",     "--start",    "--seed",       "--license",     "--provenance",
         "--commit",      "--save-minutes",   "--fresh",    "--threads",    "--noise-focus", "--root-weight",
         "--foot-weight", "--other-settings", "--recompute"}}};
   for (const auto& [command, names] : options) {

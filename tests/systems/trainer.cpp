@@ -63,9 +63,7 @@ TEST_CASE("two steps and two more are four steps, bit for bit, on one thread and
   CHECK(two_threads.state() == whole.state());
 }
 
-TEST_CASE(
-    "texts are learnt first: the encoder alone changes, the same on one thread and on two; a denoiser can be taken "
-    "over") {
+TEST_CASE("texts are learnt first: the encoder alone changes, the same on one thread and on two") {
   const TemporaryFolder folder;
   auto c = config();
   c.text_steps = 200;
@@ -87,16 +85,58 @@ TEST_CASE(
     const bool same = ml::values_of<float>(t) == ml::values_of<float>(after.tensor(t.name));
     CHECK_MESSAGE(same == !t.name.starts_with("text_encoder."), t.name);
   }
+}
+
+TEST_CASE("a training starts with what a model knows, although it has word vectors and other statistics") {
+  using B = ml::EigenBackend<float>;
+  const TemporaryFolder folder;
+  auto c = config();
+  ml::Trainer first(Stmc(c, data()));
+  first.step();
+  first.task().export_model(folder / "first", {});
+  const auto trained = ml::load_stmc<B>(folder / "first");
 
   c.seed = 2;
-  ml::Trainer other(Stmc(c, data()));
-  other.task().take_denoiser(folder / "one");
-  other.task().export_model(folder / "other", {});
-  const auto taken = ml::SafetensorsFile::open(folder / "other");
-  for (const auto& t : after.tensors()) {
-    if (t.name.starts_with("denoiser."))
-      CHECK_MESSAGE(ml::values_of<float>(t) == ml::values_of<float>(taken.tensor(t.name)), t.name);
+  const std::vector<std::string> words{"walk", "stroll"};
+  const std::vector<float> numbers{1, 0, 0.5f, 0.25f};
+  ml::Trainer second(Stmc(c, data(), ml::WordVectors::rounded(words, numbers)));
+  second.task().start_from(folder / "first");
+  second.task().export_model(folder / "second", {});
+  const auto started = ml::load_stmc<B>(folder / "second");
+
+  // Words of both vocabularies are encoded as before, letters too.
+  const std::vector<std::string> text{"a"};
+  const auto before = trained.text_encoder(text).to_vector(), after = started.text_encoder(text).to_vector();
+  for (std::size_t i = 0; i < before.size(); ++i) CHECK(after[i] == doctest::Approx(before[i]).epsilon(1e-3));
+
+  // The denoiser does the same with frames of other statistics.
+  const ml::Offsets offsets(std::vector<ml::Index>{5});
+  auto rng = ml::Philox{.seed = 3};
+  const auto x = ml::Tensor<B, 2>::randn({5, 205}, rng);
+  const std::vector<ml::Index> t{7};
+  auto model = trained;
+  auto other = model.motion_normalizer;
+  for (ml::Index f = 0; f < 205; ++f) {
+    other.std.mutable_data().data()[f] *= f % 2 == 0 ? 1.5f : 0.75f;
+    other.mean.mutable_data().data()[f] += 0.25f * other.std.span()[static_cast<std::size_t>(f)];
   }
+  const auto said = ml::TextFeatures<B>::pooled(model.text_encoder(text));
+  const auto expected = model.motion_normalizer.denormalize(model.denoiser(ml::Sequences<B>(x, offsets), t, said).rows);
+  const auto moved = other.normalize(model.motion_normalizer.denormalize(x));
+  ml::detail::change_normalizer(model.denoiser, model.motion_normalizer, other);
+  const auto got = other.denormalize(model.denoiser(ml::Sequences<B>(moved, offsets), t, said).rows);
+  for (std::size_t i = 0; i < got.span().size(); ++i)
+    CHECK(got.span()[i] == doctest::Approx(expected.span()[i]).epsilon(1e-3).scale(1));
+}
+
+TEST_CASE("words get the rows that a trained vocabulary has for them or for their parts") {
+  const ml::WordPiece known({"[CLS]", "[SEP]", "[UNK]", "walk", "##s", "run"});
+  const ml::WordPiece wanted({"[CLS]", "[SEP]", "[UNK]", "run", "walks", "hop"});
+  const std::vector<float> rows{0, 1, 2, 3, 5, 8};
+  using Rows = std::vector<float>;
+  CHECK(ml::detail::started_rows(wanted, known, rows, false) ==
+        Rows{0, 1, 3.25f, 8, 4, 3.25f});                                                 // the mean of the others
+  CHECK(ml::detail::started_rows(wanted, known, rows, true) == Rows{0, 1, 2, 8, 2, 2});  // heard by their vectors
 }
 
 TEST_CASE("training changes every weight, and its export is a model") {

@@ -23,7 +23,7 @@ struct TrainOptions {
   std::string data, captions;
   ml::StmcTrainingConfig config;
   ml::TrainingOptions run;
-  std::string license, provenance, commit, denoiser, vectors;
+  std::string license, provenance, commit, start, vectors;
   MachineOptions machine;
 };
 
@@ -39,8 +39,9 @@ void run(const TrainOptions& o) {
       o.config, data, o.vectors.empty() ? ml::WordVectors() : ml::read_word_vectors(o.vectors)));
   TrainingDisplay display;
   trainer.run(o.run, display.callbacks([&] {
-    if (!o.denoiser.empty()) trainer.task().take_denoiser(o.denoiser);
-    if (o.config.text_steps > 0) {
+    if (!o.start.empty()) {
+      trainer.task().start_from(o.start);
+    } else if (o.config.text_steps > 0) {
       ProgressBar bar("learning texts");
       trainer.task().learn_texts(bar);
     }
@@ -90,7 +91,8 @@ void add_train(CLI::App& app) {
   checked_option(*c, "--text-steps", o->config.text_steps, not_negative(),
                  "Number of first steps that train the text encoder alone. A training that is stopped during these "
                  "starts them over");
-  file_option(*c, "--denoiser", o->denoiser, "Start with the denoiser of this model and train only the texts");
+  file_option(*c, "--start", o->start,
+              "Start with the weights of this model, which has the same sizes. Its words and features may differ");
   checked_option(*c, "--seed", o->config.seed, seed_number(),
                  "Seed. The same seed gives the same weights, also after a stop");
   c->add_option("--license", o->license, "Licence of the weights, for their metadata; the data must allow it");

@@ -25,8 +25,8 @@
 #include <motionlang/optim/lr_schedule.hpp>
 #include <motionlang/train/learned_captions.hpp>
 #include <motionlang/train/learner.hpp>
+#include <motionlang/train/stmc_start.hpp>
 #include <motionlang/train/trainer.hpp>
-#include <motionlang/weights/stmc_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -59,10 +59,13 @@ namespace detail {
 std::vector<TrainingSample> draw_batch(const TrainingSet& data, const StmcTrainingConfig& config, Philox rng,
                                        Index count);
 
+inline constexpr Index root_features = 4;  // the first ones: they move the figure, and the others pose it
+
 /// Mean and deviation of every feature over samples as training sees them. A feature that never changes gets deviation
-/// 1.
+/// 1. A feature of the pose gets at least `least`: a joint that moves in a few clips only would else weigh like a knee.
 template <Backend B>
 Normalizer<B> measure(const TrainingSet& data, const StmcTrainingConfig& config) {
+  constexpr double least = 0.03;
   FeatureStatistics statistics;
   for (const TrainingSample& s : draw_batch(data, config, Philox{.seed = config.seed}.split("statistics"), 2000)) {
     const std::vector<double> values(s.features.begin(), s.features.end());
@@ -70,7 +73,10 @@ Normalizer<B> measure(const TrainingSet& data, const StmcTrainingConfig& config)
   }
   std::vector<float> mean, std;
   for (double m : statistics.mean()) mean.push_back(static_cast<float>(m));
-  for (double d : statistics.standard_deviation()) std.push_back(d < 1e-4 ? 1.0f : static_cast<float>(d));
+  for (const double d : statistics.standard_deviation()) {
+    const double floor = std::ssize(std) < root_features ? 0 : least;
+    std.push_back(d < 1e-4 ? 1.0f : static_cast<float>(std::max(d, floor)));
+  }
   return {Tensor<B, 1>::from(mean, {std::ssize(mean)}), Tensor<B, 1>::from(std, {std::ssize(std)})};
 }
 
@@ -84,7 +90,7 @@ void append_summary(std::vector<float>& out, std::span<const float> rows);
 template <Backend B>
 Tensor<B, 1> feature_weights(double root_weight) {
   std::vector<typename B::scalar> weights(smplrifke_size, 1);
-  std::fill_n(weights.begin(), 4, static_cast<typename B::scalar>(std::sqrt(root_weight)));
+  std::fill_n(weights.begin(), root_features, static_cast<typename B::scalar>(std::sqrt(root_weight)));
   return Tensor<B, 1>::from(weights, {smplrifke_size});
 }
 
@@ -121,8 +127,8 @@ class StmcTraining {
   /// the time, and its deviation. Otherwise the denoiser learns to move long before it learns to follow the text. For a
   /// new run, before the first step. Returns the last loss.
   double learn_texts(Progress progress = {});
-  /// Takes denoiser and normaliser from a trained model, so that only texts are learned again. For a new run.
-  void take_denoiser(const std::filesystem::path& model);
+  /// Starts with what a model of the same sizes knows (train/stmc_start.hpp). For a new run, instead of learn_texts.
+  void start_from(const std::filesystem::path& model);
   /// Writes the averaged weights in half precision, and the captions.
   void export_model(const std::filesystem::path& path, const std::map<std::string, std::string>& about) const;
 
@@ -202,12 +208,9 @@ double StmcTraining<A>::learn_texts(Progress progress) {
 }
 
 template <AutodiffBackend A>
-void StmcTraining<A>::take_denoiser(const std::filesystem::path& model) {
-  const auto trained = load_stmc<B>(model);
-  learner_.average.denoiser = convert<B>(trained.denoiser);
-  learner_.average.motion_normalizer = trained.motion_normalizer;
-  learner_.model.denoiser = convert<A>(learner_.average.denoiser);
-  learner_.model.motion_normalizer = convert<A>(learner_.average.motion_normalizer);
+void StmcTraining<A>::start_from(const std::filesystem::path& model) {
+  motionlang::start_from(learner_.average, SafetensorsFile::open(model));
+  learner_.model = convert_stmc<A>(learner_.average);
 }
 
 template <AutodiffBackend A>

@@ -20,6 +20,7 @@
 #include <motionlang/train/recognition.hpp>
 #include <motionlang/train/retrieval_evaluation.hpp>
 #include <motionlang/train/sinc_training.hpp>
+#include <motionlang/train/stmc_start.hpp>
 #include <motionlang/train/stmc_training.hpp>
 #include <motionlang/train/stmc_training_notes.hpp>
 #include <motionlang/train/tm2t_describer_training.hpp>
@@ -86,6 +87,9 @@ void retrieval_evaluation(const TmrModel<B>& model, const DescribedMotions& data
 }
 void sinc_training(const SincTrainingConfig& config, const About& about) {
 #include "train/sinc_training.1.inc"
+}
+void stmc_start(Stmc<B>& model) {
+#include "train/stmc_start.1.inc"
 }
 void stmc_training() {
 #include "train/stmc_training.1.inc"
