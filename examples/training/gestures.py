@@ -4,12 +4,14 @@
 
     gestures.py STANDING... FOLDER
 
-STANDING are AMASS files (.npz) of people who stand still, at 20 frames per second on the 24 joints of motionlang.
+STANDING are AMASS files (.npz) of people who stand still, at 20 frames per second on the 24 joints of motionlang. Each
+is at least as long as the longest gesture.
 FOLDER receives one .npz for every gesture and person, and the standing itself, which may follow a gesture.
 
 A gesture says where a wrist goes, as seen from the chest in metres (x left, y up, z ahead), or by how many degrees a
 joint turns. Legs, breath and sway are those of the recorded person. examples/training/clips.sh calls this program.
 """
+import os
 import sys
 from pathlib import Path
 
@@ -243,54 +245,152 @@ def march(p, t, s, n, r):
 ARMS, HEADS, TRUNK = "left arm,right arm", "head", "spine,head"
 # name: function, seconds, parts, captions
 GESTURES = {
-    "nod": (nod, 2.6, HEADS, "nod | nod the head | nod yes | a person nods | someone nods the head | nodding | say yes with the head"),
-    "shake_the_head": (shake, 2.8, HEADS, "shake the head | shake your head | a person shakes the head | shaking the head | say no with the head | someone shakes the head no"),
-    "look_to_the_left": (look_left, 3.0, HEADS, "look to the left | look left | turn the head to the left | a person looks to the left | looking left | someone turns the head left"),
-    "look_up": (look_up, 3.0, HEADS, "look up | raise the head and look up | a person looks up | looking up | look at the sky | someone looks up at the sky"),
-    "look_down": (look_down, 3.0, HEADS, "look down | lower the head | a person looks down | looking down | look at the floor | someone lowers the head"),
-    "tilt_the_head": (tilt, 2.8, HEADS, "tilt the head to the right | a person tilts the head to the right | lean the head to the right | tilting the head right"),
-    "look_around": (look_around, 4.0, HEADS, "look around | look about | a person looks around | looking around | look to the left and to the right | someone looks around"),
-    "twist": (twist, 3.6, TRUNK, "twist the upper body | twist the trunk | a person twists the upper body | twisting the torso | turn the upper body from side to side | rotate the torso left and right"),
-    "bow": (bow, 3.2, TRUNK, "bow | take a bow | a person bows | bowing | bow politely | someone bows to the audience"),
-    "clap": (clap, 3.2, ARMS, "clap | clap your hands | clap the hands | a person claps | a person is clapping | clapping | applaud | someone applauds"),
-    "salute": (salute, 2.8, "right arm", "salute | salute with the right hand | a person salutes | saluting | a soldier salutes | raise the right hand to the forehead in a salute"),
-    "wave": (wave, 3.2, "right arm", "wave | wave hello | wave with the right hand | a person waves with the right hand | waving | wave goodbye | say hello with the right hand | greet someone"),
-    "wave_both": (wave_both, 3.4, ARMS, "wave with both arms | wave both hands overhead | a person waves with both arms | waving both arms above the head | signal with both arms"),
-    "point_forward": (point_ahead, 2.8, "right arm", "point forward | point ahead | point forward with the right hand | a person points forward | pointing | point at something | point at something in front"),
-    "point_to_the_right": (point_aside, 2.8, "right arm,head", "point to the right | a person points to the right | pointing to the right with the right hand | point to the right side"),
-    "point_up": (point_up, 2.8, "right arm", "point up | point at the sky | a person points up with the right hand | pointing up"),
-    "drink": (drink, 3.4, "right arm", "drink | drink from a cup | a person drinks | drinking from a glass with the right hand | take a sip | someone drinks water"),
-    "phone": (phone, 4.0, "right arm", "talk on the phone | make a phone call | a person talks on the phone | hold a phone to the right ear | phoning | answer the phone"),
-    "scratch_the_head": (scratch, 3.4, "right arm", "scratch the head | scratch your head | a person scratches the head | scratching the head with the right hand"),
-    "hands_on_head": (hands_on_head, 3.4, ARMS, "put both hands on the head | hands on the head | a person puts the hands on the head | place both hands on top of the head | holding the head with both hands"),
-    "cover_face": (cover_face, 3.2, ARMS, "cover the face | cover the face with both hands | a person covers the face | covering the eyes | hide the face in the hands | cry"),
-    "cross_arms": (cross_arms, 3.8, ARMS, "cross the arms | fold the arms | cross your arms | a person crosses the arms | folding both arms in front of the chest | stand with crossed arms"),
-    "shrug": (shrug, 2.6, ARMS, "shrug | shrug the shoulders | a person shrugs | shrugging | raise both shoulders and open the hands | someone shrugs the shoulders"),
-    "push": (push, 2.8, ARMS, "push something | push something away | push with both hands | a person pushes with both hands | pushing | push forward with both hands"),
-    "march": (march, 4.2, "left arm,right arm,legs", "march | march in place | march on the spot | a person marches on the spot | marching | a soldier marches in place | lift the knees in turn"),
+    "nod": (
+        nod, 2.6, HEADS,
+        "nod | nod the head | nod yes | a person nods | someone nods the head | nodding | say yes with the head"),
+    "shake_the_head": (
+        shake, 2.8, HEADS,
+        "shake the head | shake your head | a person shakes the head | shaking the head | say no with the head | "
+        "someone shakes the head no"),
+    "look_to_the_left": (
+        look_left, 3.0, HEADS,
+        "look to the left | look left | turn the head to the left | a person looks to the left | looking left | "
+        "someone turns the head left"),
+    "look_up": (
+        look_up, 3.0, HEADS,
+        "look up | raise the head and look up | a person looks up | looking up | look at the sky | "
+        "someone looks up at the sky"),
+    "look_down": (
+        look_down, 3.0, HEADS,
+        "look down | lower the head | a person looks down | looking down | look at the floor | "
+        "someone lowers the head"),
+    "tilt_the_head": (
+        tilt, 2.8, HEADS,
+        "tilt the head to the right | a person tilts the head to the right | lean the head to the right | "
+        "tilting the head right"),
+    "look_around": (
+        look_around, 4.0, HEADS,
+        "look around | look about | a person looks around | looking around | look to the left and to the right | "
+        "someone looks around"),
+    "twist": (
+        twist, 3.6, TRUNK,
+        "twist the upper body | twist the trunk | a person twists the upper body | twisting the torso | "
+        "turn the upper body from side to side | rotate the torso left and right"),
+    "bow": (
+        bow, 3.2, TRUNK,
+        "bow | take a bow | a person bows | bowing | bow politely | someone bows to the audience"),
+    "clap": (
+        clap, 3.2, ARMS,
+        "clap | clap your hands | clap the hands | a person claps | a person is clapping | clapping | applaud | "
+        "someone applauds"),
+    "salute": (
+        salute, 2.8, "right arm",
+        "salute | salute with the right hand | a person salutes | saluting | a soldier salutes | "
+        "raise the right hand to the forehead in a salute"),
+    "wave": (
+        wave, 3.2, "right arm",
+        "wave | wave hello | wave with the right hand | a person waves with the right hand | waving | "
+        "wave goodbye | say hello with the right hand | greet someone"),
+    "wave_both": (
+        wave_both, 3.4, ARMS,
+        "wave with both arms | wave both hands overhead | a person waves with both arms | "
+        "waving both arms above the head | signal with both arms"),
+    "point_forward": (
+        point_ahead, 2.8, "right arm",
+        "point forward | point ahead | point forward with the right hand | a person points forward | pointing | "
+        "point at something | point at something in front"),
+    "point_to_the_right": (
+        point_aside, 2.8, "right arm,head",
+        "point to the right | a person points to the right | pointing to the right with the right hand | "
+        "point to the right side"),
+    "point_up": (
+        point_up, 2.8, "right arm",
+        "point up | point at the sky | a person points up with the right hand | pointing up"),
+    "drink": (
+        drink, 3.4, "right arm",
+        "drink | drink from a cup | a person drinks | drinking from a glass with the right hand | take a sip | "
+        "someone drinks water"),
+    "phone": (
+        phone, 4.0, "right arm",
+        "talk on the phone | make a phone call | a person talks on the phone | hold a phone to the right ear | "
+        "phoning | answer the phone"),
+    "scratch_the_head": (
+        scratch, 3.4, "right arm",
+        "scratch the head | scratch your head | a person scratches the head | "
+        "scratching the head with the right hand"),
+    "hands_on_head": (
+        hands_on_head, 3.4, ARMS,
+        "put both hands on the head | hands on the head | a person puts the hands on the head | "
+        "place both hands on top of the head | holding the head with both hands"),
+    "cover_face": (
+        cover_face, 3.2, ARMS,
+        "cover the face | cover the face with both hands | a person covers the face | covering the eyes | "
+        "hide the face in the hands | cry"),
+    "cross_arms": (
+        cross_arms, 3.8, ARMS,
+        "cross the arms | fold the arms | cross your arms | a person crosses the arms | "
+        "folding both arms in front of the chest | stand with crossed arms"),
+    "shrug": (
+        shrug, 2.6, ARMS,
+        "shrug | shrug the shoulders | a person shrugs | shrugging | raise both shoulders and open the hands | "
+        "someone shrugs the shoulders"),
+    "push": (
+        push, 2.8, ARMS,
+        "push something | push something away | push with both hands | a person pushes with both hands | pushing | "
+        "push forward with both hands"),
+    "march": (
+        march, 4.2, "left arm,right arm,legs",
+        "march | march in place | march on the spot | a person marches on the spot | marching | "
+        "a soldier marches in place | lift the knees in turn"),
 }
+
+
+def person_of(path):
+    """The arrays of a file of STANDING. It is refused at another rate, or if a gesture is longer."""
+    with np.load(path) as file:
+        person = dict(file)
+    rate = float(person.get("mocap_frame_rate", person.get("mocap_framerate", 0)))
+    if rate != FPS:
+        sys.exit(f"{path}: {rate:g} frames per second, expected {FPS}")
+    frames, least = len(person["poses"]), max(int(seconds * FPS) for _, seconds, _, _ in GESTURES.values())
+    if frames < least:
+        sys.exit(f"{path}: {frames} frames, the longest gesture has {least}")
+    return person
+
+
+def part_of(person, first, count):
+    """Every array with a row for each frame, cut to some of them."""
+    frames = len(person["poses"])
+    return {key: x[first : first + count] if x.shape[:1] == (frames,) else x for key, x in person.items()}
+
+
+def write(path, arrays):
+    """The file appears when it is whole."""
+    written = path.with_suffix(".tmp.npz")
+    np.savez_compressed(written, **arrays)
+    os.replace(written, path)
 
 
 def main(arguments):
     *standing, folder = arguments
     folder = Path(folder)
+    people = [person_of(path) for path in standing]
     folder.mkdir(parents=True, exist_ok=True)
-    for k, path in enumerate(standing):
-        with np.load(path) as file:
-            person = dict(file)
-        frames = min(len(person["poses"]), 4 * FPS)
-        np.savez_compressed(folder / f"stand_{k}.npz", **{**person, "poses": person["poses"][:frames], "trans": person["trans"][:frames]})
+    for k, person in enumerate(people):
+        frames = len(person["poses"])
+        write(folder / f"stand_{k}.npz", part_of(person, 0, 4 * FPS))
         for number, (name, (gesture, seconds, _, _)) in enumerate(GESTURES.items()):
             rng = np.random.default_rng([k, number])
             strength, rate = rng.uniform(0.85, 1.2), rng.uniform(0.85, 1.2)
-            first = int(rng.integers(0, max(1, len(person["poses"]) - int(seconds * FPS))))
-            count = min(int(seconds * FPS), len(person["poses"]) - first)
-            poses = person["poses"][first : first + count].copy()
+            count = int(seconds * FPS)
+            first = int(rng.integers(0, max(1, frames - count)))
+            part = part_of(person, first, count)
+            poses = part["poses"].copy()
             for f in range(count):
                 pose = Pose(poses[f, :72].reshape(24, 3))
                 gesture(pose, f / FPS, count / FPS, strength, rate)
                 poses[f, :72] = pose.rows().ravel()
-            np.savez_compressed(folder / f"{name}_{k}.npz", **{**person, "poses": poses, "trans": person["trans"][first : first + count]})
+            write(folder / f"{name}_{k}.npz", {**part, "poses": poses})
 
 
 def captions(people):

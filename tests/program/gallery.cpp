@@ -25,6 +25,8 @@ TEST_CASE("gallery: prompts of a file, a page and a picture") {
   CHECK(motions == 3);  // this model lists no words, so it knows all of them
   CHECK(contains(made.text, "3 motions, 0 prompts left out"));
   CHECK(contains(files.at("gallery.html"), "raise both arms"));
+  CHECK(contains(files.at("gallery.html"), "Prompts of prompts.txt"));
+  CHECK_FALSE(contains(files.at("gallery.html"), "Every verb that the model knows"));
   const Outcome again = gallery({"--prompts", "prompts.txt", "--out", "h", "--poses", "1", "--columns", "3"});
   REQUIRE(again.code == 0);
   CHECK(w.files("h") == files);

@@ -114,6 +114,16 @@ TEST_CASE("what an earlier run wrote is not an input: weights into their own fol
   }
 }
 
+TEST_CASE("answers, questions and labels of body parts are not written over") {
+  const Originals w;
+  ml::write_file(w / "a.jsonl", std::string_view(R"({"label": "walk", "answer": "legs"})"
+                                                 "\n"));
+  ml::write_file(w / "labels.txt", std::string_view("walk\nwave\n"));
+  w.keeps("a.jsonl", {"body-parts", "--answers", "a.jsonl", "--table", "a.jsonl"});
+  w.keeps("a.jsonl", {"body-parts", "--labels", "labels.txt", "--answers", "a.jsonl", "--prompts", "a.jsonl"});
+  w.keeps("labels.txt", {"body-parts", "--labels", "labels.txt", "--prompts", "labels.txt"});
+}
+
 TEST_CASE("an output that is an input is refused before a model is loaded") {
   const Originals w;
   w.walk("walk.bvh");
@@ -121,6 +131,7 @@ TEST_CASE("an output that is an input is refused before a model is loaded") {
   ml::write_file(w / "model/opt.txt", std::string_view("---- Options\n---- End\n"));
   w.keeps("walk.bvh", {"convert", "walk.bvh", "walk.bvh", "--denoise", "model"});
   w.keeps("walk.bvh", {"describe", "walk.bvh", "--model", "model", "-o", "walk.bvh"});
+  w.keeps("walk.bvh", {"tokens", "walk.bvh", "--model", "model", "--page", "walk.bvh"});
   w.keeps("walk.bvh", {"generate", "--text", "walk", "--keep", "walk.bvh", "--keep-parts", "legs", "--model", "model",
                        "--out", "."});
   ml::write_file(w / "two.txt", std::string_view("walk # 0 # 1\n\nsit down # 0 # 1\n"));

@@ -9,6 +9,7 @@
 #include <motionlang/datasets/babel_motions.hpp>
 #include <motionlang/datasets/body_part_lines.hpp>
 #include <motionlang/file/file.hpp>
+#include <motionlang/file/input_files.hpp>
 #include <motionlang/train/body_part_evaluation.hpp>
 
 #include "../commands.hpp"
@@ -66,6 +67,8 @@ void print_accuracies(const BodyPartOptions& o, const std::optional<ml::BodyPart
 }
 
 void run(const BodyPartOptions& o) {
+  const ml::InputFiles inputs{o.babel, o.labels, o.spelling, o.answers, o.truth};
+  for (const auto& file : {o.prompts, o.table}) inputs.refuse(file);
   std::optional<ml::BodyPartAnswers> answers;
   if (!o.answers.empty()) answers = ml::read_body_part_answers(o.answers);
   if (o.truth.empty() && o.babel.empty() && o.labels.empty() && o.table.empty())

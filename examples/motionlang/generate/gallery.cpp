@@ -73,7 +73,9 @@ void run(const GalleryCommand& o) {
   }
   const std::string info = formatted("model %s, seed %llu", std::filesystem::path(o.model).filename().string().c_str(),
                                      static_cast<unsigned long long>(settings.seed));
-  ml::write_file(page, ml::gallery_html(cards, {.title = "Every verb that the model knows", .info = info}));
+  const std::string title =
+      o.prompts.empty() ? "Every verb that the model knows" : "Prompts of " + timeline_source(o.prompts);
+  ml::write_file(page, ml::gallery_html(cards, {.title = title, .info = info}));
   ml::write_file(sheet, ml::contact_sheet_svg(entries, {.columns = o.columns, .poses = o.poses}));
   std::printf("%s, %s left out because the model does not know them\n  page     %s\n  picture  %s\n",
               counted(motions.size(), "motion").c_str(), counted(unknown.size(), "prompt").c_str(),

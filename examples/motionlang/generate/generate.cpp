@@ -181,9 +181,7 @@ ml::GenerateOptions settings_of(const GenerateCommand& o, const std::string& nam
   settings.noise = o.noise;
   settings.mode = ml::parse_stmc_mode(o.mode);
   if (!o.sampler.empty()) settings.sampler = ml::parse_sampler(o.sampler);
-  if (!o.noise_factor.empty())
-    settings.noise_scale =
-        o.noise_factor == "paper" ? ml::NoiseScale::posterior_std : ml::published_stmc_sampling.noise_scale;
+  if (!o.noise_factor.empty()) settings.noise_scale = ml::parse_noise_scale(o.noise_factor);
   if (o.preset == "fast") ml::use_fast_preset(settings);
   if (o.preset == "full") ml::use_full_preset(settings);
   if (!o.reuse.empty()) settings.reuse = ml::find_record(o.reuse);

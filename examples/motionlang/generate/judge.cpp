@@ -76,7 +76,7 @@ std::vector<ml::JudgedBench> benches_of(const JudgeOptions& o) {
 
 std::vector<double> seconds_of(const JudgeOptions& o, const ml::JudgedBench& bench) {
   if (!o.seconds.empty()) return o.seconds;
-  return {bench.name == "own" ? 0.0 : 4.0};
+  return {bench.name == "own" || bench.name == "prompts" ? 0.0 : 4.0};
 }
 
 ml::Judgement judged(const ml::MotionModel& generator, const JudgeOptions& o, const ml::JudgedBench& bench,
@@ -126,10 +126,11 @@ void run(const JudgeOptions& o) {
   for (const ml::JudgedBench& bench : benches_of(o)) {
     for (const double seconds : seconds_of(o, bench)) {
       const ml::Judgement& j = judgements.emplace_back(judged(*generator, o, bench, seconds));
-      if (!o.strips.empty())
-        ml::write_judged_strips(o.strips, bench.name + "_" + std::to_string(static_cast<int>(seconds)), j);
+      if (!o.strips.empty()) ml::write_judged_strips(o.strips, ml::concat_text(bench.name, "_", seconds), j);
       summary += ml::judgement_row(j, bench.about, seconds);
-      if (seconds > 0) std::printf("%s, %g s each\n", bench.about.c_str(), seconds);
+      if (seconds > 0)
+        std::printf(o.prompts.empty() ? "%s, %g s each\n" : "%s, %g s where a line names none\n", bench.about.c_str(),
+                    seconds);
       print(ml::describe_judgement(j, o.details));
       print_warnings(*generator, j);
       std::fflush(stdout);
@@ -138,10 +139,8 @@ void run(const JudgeOptions& o) {
   if (o.bench == "all" || o.seconds.size() > 1) print(ml::judgement_header() + summary);
   if (o.remember) remember(*generator, o, judgements);
   if (!ml::find_motion_model(o.model).system.empty()) return;  // only weights of train have figures of recordings
-  const auto about = ml::SafetensorsFile::open(ml::stmc_model_file(o.model)).metadata();
-  if (about.contains("real.skate") && about.contains("real.jitter"))
-    std::printf("recordings: foot skate %.3f m/s, jitter %.1f m/s^3\n", std::stod(about.at("real.skate")),
-                std::stod(about.at("real.jitter")));
+  const auto file = ml::SafetensorsFile::open(ml::stmc_model_file(o.model));
+  print(ml::recordings_line(file.metadata(), file.name()));
 }
 
 }  // namespace

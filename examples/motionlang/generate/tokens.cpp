@@ -48,6 +48,10 @@ void run(const TokenOptions& o) {
   o.machine.apply();
   if (o.inputs.empty() && o.page.empty())
     ml::raise<usage_error>(102, "motions are required, or --page for pictures of the codes");
+  ml::InputFiles inputs(o.inputs);
+  inputs.add(o.read.joints);
+  inputs.add(o.read.asf);
+  inputs.refuse(o.page);
   const auto model = ml::load_tm2t_tokenizer<B>(ml::find_run(ml::found_model_folder(o.model)));
   const ml::Index known = model.vocabulary().codes;
   std::vector<std::vector<ml::Index>> all;

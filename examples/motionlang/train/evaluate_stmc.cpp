@@ -54,9 +54,7 @@ void evaluate_stmc(const EvaluationOptions& o) {
   const auto model =
       load_generator("eigen", o.model, {.text_encoder = o.text_encoder.string(), .statistics = o.statistics.string()});
   ml::MttRunOptions how{.seed = o.seed, .batch = o.batch, .steps = o.steps, .guidance = o.guidance};
-  if (!o.noise_factor.empty())
-    how.noise_scale =
-        o.noise_factor == "paper" ? ml::NoiseScale::posterior_std : ml::published_stmc_sampling.noise_scale;
+  if (!o.noise_factor.empty()) how.noise_scale = ml::parse_noise_scale(o.noise_factor);
 
   const ml::TableStyle style = ml::parse_table_style(o.table);
   ProgressBar bar("generating and measuring");

@@ -35,11 +35,11 @@ std::optional<KnownAction> usual_action(const std::string& text, const KnownCapt
 double usual_seconds(const std::string& text, const KnownCaptions& captions);
 
 /// The whole body does what the text says. If it has at least a second more than its action takes, and the action ends,
-/// the text of what follows takes the rest. Several actions are made in turn also if they last longer than
-/// longest_whole_text and actions end, because a text that is cut would start again.
+/// the text of what follows takes the rest, unless no captions are known. Several actions are made in turn also if they
+/// last longer than longest_whole_text and actions end, because a text that is cut would start again.
 Timeline text_timeline(const std::string& text, const KnownCaptions& captions, const TextTimelineOptions& options = {});
 
-/// True if an interval lasts over twice as long as the action of its text, and two seconds more, but this ends.
+/// True if the action of the text ends, and the interval is more than twice as long and more than two seconds longer.
 bool outlasts_action(const Interval& interval, const KnownCaptions& captions, double fps);
 
 MOTIONLANG_NAMESPACE_END

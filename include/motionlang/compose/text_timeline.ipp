@@ -54,7 +54,8 @@ MOTIONLANG_BODY Timeline text_timeline(const std::string& text, const KnownCapti
     out.intervals.push_back({texts[i], start, end, BodyParts::all()});
     const auto action = usual_action(texts[i], captions);
     // end_actions, which cut_texts calls, ends the natural lengths. It knows when the figure has to stand before them.
-    const bool ends = options.end_actions && action && !action->repeats && !natural_length(texts[i]);
+    const bool ends =
+        options.end_actions && !captions.empty() && action && !action->repeats && !natural_length(texts[i]);
     const Index over = action ? start + frame_at(usual_seconds(texts[i], captions), options.fps) : end;
     if (ends && end >= over + frame_at(1, options.fps)) {
       out.intervals.back().end = over;

@@ -17,7 +17,7 @@
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
-
+// A template would lose the check of the format by the compiler. NOLINTNEXTLINE(cert-dcl50-cpp)
 __attribute__((format(MOTIONLANG_PRINTF_FORMAT, 1, 2))) inline std::string formatted(const char* form, ...) {
   std::va_list values, again;
   va_start(values, form);

@@ -2,7 +2,7 @@
 // Bodies of caption_card.hpp.
 #pragma once
 
-#include <algorithm>  // max, sort
+#include <algorithm>  // max, sort, stable_sort
 #include <cmath>      // isinf
 #include <utility>    // pair
 
@@ -106,7 +106,7 @@ MOTIONLANG_BODY std::string describe_card(const CaptionCard& card) {
                      card.verbs.size(), " verbs with the segments that show them:\n");
   std::vector<std::pair<std::size_t, std::string>> verbs;
   for (const auto& [verb, segments] : card.verbs) verbs.emplace_back(segments, verb);
-  std::sort(verbs.begin(), verbs.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(verbs.begin(), verbs.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::size_t column = 0;
   for (const auto& [segments, verb] : verbs) {
     const std::string next = concat_text(" ", printable(verb), " ", segments);

@@ -58,6 +58,9 @@ inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseSca
 std::string_view to_string(SamplingOptions::Sampler sampler);
 /// "ddpm" or "ddim". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
+/// "paper": posterior_std, as thesis eq. 6.2 has it; "published": that of published_stmc_sampling. Throws config_error
+/// 103.
+NoiseScale parse_noise_scale(std::string_view name, std::string_view where = "noise scale");
 
 /// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.
 template <Backend B, int R>

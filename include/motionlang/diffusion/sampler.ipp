@@ -22,4 +22,10 @@ MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, st
   raise<config_error>(103, where, " '", name, "' is neither ddpm nor ddim");
 }
 
+MOTIONLANG_BODY NoiseScale parse_noise_scale(std::string_view name, std::string_view where) {
+  if (name == "paper") return NoiseScale::posterior_std;
+  if (name == "published") return published_stmc_sampling.noise_scale;
+  raise<config_error>(103, where, " '", name, "' is neither paper nor published");
+}
+
 MOTIONLANG_NAMESPACE_END

@@ -30,7 +30,7 @@ class TorchArchive {
   void end() { pickle_ += 's'; }
   void number(std::string_view key, std::int32_t value);
   void text(std::string_view key, std::string_view value);
-  /// Throws config_error 101 for another type than F16, F32 and F64.
+  /// Throws config_error 101 for another type than F16, F32 and F64, and for a size above 2^31 - 1.
   void tensor(std::string_view key, const TensorView& view);
   /// The whole file. Throws io_error 405 if it would need ZIP64.
   std::vector<std::byte> finish();
@@ -40,7 +40,7 @@ class TorchArchive {
 
  private:
   std::vector<std::byte> archive() const;
-  void put_integer(std::int64_t value);
+  void put_integer(std::int32_t value);
   void put_text(std::string_view value);
   void put_tensor(const TensorView& view);
 

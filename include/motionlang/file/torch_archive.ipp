@@ -2,6 +2,8 @@
 // Bodies of torch_archive.hpp.
 #pragma once
 
+#include <limits>  // sizes
+
 #include <motionlang/file/torch_archive.hpp>
 #include <motionlang/file/zip.hpp>
 
@@ -50,7 +52,7 @@ MOTIONLANG_BODY std::vector<std::byte> TorchArchive::archive() const {
   return zip.finish();
 }
 
-MOTIONLANG_BODY void TorchArchive::put_integer(std::int64_t value) {
+MOTIONLANG_BODY void TorchArchive::put_integer(std::int32_t value) {
   const auto n = static_cast<std::uint32_t>(value);
   pickle_ += 'J';
   for (int shift = 0; shift < 32; shift += 8) pickle_ += static_cast<char>(n >> shift & 0xff);
@@ -69,21 +71,27 @@ MOTIONLANG_BODY void TorchArchive::put_tensor(const TensorView& view) {
                      : view.dtype == DType::F16 ? "HalfStorage"
                                                 : nullptr;
   if (type == nullptr) raise<config_error>(101, "TorchArchive: '", view.name, "' of type ", to_string(view.dtype));
+  const auto put_size = [&](Index size) {
+    constexpr Index largest = std::numeric_limits<std::int32_t>::max();
+    if (size > largest)
+      raise<config_error>(101, "TorchArchive: '", view.name, "' has the size ", size, ", above ", largest);
+    put_integer(static_cast<std::int32_t>(size));
+  };
   pickle_ += "ctorch._utils\n_rebuild_tensor_v2\n((";
   put_text("storage");
   pickle_.append("ctorch\n").append(type).append("\n");
   put_text(std::to_string(storages_.size()));
   put_text("cpu");
-  put_integer(view.shape.count());
+  put_size(view.shape.count());
   pickle_ += "tQ";
   put_integer(0);
   pickle_ += '(';
-  for (int axis = 0; axis < view.shape.rank(); ++axis) put_integer(view.shape[axis]);
+  for (int axis = 0; axis < view.shape.rank(); ++axis) put_size(view.shape[axis]);
   pickle_ += "t(";
   for (int axis = 0; axis < view.shape.rank(); ++axis) {
     Index stride = 1;
     for (int k = axis + 1; k < view.shape.rank(); ++k) stride *= view.shape[k];
-    put_integer(stride);
+    put_size(stride);
   }
   pickle_ +=
       "t\x89"

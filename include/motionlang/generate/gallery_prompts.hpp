@@ -23,8 +23,8 @@ struct GalleryPrompt {
 };
 
 /// A prompt for each verb with which captions command (datasets/caption_card.hpp), verbs with many segments first. Its
-/// text is the caption that most segments with this verb have, of these the one with the fewest words. It lasts as long
-/// as half of the segments with that verb, rounded to half seconds, between 2 and 5 s; whole clips count as 4 s.
+/// text is the caption that most segments with this verb have, of these the one with the fewest words. Its length is
+/// the median of the segments with that verb, rounded to half seconds, from 2 to 5 s. Whole clips count as 4 s.
 /// Adverbs, "be", "do" and "have" are left out.
 /// least   segments that show a verb
 std::vector<GalleryPrompt> gallery_prompts(std::span<const ClipLine> captions, std::size_t least = 1);
@@ -36,7 +36,8 @@ std::vector<GalleryPrompt> gallery_prompts(const KnownCaptions& captions, std::s
 /// Lines "text # seconds" (compose/timeline_text.hpp), to a millisecond. The verb is the first word. Throws
 /// timeline_error 501 ... 504, 507.
 std::vector<GalleryPrompt> parse_gallery_prompts(std::string_view text, std::string_view name = "prompts");
-/// The lines that parse_gallery_prompts reads. Prompts without seconds get 4.
+/// The lines that parse_gallery_prompts reads. Prompts without seconds get 4. Throws config_error 101 for a text with
+/// '#' or a line end.
 std::string write_gallery_prompts(std::span<const GalleryPrompt> prompts);
 
 /// Takes out the prompts with words that the model does not know, and those that are far from all captions that it

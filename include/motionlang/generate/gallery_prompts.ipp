@@ -11,6 +11,7 @@
 #include <motionlang/compose/text_timeline.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/core/quantile.hpp>
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/datasets/caption_card.hpp>
 #include <motionlang/generate/gallery_prompts.hpp>
 #include <motionlang/text/known_words.hpp>
@@ -75,6 +76,7 @@ MOTIONLANG_BODY std::vector<GalleryPrompt> gallery_prompts(std::span<const ClipL
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.second->seconds.size() > b.second->seconds.size(); });
   std::vector<GalleryPrompt> out;
+  out.reserve(order.size());
   for (const auto& [verb, shown] : order) out.push_back({verb, shown->caption(), shown->length()});
   return out;
 }
@@ -114,7 +116,11 @@ MOTIONLANG_BODY std::vector<GalleryPrompt> parse_gallery_prompts(std::string_vie
 
 MOTIONLANG_BODY std::string write_gallery_prompts(std::span<const GalleryPrompt> prompts) {
   std::string out;
-  for (const GalleryPrompt& p : prompts) out += concat_text(p.text, " # ", p.seconds > 0 ? p.seconds : 4, "\n");
+  for (const GalleryPrompt& p : prompts) {
+    if (p.text.find_first_of("#\r\n") != p.text.npos)
+      raise<config_error>(101, "write_gallery_prompts: the text '", printable(p.text), "' contains '#' or a line end");
+    out += concat_text(p.text, " # ", p.seconds > 0 ? p.seconds : 4, "\n");
+  }
   return out;
 }
 

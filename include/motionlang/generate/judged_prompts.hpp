@@ -50,7 +50,7 @@ std::vector<JudgedPrompt> paraphrase_prompts(double seconds);
 
 /// Prompts of a file with lines "text # verb" or "text # verb # seconds", such as "take a seat # sit down # 4".
 /// The verbs are those of judged_verbs.hpp.
-/// seconds  of the lines that name none
+/// seconds  of the lines that name none; 0: 4
 /// name     of the file, for messages
 /// Throws   timeline_error 501, 502, 507 with the line, also for an unknown verb
 std::vector<JudgedPrompt> parse_judged_prompts(std::string_view file, double seconds,

@@ -231,6 +231,7 @@ MOTIONLANG_BODY std::vector<JudgedPrompt> paraphrase_prompts(double seconds) {
 
 MOTIONLANG_BODY std::vector<JudgedPrompt> parse_judged_prompts(std::string_view file, double seconds,
                                                                std::string_view name) {
+  constexpr double usual = 4;
   std::vector<JudgedPrompt> out;
   detail::for_each_line(file, [&](std::string_view content, Index number) {
     if (detail::trim(content).empty()) return;
@@ -240,7 +241,7 @@ MOTIONLANG_BODY std::vector<JudgedPrompt> parse_judged_prompts(std::string_view 
     if (verb == nullptr)
       line.fail(501, 1, "'", line.field(1), "' is not one of the verbs: ",
                 join_text(judged_verbs(), ", ", [](const JudgedVerb& v) { return v.name; }));
-    out.push_back({{{line.text(), verb->name}}, line.fields() == 3 ? line.seconds(2) : seconds});
+    out.push_back({{{line.text(), verb->name}}, line.fields() == 3 ? line.seconds(2) : seconds > 0 ? seconds : usual});
   });
   if (out.empty()) raise<timeline_error>(507, name, ": no line");
   return out;

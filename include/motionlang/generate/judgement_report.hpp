@@ -2,6 +2,7 @@
 /// Judgements as text and pictures: how many motions do what their prompts say, what recordings do, what steps cost.
 #pragma once
 
+#include <map>     // metadata
 #include <string>  // tables
 
 #include <motionlang/file/file_path.hpp>
@@ -23,6 +24,10 @@ std::string judgement_row(const Judgement& judgement, const std::string& about, 
 /// The measures of recordings, and for each verb how many of them do what their captions say.
 /// details  adds the recordings that fail, with the reason
 std::string describe_recordings(const RecordedFigures& figures, bool details = false);
+
+/// The line about the recordings of a training, from the metadata of its weights; "" if it is not there. `name` is the
+/// file. Throws config_error 107 for a value that is not a number.
+std::string recordings_line(const std::map<std::string, std::string>& metadata, const std::string& name);
 
 /// The header of a table in Markdown with a row for each number of steps, and such a row.
 std::string steps_cost_header();

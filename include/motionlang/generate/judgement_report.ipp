@@ -6,6 +6,7 @@
 
 #include <motionlang/core/formatted.hpp>
 #include <motionlang/core/quantile.hpp>
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/file/png.hpp>
 #include <motionlang/generate/judgement_report.hpp>
 #include <motionlang/view/film_strip.hpp>
@@ -74,6 +75,20 @@ MOTIONLANG_BODY std::string describe_recordings(const RecordedFigures& f, bool d
     for (std::size_t i = 0; details && i < v.why_not.size(); ++i) out += "    " + v.why_not[i] + "\n";
   }
   return out;
+}
+
+MOTIONLANG_BODY std::string recordings_line(const std::map<std::string, std::string>& metadata,
+                                            const std::string& name) {
+  const auto value = [&](const char* entry) {
+    const std::string& text = metadata.at(entry);
+    double out = 0;
+    const auto [end, error] = detail::from_chars(text.data(), text.data() + text.size(), out);
+    if (error != std::errc{} || end != text.data() + text.size())
+      raise<config_error>(107, name, ": metadata '", entry, "' = '", text, "' is not a number");
+    return out;
+  };
+  if (!metadata.contains("real.skate") || !metadata.contains("real.jitter")) return "";
+  return formatted("recordings: foot skate %.3f m/s, jitter %.1f m/s^3\n", value("real.skate"), value("real.jitter"));
 }
 
 MOTIONLANG_BODY std::string steps_cost_header() {

@@ -33,8 +33,8 @@ struct MttRunOptions {
 };
 
 /// HumanML3D's features of the motion of each timeline.
-/// Throws  config_error 102 for a model of another frame rate or other features, option_error 102 for a model that does
-///         not take timelines, timeline_error 508 before anything is made if the model cannot make a crop of it;
+/// Throws  config_error 102 for a model of another frame rate or other features. option_error 102 for a model that does
+///         not take timelines. timeline_error 508, before anything is made, if the model cannot make a crop of one.
 ///         `cancelled`
 std::vector<std::vector<double>> mtt_made(const MotionModel& model, std::span<const TimelineInSeconds> timelines,
                                           const MttRun& run, const MttRunOptions& options = {}, Progress progress = {});

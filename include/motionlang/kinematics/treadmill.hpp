@@ -15,8 +15,8 @@ struct TreadmillOptions {
   double spot = 0.15;     // m; a root that ends farther from where it began walks already
 };
 
-/// Metres per second at which the floor slides under the body: the mean velocity of the joint that is nearest to it,
-/// over all frames in which one touches it. y is 0, and so are the others where nothing touches it.
+/// Metres per second at which the floor slides under the body. It is the mean velocity of the joint that is nearest to
+/// the floor, over all frames in which one touches it. y is 0. So are x and z if nothing touches the floor.
 /// Throws config_error 103 if the skeleton does not have the feet of SMPL.
 Vec3<double> floor_speed(const Motion& motion, const TreadmillOptions& options = {});
 

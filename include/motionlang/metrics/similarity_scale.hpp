@@ -30,13 +30,13 @@ struct SimilarityScale {
 /// unlike     cosines of texts with motions that do not show them
 /// own        cosines of texts with their motions
 /// strangers  for each of some texts that no motion shows: the cosine of the nearest motion
-/// `least` is where both errors are equal; -1 if there are no strangers or no texts. Throws config_error 101 if
-/// `unlike` is empty, numeric_error 301 for a cosine that is not finite.
+/// `least` is where the larger of both errors is smallest; -1 if there are no strangers or no texts.
+/// Throws  config_error 101 if `unlike` is empty, numeric_error 301 for a cosine that is not finite
 SimilarityScale similarity_scale(std::span<const float> unlike, std::span<const float> own,
                                  std::span<const float> strangers);
 
-/// The share of unlike pairs below this cosine, from 0 to 0.9999: rarer pairs are not told apart. Throws config_error
-/// 101 for an empty scale.
+/// The share of unlike pairs below this cosine, from 0 to 0.9999. It never says more than that one of the pairs is
+/// above. Throws config_error 101 for an empty scale, numeric_error 301 for a cosine that is not finite.
 double share_below(const SimilarityScale& scale, double cosine);
 
 /// False if texts that no motion shows also reach this cosine. Always true for an empty scale.

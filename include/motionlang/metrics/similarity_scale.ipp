@@ -58,11 +58,13 @@ MOTIONLANG_BODY SimilarityScale similarity_scale(std::span<const float> unlike, 
 MOTIONLANG_BODY double share_below(const SimilarityScale& scale, double cosine) {
   const auto &x = scale.cosines, &y = scale.shares;
   if (x.empty() || x.size() != y.size()) raise<config_error>(101, "share_below: the scale has no cosines");
+  if (!std::isfinite(cosine)) raise<numeric_error>(301, "share_below: the cosine is ", cosine);
   const auto above = std::upper_bound(x.begin(), x.end(), cosine);
   if (above == x.begin()) return 0;
   const auto i = static_cast<std::size_t>(above - x.begin());
-  if (i == x.size()) return y.back();
-  return y[i - 1] + (y[i] - y[i - 1]) * (cosine - x[i - 1]) / (x[i] - x[i - 1]);
+  const double most = scale.pairs > 0 ? 1 - 1 / static_cast<double>(scale.pairs) : 1;
+  if (i == x.size()) return std::min(y.back(), most);
+  return std::min(most, y[i - 1] + (y[i] - y[i - 1]) * (cosine - x[i - 1]) / (x[i] - x[i - 1]));
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -52,8 +52,9 @@ struct Study {
   std::uint64_t fingerprint = 0;  // of the table and the kind
 };
 
-/// Throws io_error 403, with the name and the line, for a table without systems, an unknown role, a line with the wrong
-/// number of cells or fewer choices than the kind compares, and a catch trial whose right system has no choice.
+/// Throws io_error 403, with the name and the line, for a table without systems, an unknown role, and a line with more
+/// cells than columns. Also for a line with fewer choices than the kind compares, and for a catch trial whose right
+/// system has no choice.
 Study parse_study(std::string_view table, StudyKind kind, std::string_view name = "study");
 
 /// The choices of an item that are shown together, from left to right.
@@ -83,7 +84,7 @@ struct StudyAnswers {
 /// Reads what a page saves: lines "study", "kind", "seed" and "rater" with their values, then "trial answer seconds",
 /// separated by tabs. An answer has places separated by commas, "-" without a preference, or a rating. If a trial is
 /// answered again, the last answer counts. Throws io_error 403, with name and line, for another form, for answers to
-/// another study, and for an answer that its trial does not have.
+/// another study, and for an answer that its trial does not have. Seconds are finite and not negative.
 StudyAnswers parse_study_answers(std::string_view text, const Study& study, std::string_view name = "answers");
 
 MOTIONLANG_NAMESPACE_END

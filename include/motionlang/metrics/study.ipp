@@ -3,11 +3,12 @@
 #pragma once
 
 #include <algorithm>  // count_if, find
-#include <charconv>   // numbers
-#include <cstdlib>    // seconds
+#include <charconv>   // whole numbers
+#include <cmath>      // isfinite
 #include <set>        // names
 
 #include <motionlang/core/rng.hpp>
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/metrics/study.hpp>
 
@@ -142,6 +143,12 @@ inline std::vector<StudyTrial> trials_of_item(const Study& study, std::size_t nu
   return out;
 }
 
+/// A finite number that is not negative. False if the text is none.
+inline bool read_seconds(std::string_view text, double& out) {
+  const auto end = detail::from_chars(text.data(), text.data() + text.size(), out);
+  return end.ec == std::errc{} && end.ptr == text.data() + text.size() && std::isfinite(out) && out >= 0;
+}
+
 /// An answer as a file has it. False if the trial does not have it.
 inline bool read_answer(std::string_view text, StudyKind kind, std::size_t shown, StudyAnswer& out) {
   if (kind == StudyKind::rating) return parse_whole(text, out.rating) && out.rating >= 1 && out.rating <= 5;
@@ -210,7 +217,7 @@ MOTIONLANG_BODY StudyAnswers parse_study_answers(std::string_view text, const St
     StudyAnswer answer;
     if (cells.size() != 3 || !detail::parse_whole(cells[0], answer.trial) || answer.trial >= trials.size())
       fail("a line has a trial below ", trials.size(), ", an answer and seconds");
-    answer.seconds = std::strtod(cells[2].c_str(), nullptr);
+    if (!detail::read_seconds(cells[2], answer.seconds)) fail("'", cells[2], "' is not a number of seconds");
     if (!detail::read_answer(cells[1], study.kind, trials[answer.trial].shown.size(), answer))
       fail("'", cells[1], "' does not answer this trial of ", to_string(study.kind));
     std::erase_if(out.answers, [&](const StudyAnswer& a) { return a.trial == answer.trial; });

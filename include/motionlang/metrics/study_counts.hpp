@@ -52,6 +52,7 @@ struct RankCount {
   int system = 0;
   std::vector<std::size_t> places{};  // how often it has each rank
   MeanInterval rank{};                // over the items, of each the mean over its raters
+  /// The share of a rank. Place 0 is rank 1. Throws shape_error 203 for a place behind the last rank.
   double share(std::size_t place) const;
 };
 struct RatingCount {

@@ -113,6 +113,8 @@ MOTIONLANG_BODY StudyShare wilson_share(double part, double total) {
 }
 
 MOTIONLANG_BODY double RankCount::share(std::size_t place) const {
+  if (place >= places.size())
+    raise<shape_error>(203, "RankCount::share: place ", place, " of ", counted(places.size(), "rank"));
   const double all = std::accumulate(places.begin(), places.end(), 0.0);
   return all > 0 ? static_cast<double>(places[place]) / all : 0;
 }

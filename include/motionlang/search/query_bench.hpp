@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Measures a search by queries in everybody's words: how often the first result is right by its captions.
+/// Measures a search by queries in everyday words: how often the first result is right by its captions.
 ///
 ///     const auto answers = answer_queries(index, tmr, read_queries("examples/training/queries.tsv"));
 ///     for (const QueryAnswer& a : answers) use(a.query.text, a.found, a.right);

@@ -21,7 +21,7 @@ struct TextAnswer {
   std::vector<double> scores{};
   bool calibrated = false;             // true if the scores are such shares
   std::vector<UnknownWord> unheard{};  // words that the model knows nothing about
-  /// False if no clip shows the text: nothing is as near as a text of the training is to its motion, or the model knows
+  /// False if no clip shows the text: no clip reaches the cosine from which a motion shows a text, or the model knows
   /// no word of the text. Always true for captions, and for models that cannot tell unless no word is known.
   bool shown = true;
 };

@@ -39,10 +39,11 @@ class KnownCaptions {
   KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness, std::vector<double> done = {},
                 std::string_view source = "KnownCaptions");
 
-  /// The same with other texts that were tried, and the shares of the motions that did what they say.
+  /// The same with other texts that were tried, and the shares of the motions that did what they say. No captions stay
+  /// none.
   KnownCaptions with_tried(const std::vector<std::string>& texts, std::vector<double> done) const;
 
-  bool empty() const { return table_.empty(); }
+  bool empty() const { return actions_.empty(); }
   const TextTable& table() const { return table_; }
   const std::vector<KnownAction>& actions() const { return actions_; }
   double nearness() const { return nearness_; }
@@ -53,8 +54,8 @@ class KnownCaptions {
   std::vector<NearText> nearest(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
-  /// The action of a text that is known, by the captions near it: most of them decide if it repeats, three quarters of
-  /// these take no longer, and what follows is that of the nearest.
+  /// The action of a text that is known, by the captions near it. Their majority decides if it repeats. It takes as
+  /// long as three quarters of these do at most. What follows is that of the nearest.
   std::optional<KnownAction> action(const std::string& text) const;
   /// The share of motions that do what the text says, by the texts nearly like it that were tried. Nothing if there are
   /// none.

@@ -20,6 +20,7 @@ MOTIONLANG_BODY KnownCaptions::KnownCaptions(TextTable table, std::vector<KnownA
 
 MOTIONLANG_BODY KnownCaptions KnownCaptions::with_tried(const std::vector<std::string>& texts,
                                                         std::vector<double> done) const {
+  if (empty()) return {};
   return {table_.first(std::ssize(actions_)).with(texts), actions_, nearness_, std::move(done)};
 }
 

@@ -62,11 +62,12 @@ class TextTable {
   TextTable(std::vector<std::string> texts, std::vector<std::int8_t> codes, std::vector<float> mean, TextVectors encode,
             WordVectors words = {}, std::string_view source = "TextTable");
   /// Encodes the texts now. words: vectors of words, which tell how alike two words are; none: only the same are.
-  /// Throws what `encode` throws.
+  /// Throws shape_error 205 for vectors of different widths, numeric_error 301 for a value that is not finite, and what
+  /// `encode` throws.
   static TextTable encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words = {});
 
   /// The table with more texts at its end, which are encoded now. The mean stays. An empty table stays empty. Throws
-  /// what `encode` throws.
+  /// what `encoded` throws.
   TextTable with(const std::vector<std::string>& more) const;
   /// The first texts alone. Throws shape_error 203 if there are fewer.
   TextTable first(Index count) const;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <algorithm>  // partial_sort, max
-#include <cmath>      // log, round, sqrt
+#include <cmath>      // isfinite, log, round, sqrt
 #include <map>        // words
 #include <numeric>    // iota
 #include <set>        // words of a text, each once
@@ -83,12 +83,22 @@ MOTIONLANG_BODY TextTable::TextTable(std::vector<std::string> texts, std::vector
 
 namespace detail {
 
-/// The vectors of texts, some at a time.
-inline std::vector<float> vectors_in_parts(std::span<const std::string> texts, const TextVectors& encode) {
+/// The vectors of texts, some at a time. width: of a vector; 0: that of the first one.
+inline std::vector<float> vectors_in_parts(std::span<const std::string> texts, const TextVectors& encode,
+                                           std::size_t width = 0) {
   constexpr std::size_t at_once = 256;
   std::vector<float> out;
   for (std::size_t first = 0; first < texts.size(); first += at_once) {
-    const auto some = encode(texts.subspan(first, std::min(at_once, texts.size() - first)));
+    const auto part = texts.subspan(first, std::min(at_once, texts.size() - first));
+    const auto some = encode(part);
+    if (width == 0) width = std::max<std::size_t>(1, some.size() / part.size());
+    if (some.size() != part.size() * width)
+      raise<shape_error>(205, "TextTable: the encoder gives ", counted(some.size(), "number"), " for ",
+                         counted(part.size(), "text"), " of ", width);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      if (!std::isfinite(some[i]))
+        raise<numeric_error>(301, "TextTable: the encoder gives ", some[i], " for '", part[i / width], "'");
+    }
     out.insert(out.end(), some.begin(), some.end());
   }
   return out;
@@ -114,6 +124,7 @@ MOTIONLANG_BODY TextTable TextTable::encoded(std::vector<std::string> texts, Tex
   std::vector<double> sum(texts.empty() ? 0 : vectors.size() / texts.size());
   for (std::size_t i = 0; i < vectors.size(); ++i) sum[i % sum.size()] += static_cast<double>(vectors[i]);
   std::vector<float> mean;
+  mean.reserve(sum.size());
   for (const double s : sum) mean.push_back(static_cast<float>(s / static_cast<double>(texts.size())));
   auto codes = detail::direction_codes(vectors, mean);
   return {std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words)};
@@ -123,7 +134,7 @@ MOTIONLANG_BODY TextTable TextTable::with(const std::vector<std::string>& more) 
   if (empty()) return {};
   Table all = table();
   all.texts.insert(all.texts.end(), more.begin(), more.end());
-  const auto codes = detail::direction_codes(detail::vectors_in_parts(more, all.encode), all.mean);
+  const auto codes = detail::direction_codes(detail::vectors_in_parts(more, all.encode, all.mean.size()), all.mean);
   all.codes.insert(all.codes.end(), codes.begin(), codes.end());
   return {std::move(all.texts), std::move(all.codes), std::move(all.mean), std::move(all.encode), std::move(all.words)};
 }
@@ -173,7 +184,7 @@ MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text,
       const double code = t.codes[i * width + k];
       product += code * static_cast<double>(vector[k] - t.mean[k]), length += code * code;
     }
-    if (product <= 0) continue;
+    if (!(product > 0)) continue;  // nor if it is not a number
     for (const auto& list : alike) {
       double best = 0;
       for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) best = std::max(best, list[said.said[w]]);

@@ -9,7 +9,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 MOTIONLANG_BODY MdmArch parse_mdm_arch(const std::string& name) {
-  return name == "trans_dec" ? MdmArch::trans_dec : name == "gru" ? MdmArch::gru : MdmArch::trans_enc;
+  if (name == "trans_enc") return MdmArch::trans_enc;
+  if (name == "trans_dec") return MdmArch::trans_dec;
+  if (name == "gru") return MdmArch::gru;
+  raise<config_error>(103, "network.arch = ", name, "; there are trans_enc, trans_dec and gru");
 }
 
 MOTIONLANG_BODY MdmSmplConfig network_sizes(const MdmSmplTrainingConfig& c, Index width, Index text_width) {

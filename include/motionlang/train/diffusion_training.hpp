@@ -63,7 +63,8 @@ struct DiffusionBatch {
 
 namespace detail {
 
-/// The number of a training's steps: epochs, or at least `updates` in whole epochs, one more than needed as MDM has it.
+/// The number of a training's steps: that of all epochs if `updates` is 0. Otherwise it is the first end of an epoch
+/// after `updates` steps, as in MDM.
 Index training_steps(Index updates, Index epochs, Index per_epoch);
 
 /// The place of a step in batches that leave out the last one of an epoch: the step that `EpochBatches` with all of
@@ -76,17 +77,6 @@ Normalizer<B> with_feature_bias(Normalizer<B> n, double bias) {
   const Index width = n.std.size(0), joints = (width + 1) / 12;
   n.std = Tensor<B, 1>::from(tm2t_deviation(n.std.to_vector(), joints, bias, 1), {width});
   return n;
-}
-
-/// Mean and unbiased deviation of rows that `add(statistics)` adds.
-template <Backend B>
-Normalizer<B> normalizer_of(const FeatureStatistics& statistics) {
-  using S = typename B::scalar;
-  std::vector<S> mean, std;
-  for (const double x : statistics.mean()) mean.push_back(static_cast<S>(x));
-  for (const double x : statistics.standard_deviation()) std.push_back(x < 1e-5 ? S(1) : static_cast<S>(x));
-  const Index width = std::ssize(mean);
-  return {Tensor<B, 1>::from(mean, {width}), Tensor<B, 1>::from(std, {width})};
 }
 
 /// The same features over another backend.

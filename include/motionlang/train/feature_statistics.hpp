@@ -12,17 +12,28 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+
+/// Mean and unbiased deviation of the rows that were added. A constant feature gets the deviation 1.
+template <Backend B>
+Normalizer<B> normalizer_of(const FeatureStatistics& statistics) {
+  using S = typename B::scalar;
+  std::vector<S> mean, std;
+  for (const double x : statistics.mean()) mean.push_back(static_cast<S>(x));
+  for (const double x : statistics.standard_deviation()) std.push_back(x < 1e-5 ? S(1) : static_cast<S>(x));
+  const Index width = std::ssize(mean);
+  return {Tensor<B, 1>::from(mean, {width}), Tensor<B, 1>::from(std, {width})};
+}
+
+}  // namespace detail
+
 /// Mean and unbiased deviation of every feature over the frames of all motions. A constant feature gets the deviation
 /// 1.
 template <Backend B>
 Normalizer<B> statistics_of(const std::vector<DescribedMotion>& motions, Index width) {
-  using S = typename B::scalar;
   FeatureStatistics statistics;
   for (const DescribedMotion& m : motions) statistics.add(std::span<const float>(m.rows), width);
-  std::vector<S> mean, std;
-  for (const double x : statistics.mean()) mean.push_back(static_cast<S>(x));
-  for (const double x : statistics.standard_deviation()) std.push_back(x < 1e-5 ? S(1) : static_cast<S>(x));
-  return {Tensor<B, 1>::from(mean, {width}), Tensor<B, 1>::from(std, {width})};
+  return detail::normalizer_of<B>(statistics);
 }
 
 /// Mean and deviation in a folder: Mean.npy and Std.npy of HumanML3D and KIT-ML, mean.pt and std.pt of others.

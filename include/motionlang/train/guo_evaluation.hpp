@@ -224,16 +224,22 @@ struct GuoFigureOptions {
   Index repeats = 30;  // motions of a text for measuring multimodality; 0: it is not measured
   std::uint64_t seed = 0;
 };
+
+namespace detail {
+
+inline constexpr Index compared_repeats = 10;  // pairs of motions of a text
+/// Throws what guo_figures throws.
+void require_guo_figure_options(const GuoFigureOptions& options);
+
+}  // namespace detail
+
 /// Columns: R@1, R@2, R@3, MM-Dist, FID, diversity, multimodality. Throws config_error 101 for 1 to 10 repeats, because
-/// ten pairs of them are compared.
+/// ten pairs of them are compared, and without a replication.
 template <Backend B>
 GuoFigures guo_figures(const GuoMaker<B>& make, const GuoJudge<B>& judge, const GuoItems<B>& items,
                        const GuoFigureOptions& options, Progress progress = {}) {
-  constexpr Index compared = 10;  // pairs of motions of a text
+  detail::require_guo_figure_options(options);
   const Index repeats = options.repeats;
-  if (repeats != 0 && repeats <= compared)
-    raise<config_error>(101, "multimodality by ", repeats, " motions of a text: more than ", compared,
-                        " are needed, or `repeats` 0");
   const Index batch = items.batch, count = items.count, varied = items.varied(), pairs = items.pairs();
   GuoFigures figures;
   Index steps = 0;
@@ -289,7 +295,7 @@ GuoFigures guo_figures(const GuoMaker<B>& make, const GuoJudge<B>& judge, const 
     }
     add("generated", "multimodality",
         multimodality(Rows(std::span<const typename B::scalar>(by_text), of_repeat.front().width), repeats,
-                      disjoint_draws(repeats, compared, numpy)));
+                      disjoint_draws(repeats, detail::compared_repeats, numpy)));
   }
   return figures;
 }

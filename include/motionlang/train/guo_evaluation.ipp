@@ -17,6 +17,14 @@ inline std::string guo_cell(const GuoFigures::Row& row, const char* column) {
   return formatted("%.3f +-%.3f", r.mean, r.half_width);
 }
 
+MOTIONLANG_BODY void require_guo_figure_options(const GuoFigureOptions& options) {
+  if (options.replications < 1)
+    raise<config_error>(101, "`replications` is ", options.replications, ", and one is needed");
+  if (options.repeats != 0 && options.repeats <= compared_repeats)
+    raise<config_error>(101, "multimodality by ", options.repeats, " motions of a text: more than ", compared_repeats,
+                        " are needed, or `repeats` 0");
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY std::string guo_table(const GuoFigures& figures) {

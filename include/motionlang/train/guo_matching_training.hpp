@@ -8,9 +8,9 @@
 ///
 /// Source   Guo et al. (CVPR 2022), section 5.2; text-to-motion train_tex_mot_match.py, networks/trainers.py
 ///          TextMotionMatchTrainer, data/dataset.py Text2MotionDatasetV2
-/// Differs  from the published program: parts of clips are cut at the frame rate of the data, 12.5 for KIT, where it
-///          takes 20; an incomplete last batch is filled with items of the first one; validation draws its negatives
-///          from a seed, so that its losses can be compared
+/// Differs  from the published program: parts of clips are cut at the frame rate of the data. That is 12.5 for KIT,
+///          where the program takes 20. An incomplete last batch is filled with items of the first one. Validation
+///          draws its negatives from a seed, so that its losses can be compared
 #pragma once
 
 #include <algorithm>   // max
@@ -68,6 +68,9 @@ namespace detail {
 
 /// The entries to train on. Throws config_error 102 if there are fewer than two.
 std::vector<TextEntry> guo_training_entries(const DescribedMotions& data);
+/// Throws config_error 102 unless an encoder of this width reads the motions without their four contacts, and the
+/// statistics are of the motions.
+void require_guo_widths(Index motions, Index encoder, Index statistics);
 
 }  // namespace detail
 
@@ -78,7 +81,7 @@ class GuoMatchingTraining : public EpochTask<GuoTrainingConfig, GuoPair<A>, GuoP
   using typename Base::B;
 
   /// data, parts  must outlive the training
-  /// Throws       config_error 101, 102 for an invalid configuration
+  /// Throws       config_error 101, 102 for an invalid configuration; 102 for parts of other features than the data
   GuoMatchingTraining(const GuoTrainingConfig& config, const DescribedMotions& data, const GuoMatchingParts<B>& parts)
       : GuoMatchingTraining(config, data, parts, detail::guo_training_entries(data)) {}
 
@@ -148,6 +151,7 @@ class GuoMatchingTraining : public EpochTask<GuoTrainingConfig, GuoPair<A>, GuoP
         parts_(&parts),
         entries_(std::move(entries)),
         validation_(guo_entries(data.validation, data.width)) {
+    detail::require_guo_widths(data.width, tensors_of(parts.movements).at(0).shape()[1], parts.statistics.mean.size(0));
     const auto& m = config_.matching;
     auto init = Philox{.seed = this->seed()}.split("init");
     GuoPair<B> pair{GuoTextEncoder<B>(parts.words.width(), speech_tags, m.text_hidden, m.embedding, init),

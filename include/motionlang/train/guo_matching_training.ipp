@@ -16,6 +16,7 @@ MOTIONLANG_BODY std::vector<TextEntry> guo_entries(const std::vector<DescribedMo
   if (part.empty()) return {};
   const auto all = text_entries(part, "data");
   std::vector<Index> lengths;
+  lengths.reserve(all.size());
   for (const TextEntry& e : all) lengths.push_back(e.frames.length);
   std::vector<TextEntry> out;
   for (const Index i : guo_kept_clips(lengths, guo_clip_limits(width == 251)))
@@ -38,6 +39,15 @@ MOTIONLANG_BODY std::vector<TextEntry> guo_training_entries(const DescribedMotio
     raise<config_error>(102, "of the motions to train on, ", counted(out.size(), "text"), " with ", limits.least,
                         " to ", limits.below - 1, " frames: two are needed");
   return out;
+}
+
+MOTIONLANG_BODY void require_guo_widths(Index motions, Index encoder, Index statistics) {
+  constexpr Index contacts = 4;
+  if (encoder != motions - contacts)
+    raise<config_error>(102, "the movement encoder reads ", counted(encoder, "number"), ", the motions have ", motions,
+                        " and ", contacts, " of them are contacts");
+  if (statistics != motions)
+    raise<config_error>(102, "the statistics have ", counted(statistics, "number"), ", the motions have ", motions);
 }
 
 }  // namespace detail

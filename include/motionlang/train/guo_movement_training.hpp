@@ -8,9 +8,9 @@
 ///
 /// Source   Guo et al. (CVPR 2022), section 5.2; text-to-motion train_decomp_v3.py, networks/trainers.py
 ///          DecompTrainerV3
-/// Differs  from the published program, which writes the deviations of root and contacts divided by 25 because its two
-///          data sets share them: here they are divided twice on purpose. The last batch of an epoch is kept, and
-///          validation is without dropout
+/// Differs  the published program writes the deviations of root and contacts divided by 25, because its two data sets
+///          share them. Here they are divided twice on purpose. The last batch of an epoch is kept, and validation is
+///          without dropout
 #pragma once
 
 #include <filesystem>  // folders

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// The captions of a training set as a model knows them (text/known_captions.hpp): how long their actions take, if they
-/// repeat, what follows them, and how near a text has to be.
+/// The captions of a training set as a model knows them (text/known_captions.hpp). It knows how long their actions
+/// take, if they repeat, what follows them, and how near a text has to be.
 ///
 ///     const auto known = learned_captions(data, text_vectors(stmc.text_encoder), stmc.text_encoder.vectors);
 ///     save_stmc("model.safetensors", stmc, config, {}, DType::F16, known);
 ///
-/// Repeats    an action in cycles, one that is still all the time, and one that was cut out of a longer motion: it does
-///            not come to rest at its end, and nothing was put after it
+/// Repeats    an action in cycles, one that is still all the time, and one that was cut out of a longer motion. A cut
+///            action does not come to rest at its end, and nothing was put after it
 /// Follows    a caption of the still segment whose pose is nearest to the last pose of the action: "stand still", "sit"
 /// Nearness   divides captions from texts of other words. A caption is compared with those of segments that it is not
 ///            about. Texts of other words are captions whose words were replaced by words drawn from the vectors, or

@@ -63,6 +63,7 @@ SimilarityScale measured_similarity(const TmrModel<B>& model, const DescribedMot
     for (const Index i : numbers) {
       const DescribedMotion& m = part[static_cast<std::size_t>(i)];
       for (std::size_t k = 0; with_texts && k < m.texts.size(); ++k) {
+        if (m.texts[k].frames != m.texts.front().frames) continue;  // the first text's frames are encoded
         measured.texts.push_back(m.texts[k].text);
         measured.motions.push_back(std::ssize(clips));
       }

@@ -38,6 +38,7 @@ MOTIONLANG_BODY SimilarityScale scale_of_latents(const MeasuredTexts& texts, std
                                                  const std::vector<std::string>& motion_texts,
                                                  const EmbeddingCache& sentences, double unlike) {
   std::vector<std::span<const float>> said;
+  said.reserve(motion_texts.size());
   for (const std::string& t : motion_texts) said.push_back(sentences.find(t));
   std::vector<float> of_unlike, own, nearest;
   const Index motions = std::ssize(clips);

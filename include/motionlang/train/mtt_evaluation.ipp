@@ -51,6 +51,7 @@ MOTIONLANG_BODY std::vector<std::vector<double>> mtt_features_of_recordings(cons
   if (clips.size() != texts)
     raise<config_error>(102, list.string(), ": ", counted(clips.size(), "clip"), " for ", counted(texts, "text"));
   std::vector<std::vector<double>> out;
+  out.reserve(clips.size());
   for (const MttClip& clip : clips) out.push_back(mtt_features_of_recorded(read_mtt_motion(folder, clip)));
   return out;
 }

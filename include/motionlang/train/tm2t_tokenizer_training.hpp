@@ -10,13 +10,14 @@
 ///          epoch is kept; and validation uses whole motions
 #pragma once
 
-#include <algorithm>   // max
-#include <filesystem>  // folders
-#include <map>         // the record of a training
-#include <optional>    // a discriminator
-#include <span>        // numbers of motions
-#include <utility>     // move
-#include <vector>      // windows
+#include <algorithm>    // max
+#include <filesystem>   // folders
+#include <map>          // the record of a training
+#include <optional>     // a discriminator
+#include <span>         // numbers of motions
+#include <string_view>  // names of settings
+#include <utility>      // move
+#include <vector>       // windows
 
 #include <motionlang/datasets/tm2t_data.hpp>
 #include <motionlang/train/epoch_task.hpp>
@@ -39,8 +40,9 @@ Sequences<T> constants(const Sequences<B>& x) {
           x.offsets};
 }
 
-/// The windows of all training motions. Throws config_error 102 if no motion is long enough for a window.
-std::vector<ClipWindow> tm2t_training_windows(const Tm2tTrainingConfig& config, const DescribedMotions& data);
+/// The windows of this many frames of all training motions. Throws config_error 102, with the name of the setting, if
+/// no motion is long enough for a window.
+std::vector<ClipWindow> training_windows(const DescribedMotions& data, Index window, std::string_view setting);
 /// The deviations as the tokenizer uses them. grouped: true if each is the mean of its group already.
 std::vector<double> tm2t_training_deviation(std::vector<double> std, double bias, bool grouped);
 
@@ -69,7 +71,8 @@ class Tm2tTokenizerTraining
   /// data    must outlive the training
   /// Throws  config_error 101, 102 for an invalid configuration
   Tm2tTokenizerTraining(const Tm2tTrainingConfig& config, const DescribedMotions& data, Normalizer<B> statistics)
-      : Tm2tTokenizerTraining(config, data, std::move(statistics), detail::tm2t_training_windows(config, data)) {}
+      : Tm2tTokenizerTraining(config, data, std::move(statistics),
+                              detail::training_windows(data, config.tokenizer.window, "tokenizer.window")) {}
 
   const Normalizer<B>& statistics() const { return statistics_; }
 

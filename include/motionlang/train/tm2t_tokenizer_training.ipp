@@ -2,6 +2,8 @@
 // Bodies of tm2t_tokenizer_training.hpp.
 #pragma once
 
+#include <algorithm>  // max_element
+
 #include <motionlang/features/guoh3d.hpp>
 #include <motionlang/train/tm2t_tokenizer_training.hpp>
 
@@ -9,15 +11,16 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-MOTIONLANG_BODY std::vector<ClipWindow> tm2t_training_windows(const Tm2tTrainingConfig& config,
-                                                              const DescribedMotions& data) {
+MOTIONLANG_BODY std::vector<ClipWindow> training_windows(const DescribedMotions& data, Index window,
+                                                         std::string_view setting) {
   std::vector<Index> lengths;
   for (const DescribedMotion& m : data.training) lengths.push_back(std::ssize(m.rows) / data.width);
-  auto out = tm2t_windows(lengths, config.tokenizer.window);
+  auto out = tm2t_windows(lengths, window);
   if (out.empty())
-    raise<config_error>(
-        102, "no motion to train on has more than tokenizer.window = ", counted(config.tokenizer.window, "frame"),
-        "; the longest has ", *std::max_element(lengths.begin(), lengths.end()));
+    raise<config_error>(102, "no motion to train on has more than ", setting, " = ", counted(window, "frame"),
+                        lengths.empty()
+                            ? std::string()
+                            : concat_text("; the longest has ", *std::max_element(lengths.begin(), lengths.end())));
   return out;
 }
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>  // max, min
 #include <charconv>   // numbers
-#include <cmath>      // log10
+#include <cmath>      // isfinite, log10
 #include <limits>     // empty ranges
 
 #include <motionlang/core/text_lines.hpp>
@@ -47,8 +47,10 @@ inline std::string grid_svg(const PanelScale& at, const Range& steps, const Rang
 inline std::string panel_svg(const CurvePanel& panel, double y0) {
   Range steps, values, positive;
   for (const Curve& c : panel.curves) {
-    for (const double s : c.steps) steps.add(s);
-    for (const double v : c.values) {
+    for (std::size_t k = 0; k < c.values.size(); ++k) {
+      if (!std::isfinite(c.steps[k])) continue;
+      const double v = c.values[k];
+      steps.add(c.steps[k]);
       values.add(v);
       if (v > 0) positive.add(v);
     }
@@ -78,7 +80,7 @@ inline std::string panel_svg(const CurvePanel& panel, double y0) {
     const Curve& c = panel.curves[i];
     std::string points;
     for (std::size_t k = 0; k < c.values.size(); ++k) {
-      if (!std::isfinite(c.values[k])) continue;
+      if (!std::isfinite(c.steps[k]) || !std::isfinite(c.values[k])) continue;
       points +=
           concat_text(x_of(c.steps[k]), ",", y0 + top + high * (shown.high - scaled(c.values[k])) / shown.size(), " ");
     }
@@ -142,6 +144,11 @@ class CurveTable {
       raise<io_error>(403, name_, ":", line, ": '", cell, "' is not a number");
     return x;
   }
+  double step(const std::string& cell, Index line) const {
+    const double x = value(cell, line);
+    if (!std::isfinite(x)) raise<io_error>(403, name_, ":", line, ": '", cell, "' is not a finite step");
+    return x;
+  }
   void start(std::vector<std::string> cells, Index line) {
     if (cells.size() < 2) raise<io_error>(403, name_, ":", line, ": one column, where curves need two");
     header_ = std::move(cells);
@@ -149,7 +156,7 @@ class CurveTable {
     steps_.clear();
     for (std::size_t i = 1; i < header_.size(); ++i) {
       if (rows_)
-        steps_.push_back(value(header_[i], line));
+        steps_.push_back(step(header_[i], line));
       else
         panel.curves.push_back({header_[i], {}, {}});
     }
@@ -162,7 +169,7 @@ class CurveTable {
     if (rows_) curves.push_back({cells[0], steps_, {}});
     for (std::size_t i = 1; i < cells.size(); ++i) {
       Curve& curve = rows_ ? curves.back() : curves[i - 1];
-      if (!rows_) curve.steps.push_back(value(cells[0], line));
+      if (!rows_) curve.steps.push_back(step(cells[0], line));
       curve.values.push_back(value(cells[i], line));
     }
   }

@@ -41,7 +41,7 @@ MOTIONLANG_BODY std::string search_text(std::span<const FoundMotion> found, cons
                                         std::string_view one) {
   std::string out;
   for (const UnknownWord& w : answer.unheard)
-    out += concat_text("nobody taught the model the word '", printable(w.word), "'",
+    out += concat_text("the model does not know the word '", printable(w.word), "'",
                        w.like.empty() ? "" : " (did you mean '" + w.like + "'?)", "\n");
   if (!answer.shown) out += concat_text("no ", one, " shows this", found.empty() ? "" : "; the nearest are:", "\n");
   int place = 0;

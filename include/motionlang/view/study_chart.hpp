@@ -11,9 +11,9 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Per cent. Pairs: a bar for each, with the items for the first system, ties, and those for the second; a line at 50
-/// and the interval of the preference. Rankings and ratings: a bar for each system, with the share of each rank or
-/// rating.
+/// Per cent. Pairs: a bar for each, with the items for the first system, ties, and those for the second. There is a
+/// line at 50, and each bar has the interval of the preference. Rankings and ratings: a bar for each system, with the
+/// share of each rank or rating.
 BarChart study_chart(const Study& study, const StudyCounts& counts);
 
 MOTIONLANG_NAMESPACE_END

@@ -14,6 +14,7 @@ template <class Counts>
 std::vector<double> per_cent(const Counts& counts) {
   const double all = std::accumulate(counts.begin(), counts.end(), 0.0);
   std::vector<double> out;
+  out.reserve(counts.size());
   for (const auto n : counts) out.push_back(all > 0 ? 100 * static_cast<double>(n) / all : 0);
   return out;
 }

@@ -2,7 +2,7 @@
 // Bodies of word_charts.hpp.
 #pragma once
 
-#include <algorithm>  // sort
+#include <algorithm>  // min, stable_sort
 #include <map>        // counts
 #include <utility>    // pair
 
@@ -37,7 +37,7 @@ MOTIONLANG_BODY WordCharts word_charts(std::span<const NamedTexts> sets, std::si
   std::vector<std::pair<std::size_t, std::string>> order;
   order.reserve(total.size());
   for (const auto& [verb, count] : total) order.emplace_back(count, verb);
-  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (std::size_t i = 0; i < std::min(order.size(), most); ++i) {
     BarGroup group{.name = order[i].second, .values = {}};
     for (auto& counts : of_set) group.values.push_back(static_cast<double>(counts[group.name]));

@@ -54,7 +54,7 @@ MOTIONLANG_BODY void MdmActionTrainingConfig::require_consistent() const {
                         "clips.camera = true");
   if (clips.num_frames < 2)
     raise<config_error>(102, "clips.num_frames = ", clips.num_frames, "; MDM's motions have one length, 2 or more");
-  if (network.arch != "trans_enc" && (network.mask_frames || network.emb_trans_dec))
+  if (network.mask_frames || network.emb_trans_dec)
     raise<config_error>(102, "network.mask_frames and network.emb_trans_dec are for texts");
   require_value("drop", drop, drop >= 0 && drop < 1, "0 or more, and less than 1");
   if (diffusion.schedule == "chen")

@@ -35,14 +35,14 @@ inline std::filesystem::path checkpoint_at(const std::filesystem::path& given, c
 }  // namespace detail
 
 MOTIONLANG_BODY std::filesystem::path movement_autoencoder_path(const std::filesystem::path& given) {
-  const auto found = detail::checkpoint_at(given, "latest.tar");
+  auto found = detail::checkpoint_at(given, "latest.tar");
   if (found.empty())
     raise<io_error>(401, given.string(), ": no latest.tar of a movement autoencoder, and none in its folder model");
   return found;
 }
 
 MOTIONLANG_BODY std::filesystem::path guo_evaluator_path(const std::filesystem::path& given) {
-  const auto found = detail::checkpoint_at(given, "finest.tar");
+  auto found = detail::checkpoint_at(given, "finest.tar");
   if (found.empty()) raise<io_error>(401, "`evaluator` ", given.string(), ": no finest.tar and no model/finest.tar");
   return found;
 }

@@ -27,7 +27,7 @@ KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors enc
 class StoredCaptions {
  public:
   /// Throws config_error 101 for more than 32,767 different texts of what follows.
-  explicit StoredCaptions(const KnownCaptions& captions);
+  explicit StoredCaptions(KnownCaptions captions);
   void add_to(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata) const;
 
  private:

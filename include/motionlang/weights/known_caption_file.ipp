@@ -4,6 +4,7 @@
 
 #include <algorithm>  // find
 #include <limits>     // numbers of texts
+#include <utility>    // move
 
 #include <motionlang/core/standard_library.hpp>
 #include <motionlang/core/text_lines.hpp>
@@ -51,14 +52,25 @@ MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file,
   const auto* tried = file.find(prefix + "done");
   const Index all = std::ssize(texts), last = tried == nullptr ? 0 : tried->shape.count();
   const Index count = all - last;
-  if (count < 0)
-    raise<io_error>(407, file.name(), ": tensor '", tried->name, "' is ", tried->shape, " for ", counted(all, "text"));
+  if (count < 1)
+    raise<io_error>(407, file.name(), ": tensor '", prefix, "done' has ", counted(last, "share"), " for ",
+                    counted(all, "text"));
   if (tried != nullptr) require(*tried, DType::F32, {last});
   if (mean.shape.rank() != 1) raise<io_error>(407, file.name(), ": tensor '", mean.name, "' is ", mean.shape);
   require(mean, DType::F32, {mean.shape[0]});
   require(codes, DType::I8, {all, mean.shape[0]});
   require(seconds, DType::F32, {count});
   require(then, DType::I16, {count});
+  const auto require_range = [&](const TensorView& view, double least, double most) {
+    for (const double x : values_of<double>(view)) {
+      if (!(x >= least && x <= most))
+        raise<config_error>(107, file.name(), ": tensor '", view.name, "' has a ", x, "; ", least, " ... ", most,
+                            " are allowed");
+    }
+  };
+  require_range(mean, std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max());
+  require_range(seconds, 0, 3600);
+  if (tried != nullptr) require_range(*tried, 0, 1);
   const auto lengths = values_of<float>(seconds);
   const auto numbers = values_of<std::int16_t>(then);
   std::vector<KnownAction> actions;
@@ -76,13 +88,21 @@ MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file,
           std::move(actions), detail::nearness_of(file), std::move(done), file.name()};
 }
 
-MOTIONLANG_BODY StoredCaptions::StoredCaptions(const KnownCaptions& captions) : captions_(captions) {
+MOTIONLANG_BODY StoredCaptions::StoredCaptions(KnownCaptions captions) : captions_(std::move(captions)) {
+  const auto refuse = [](const std::string& text) {
+    raise<config_error>(101, "known captions: '", text,
+                        "' cannot be stored; a text is one line with at least a letter");
+  };
+  for (const std::string& text : captions_.table().texts()) {
+    if (text.empty() || text.find_first_of("\r\n") != text.npos) refuse(text);
+  }
   for (const KnownAction& action : captions_.actions()) {
     seconds_.push_back(static_cast<float>(action.seconds));
     if (action.repeats) {
       then_.push_back(-1);
       continue;
     }
+    if (action.then.empty() || action.then.find_first_of("\r\n") != action.then.npos) refuse(action.then);
     auto found = std::find(following_.begin(), following_.end(), action.then);
     if (found == following_.end()) found = following_.insert(found, action.then);
     if (std::ssize(following_) > std::numeric_limits<std::int16_t>::max())

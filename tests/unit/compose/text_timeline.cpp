@@ -33,6 +33,8 @@ TEST_CASE("what ends is made once, what repeats goes on") {
   CHECK(ml::text_timeline("sit", captions, {.seconds = 2.9}) == ml::Timeline{{{"sit", 0, 58, all}}});
   CHECK(ml::text_timeline("sit", captions, {.seconds = 15, .end_actions = false}) ==
         ml::Timeline{{{"sit", 0, 300, all}}});
+  CHECK(ml::text_timeline("walk, then sit down", {}, {.seconds = 7}) ==
+        ml::Timeline{{{"walk, then sit down", 0, 140, all}}});  // without captions nobody knows when it ends
   // cut_texts knows this one, and what comes before it
   CHECK(ml::text_timeline("kick", captions, {.seconds = 15}) == ml::Timeline{{{"kick", 0, 300, all}}});
 }

@@ -56,3 +56,12 @@ TEST_CASE("a card as lines: folders, all, the verbs in the order of their number
   CHECK(text.ends_with(
       "2 different captions, 3 different words, 2 verbs with the segments that show them:\n  sit 2 walk 1\n"));
 }
+
+TEST_CASE("verbs of as many segments are in alphabetical order") {
+  ml::ClipLine line;
+  line.clip = "a/one", line.start = 0, line.end = 90;
+  std::string expected = " ";
+  for (char c = 'z'; c >= 'h'; --c) line.texts.emplace_back(3, c);
+  for (char c = 'h'; c <= 'z'; ++c) expected += " " + std::string(3, c) + " 1";
+  CHECK(ml::describe_card(ml::caption_card({line})).ends_with("show them:\n" + expected + "\n"));
+}

@@ -104,6 +104,10 @@ TEST_CASE("options of a whole run have the noise of the thesis; the published on
   CHECK(ml::SamplingOptions{}.noise_scale == ml::NoiseScale::posterior_std);
   CHECK(ml::published_stmc_sampling.noise_scale == ml::NoiseScale::posterior_variance);
   CHECK(ml::published_stmc_sampling.sampler == ml::SamplingOptions{}.sampler);
+  CHECK(ml::parse_noise_scale("paper") == ml::NoiseScale::posterior_std);
+  CHECK(ml::parse_noise_scale("published") == ml::NoiseScale::posterior_variance);
+  CHECK_THROWS_WITH_AS(ml::parse_noise_scale("", "f:"), doctest::Contains("103] f: '' is neither paper nor published"),
+                       ml::config_error);
 }
 
 TEST_CASE("clean estimates can be clipped and replaced") {

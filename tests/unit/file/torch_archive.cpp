@@ -48,4 +48,10 @@ TEST_CASE("a tensor can be the whole file; other types are refused") {
   ml::TorchArchive archive;
   CHECK_ERROR(archive.tensor("ids", view("ids", ml::DType::I64, {3}, std::as_bytes(std::span(numbers)))),
               "[motionlang.config.101] TorchArchive: 'ids' of type I64");
+  for (const auto& [shape, size] :
+       {std::pair(ml::FileShape{2, 1 << 30}, "2147483648"), {ml::FileShape{0, ml::Index{3} << 32}, "12884901888"}})
+    CHECK_ERROR(
+        archive.tensor("huge", view("huge", ml::DType::F32, shape, {})),
+        ml::concat_text("[motionlang.config.101] TorchArchive: 'huge' has the size ", size, ", above 2147483647")
+            .c_str());
 }

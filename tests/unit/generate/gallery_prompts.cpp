@@ -58,6 +58,10 @@ TEST_CASE("prompts are written and read again; a file without any is an error") 
   CHECK(text == "Walk on, and on # 2.5\nkick # 4\n");
   CHECK(ml::parse_gallery_prompts(text) == prompts);
   CHECK(ml::parse_gallery_prompts("walk # 2.3")[0].seconds == 2.3);
+  const std::vector<ml::GalleryPrompt> two{{"walk", "walk # on", 2}}, broken{{"walk", "walk\non", 2}};
+  CHECK_THROWS_WITH_AS(ml::write_gallery_prompts(two),
+                       doctest::Contains("101] write_gallery_prompts: the text 'walk # on'"), ml::config_error);
+  CHECK_THROWS_AS(ml::write_gallery_prompts(broken), ml::config_error);
   CHECK_THROWS_WITH_AS(ml::parse_gallery_prompts("\n", "mine.txt"), doctest::Contains("mine.txt: no line"),
                        ml::timeline_error);
   CHECK_THROWS_WITH_AS(ml::parse_gallery_prompts("walk # soon", "mine.txt"), doctest::Contains("mine.txt:1:"),

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <motionlang/metrics/motion_trace.hpp>
+
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
@@ -25,7 +27,16 @@ TEST_CASE("recordings that do not stand on the floor are left out") {
       ml::judge_recordings({segment("walk forward"), segment("walk forward", 0.3), segment("turn left")});
   CHECK(figures.segments == 2);
   CHECK(figures.elsewhere == 1);
-  CHECK((figures.hovering >= 0 && figures.hovering <= 1));
+  const auto hovers = [](const ml::CaptionedSegment& s) {
+    return ml::longest_hover(ml::trace_motion(s.motion)) > ml::EyeLimits{}.hover;
+  };
+  CHECK(figures.hovering == (hovers(segment("walk forward")) ? 1 : 0));
+  ml::CaptionedSegment flying = segment("walk forward");  // a second of three
+  for (std::size_t f = 20; f < 40; ++f) flying.motion.root[f].y += 0.3;
+  REQUIRE(ml::stands_on_floor(flying));
+  REQUIRE(hovers(flying));
+  REQUIRE_FALSE(hovers(segment("turn left")));
+  CHECK(ml::judge_recordings({flying, segment("turn left")}).hovering == 0.5);
 }
 
 TEST_CASE("a verb counts the recordings whose captions say it") {

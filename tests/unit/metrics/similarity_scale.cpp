@@ -28,7 +28,10 @@ TEST_CASE("a cosine is the share of unlike pairs below it") {
   CHECK(ml::share_below(scale, -0.1) == 0);
   for (const double share : {0.0, 0.1, 0.123, 0.5, 0.99, 0.997, 0.9999})
     CHECK(ml::share_below(scale, share / 2) == Approx(share).epsilon(1e-3));
-  CHECK(ml::share_below(scale, 0.9) == 0.9999);  // rarer pairs are not told apart
+  CHECK(ml::share_below(scale, 0.9) == 0.9999);
+  CHECK_ERROR(ml::share_below(scale, std::numeric_limits<double>::quiet_NaN()), "share_below: the cosine is nan");
+  // of ten pairs one may be above, whatever the cosine
+  CHECK(ml::share_below(ml::similarity_scale(std::vector<float>(10, 0.5f), {}, {}), 0.9) == 0.9);
   double last = 0;
   for (double cosine = -1; cosine < 1; cosine += 0.01) {
     CHECK(ml::share_below(scale, cosine) >= last);

@@ -117,6 +117,9 @@ TEST_CASE("answers: places, no preference, ratings; the last answer to a trial c
   refused(pairs, answers_of(rating, ""), "answers to another study");
   refused(pairs, answers_of(pairs, "", "x"), "seed 'x'");
   refused(pairs, answers_of(pairs, "9\t0\t1\n"), "ann.tsv:6: a line has a trial below 7");
+  for (const char* wrong : {"abc", "", "nan", "inf", "-1", "2,5", "2.5 s", "1e999"})
+    refused(pairs, answers_of(pairs, std::string("0\t1\t") + wrong + "\n"), "is not a number of seconds");
+  CHECK(ml::parse_study_answers(answers_of(pairs, "0\t1\t0\n"), pairs).answers[0].seconds == 0);
   refused(pairs, answers_of(pairs, "0\t2\t1\n"), "'2' does not answer");
   refused(pairs, answers_of(pairs, "0\t0,1\t1\n"), "'0,1' does not answer");
   refused(rating, answers_of(rating, "0\t6\t1\n"), "'6' does not answer");

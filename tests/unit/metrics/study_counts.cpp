@@ -112,6 +112,9 @@ TEST_CASE("ranking: how often each system has each rank, and its mean") {
   CHECK(counts.ranks[1].places == std::vector<std::size_t>{0, 1, 3});
   CHECK(counts.ranks[2].places == std::vector<std::size_t>{3, 1, 0});
   CHECK(counts.ranks[2].share(0) == 0.75);
+  CHECK_THROWS_WITH_AS(counts.ranks[2].share(counts.ranks[2].places.size()),
+                       doctest::Contains("[motionlang.shape.203] RankCount::share: place "), ml::shape_error);
+  CHECK_THROWS_AS(ml::RankCount{}.share(0), ml::shape_error);
   // Item 1 of a: ranks 2 and 3; item 2: 2 and 1. Their means are 2.5 and 1.5.
   CHECK(counts.ranks[0].rank.mean == 2);
   CHECK(counts.ranks[0].rank.half_width == doctest::Approx(1.96 * 0.5 / std::sqrt(2.0)));

@@ -1,4 +1,4 @@
-// Queries in everybody's words: the rules by which a result is right.
+// Queries in everyday words: the rules by which a result is right.
 #include <doctest/doctest.h>
 
 #include <motionlang/search/query_bench.hpp>

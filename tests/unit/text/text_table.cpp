@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/text/caption_encoder.hpp>
 
@@ -62,7 +64,22 @@ TEST_CASE("the nearest texts say the same, or words like it") {
   CHECK(texts_of(table.nearest("wave", 2)) == Texts{"wave", "wave the arm"});
   CHECK(table.nearest("wave", 99).size() == 5);
   CHECK(table.nearest("wave", 0).empty());
-  CHECK(table.nearest("the person", 1)[0].likeness <= 1);  // no word that counts
+  // No word counts, so that the direction alone does: the cosine of (-0.6, -0.6) and (0.4, -0.6).
+  CHECK(table.nearest("the person", 1)[0].likeness == doctest::Approx(0.196).epsilon(0.02));
+}
+
+TEST_CASE("an encoder that gives too few numbers, or none, is refused") {
+  using Vectors = std::vector<float>;
+  CHECK_ERROR(ml::TextTable::encoded(captions, [](auto) { return Vectors(); }), "0 numbers for 5 texts of 1");
+  CHECK_ERROR(ml::TextTable::encoded(captions, [](auto) { return Vectors(11); }), "11 numbers for 5 texts of 2");
+  CHECK_ERROR(ml::TextTable::encoded(captions, [](auto t) { return Vectors(2 * t.size(), std::nanf("")); }),
+              "[motionlang.numeric.301] TextTable: the encoder gives nan for 'walk'");
+  int calls = 0;
+  const auto other_width = [&](std::span<const std::string> t) {
+    return Vectors(t.size() * (calls++ == 0 ? 2 : 3), 1);
+  };
+  const auto table = ml::TextTable::encoded(captions, other_width);
+  CHECK_ERROR(table.with({"walk"}), "3 numbers for 1 text of 2");
 }
 
 TEST_CASE("a word that nobody knows is far from all texts, wherever the encoder puts it") {

@@ -60,6 +60,14 @@ TEST_CASE("windows of the movement stage: the first of two equal ones, never the
   CHECK(windows.back() == ml::ClipWindow{3, 34});
   config.movement.window = 64;
   CHECK_ERROR(ml::detail::guo_training_windows(config, data), "movement.window = 64 frames; the longest has 60");
+  CHECK(ml::detail::training_windows(data, 24, "tokenizer.window") == windows);
+  CHECK_ERROR(
+      ml::detail::training_windows(data, 64, "tokenizer.window"),
+      "[motionlang.config.102] no motion to train on has more than tokenizer.window = 64 frames; the longest has "
+      "60");
+  data.training.clear();
+  CHECK_ERROR(ml::detail::training_windows(data, 24, "tokenizer.window"),
+              "[motionlang.config.102] no motion to train on has more than tokenizer.window = 24 frames");
 }
 
 TEST_CASE("entries have 40 to 199 frames, the shortest first; parts of clips are entries of their own") {
@@ -90,6 +98,28 @@ TEST_CASE("entries have 40 to 199 frames, the shortest first; parts of clips are
   ml::DescribedMotions data{.width = 3, .fps = 20, .training = part, .validation = {}, .test = {}};
   data.training.erase(data.training.begin());
   CHECK_ERROR(ml::detail::guo_training_entries(data), "0 texts with 40 to 199 frames: two are needed");
+}
+
+TEST_CASE("a movement encoder and statistics of other features are refused before the matching stage learns") {
+  auto init = ml::Philox{.seed = 1};
+  const ml::MovementEncoder<B> encoder(259, 4, 8, init);
+  CHECK(ml::tensors_of(encoder).at(0).shape()[1] == 259);  // what the training compares
+  CHECK_NOTHROW(ml::detail::require_guo_widths(263, 259, 263));
+  CHECK_ERROR(ml::detail::require_guo_widths(263, 247, 263),
+              "[motionlang.config.102] the movement encoder reads 247 numbers, the motions have 263 and 4 of them are "
+              "contacts");
+  CHECK_ERROR(ml::detail::require_guo_widths(263, 259, 251),
+              "[motionlang.config.102] the statistics have 251 numbers, the motions have 263");
+}
+
+TEST_CASE("figures of motions need replications, and none or more than ten repeats") {
+  CHECK_NOTHROW(ml::detail::require_guo_figure_options({.replications = 1, .repeats = 0, .seed = 0}));
+  CHECK_NOTHROW(ml::detail::require_guo_figure_options({.replications = 1, .repeats = 11, .seed = 0}));
+  for (const Index none : {0, -1})
+    CHECK_ERROR(ml::detail::require_guo_figure_options({.replications = none, .repeats = 0, .seed = 0}),
+                "[motionlang.config.101] `replications`");
+  CHECK_ERROR(ml::detail::require_guo_figure_options({.replications = 1, .repeats = 10, .seed = 0}),
+              "[motionlang.config.101] multimodality by 10 motions of a text");
 }
 
 TEST_CASE("the folder of a stage: statistics are found beside the checkpoint, and the choice of the data") {

@@ -66,3 +66,13 @@ TEST_CASE("marks of an axis are round and lie in its range") {
   CHECK(ml::detail::plot_ticks(3, 3) == std::vector<double>{3});
   CHECK(ml::detail::plot_ticks(0, std::numeric_limits<double>::infinity()).size() == 1);
 }
+
+TEST_CASE("an axis of huge values has few marks, each once") {
+  for (const double low : {1e17, -1e17}) {
+    const double high = low + 32;  // three doubles farther
+    const auto ticks = ml::detail::plot_ticks(low, high);
+    CHECK((!ticks.empty() && ticks.size() <= 3));
+    for (std::size_t i = 1; i < ticks.size(); ++i) CHECK(ticks[i] > ticks[i - 1]);
+    for (const double t : ticks) CHECK((t >= low && t <= high));
+  }
+}

@@ -40,6 +40,21 @@ TEST_CASE("a picture names its curves; values that are not finite are left out")
   CHECK(is_well_formed(ml::curves_svg({})));
 }
 
+TEST_CASE("steps that are not finite are left out of a picture") {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
+  const ml::Curve curve{"a", {1, nan, 2, infinite}, {3, 900, 4, 5000}};
+  for (const char* axis : {"", "frames"}) {
+    const std::vector<ml::CurvePanel> panels{{.title = "all", .curves = {curve}, .axis = axis},
+                                             {.title = "none", .curves = {{"b", {nan}, {1}}}, .axis = axis}};
+    const std::string svg = ml::curves_svg(panels);
+    CHECK(is_well_formed(svg));
+    CHECK(svg.find("nan") == svg.npos);
+    CHECK(svg.find("inf") == svg.npos);
+    CHECK(svg.find("(logarithmic)") == svg.npos);  // their values do not count either
+    CHECK(svg.find("none: no values yet") != svg.npos);
+  }
+}
+
 TEST_CASE("curves of a table: columns or rows, titles, and what is missing") {
   const auto panels = ml::parse_curves(
       "# accuracy & more\nframes\tfixed\tvariable\n40\t85.5\t88\n60\t91\t-\n\nframes  FID of all\n40  3.5\n60  "
@@ -71,6 +86,10 @@ TEST_CASE("curves of a table: columns or rows, titles, and what is missing") {
   refused("frames\ta\n1\t2\t3\n", "t.tsv:2: 3 cells below 2 names");
   refused("frames\ta\n1\tx\n", "t.tsv:2: 'x' is not a number");
   refused("frames\ta\n", "t.tsv:1: 'a' is not a number", true);
+  for (const std::string step : {"-", "nan", "inf"}) {
+    refused(("frames\ta\n" + step + "\t1\n").c_str(), ("t.tsv:2: '" + step + "' is not a finite step").c_str());
+    refused(("frames\t" + step + "\na\t1\n").c_str(), ("t.tsv:1: '" + step + "' is not a finite step").c_str(), true);
+  }
 }
 
 TEST_CASE("a panel with an axis has marks, ranges and dashed lines, and linear heights") {

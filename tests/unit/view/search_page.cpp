@@ -60,7 +60,7 @@ TEST_CASE("results are lines, or JSON") {
               .score = 0.625};
   found[1] = {.clip = {.path = "b\n.glb", .name = "wave"}, .end = 3, .score = 0.5};
   CHECK(ml::search_text(found, answer, "clip") ==
-        "nobody taught the model the word 'wlak' (did you mean 'walk'?)\nno clip shows this; the nearest are:\n"
+        "the model does not know the word 'wlak' (did you mean 'walk'?)\nno clip shows this; the nearest are:\n"
         "  1  0.6250     1.50    2.75 s  a.bvh  \"a \"person\" walks\"\n"
         "  2  0.5000     0.00    3.00 s  b?.glb (wave)\n");
   CHECK(ml::search_text({}, {}, "moment").empty());

@@ -24,3 +24,14 @@ TEST_CASE("words by how often they appear, and the verbs that most texts have") 
   CHECK(ml::word_charts(sets, 1).verbs.groups.size() == 1);
   CHECK(ml::word_charts({}).words.curves.empty());
 }
+
+TEST_CASE("verbs with as many texts are in alphabetical order") {
+  ml::NamedTexts set{.name = "a", .texts = {"walk", "walk on"}};
+  std::vector<std::string> expected{"walk"};
+  for (char c = 'z'; c >= 'a'; --c) set.texts.emplace_back(3, c);
+  for (char c = 'a'; c <= 'z'; ++c) expected.emplace_back(3, c);
+  const auto groups = ml::word_charts(std::vector<ml::NamedTexts>{set}, 100).verbs.groups;
+  std::vector<std::string> names;
+  for (const ml::BarGroup& g : groups) names.push_back(g.name);
+  CHECK(names == expected);
+}

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
+
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/generate/load_motion_model.hpp>
 
@@ -86,9 +88,39 @@ TEST_CASE("files whose parts do not fit are refused") {
   refused("'captions.nearness' = 'near' is not in 0 ... 1",
           [](Contents& c) { c.metadata["captions.nearness"] = "near"; });
   refused("'captions.nearness' = '' is not in 0 ... 1", [](Contents& c) { c.metadata["captions.nearness"] = ""; });
+  const std::vector<float> nan{std::numeric_limits<float>::quiet_NaN(), 2, 3}, long_time{1, 2, 1e6f}, three{1, 1, 2};
+  const auto replace = [](Contents& c, const std::string& name, const std::vector<float>& values) {
+    std::erase_if(c.tensors, [&](const ml::TensorView& t) { return t.name == name; });
+    c.tensors.push_back(ml::tensor_view(name, {std::ssize(values)}, std::span(values)));
+  };
+  refused("tensor 'captions.seconds' has a nan; 0 ... 3600 are allowed",
+          [&](Contents& c) { replace(c, "captions.seconds", nan); });
+  refused("tensor 'captions.seconds' has a 1e+06", [&](Contents& c) { replace(c, "captions.seconds", long_time); });
+  // All texts are tried, and none is a caption.
+  refused("tensor 'captions.done' has 3 shares for 3 texts", [&](Contents& c) { replace(c, "captions.done", three); });
+  const std::vector<float> mean(8, nan[0]);
+  refused("tensor 'captions.mean' has a nan", [&](Contents& c) { replace(c, "captions.mean", mean); });
+  const std::vector<float> share{2}, two{1, 2};
+  const std::vector<std::int16_t> after{-1, 0};
+  refused("tensor 'captions.done' has a 2; 0 ... 1 are allowed", [&](Contents& c) {
+    replace(c, "captions.done", share);
+    replace(c, "captions.seconds", two);
+    std::erase_if(c.tensors, [&](const ml::TensorView& t) { return t.name == "captions.then"; });
+    c.tensors.push_back(ml::tensor_view("captions.then", {2}, std::span(after)));
+  });
   refused("[motionlang.io.406]", [](Contents& c) {
     std::erase_if(c.tensors, [](const ml::TensorView& t) { return t.name == "captions.seconds"; });
   });
+}
+
+TEST_CASE("texts that a file cannot hold are refused before it is written") {
+  const auto with = [](const std::string& text, const std::string& then) {
+    const std::vector<std::string> texts{"walk", text};
+    return ml::KnownCaptions(ml::TextTable::encoded(texts, counted::vectors), {{3, true, ""}, {2, false, then}}, 0.5);
+  };
+  CHECK_ERROR(ml::StoredCaptions(with("kick\nagain", "stand")), "[motionlang.config.101]");
+  CHECK_ERROR(ml::StoredCaptions(with("", "stand")), "'' cannot be stored");
+  CHECK_ERROR(ml::StoredCaptions(with("kick", "")), "'' cannot be stored");
 }
 
 TEST_CASE("the file of a model has its captions, and every loader reads them") {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <array>   // colours
-#include <cmath>   // floor, log10
+#include <cmath>   // ceil, floor, log10
 #include <cstdio>  // numbers as %.4g
 #include <string>  // SVG
 #include <vector>  // marks
@@ -32,7 +32,8 @@ inline std::string label(double x, double y, const std::string& text, const char
 
 }  // namespace curves
 
-/// From 4 to 10 multiples of 1, 2 or 5 times a power of ten between two values.
+/// From 4 to 11 multiples of 1, 2 or 5 times a power of ten between two values. There are fewer if doubles so large are
+/// farther apart than the multiples.
 inline std::vector<double> plot_ticks(double low, double high) {
   std::vector<double> out;
   const double size = high - low;
@@ -40,7 +41,12 @@ inline std::vector<double> plot_ticks(double low, double high) {
   double step = std::pow(10, std::floor(std::log10(size)));
   step *= size / step < 2 ? 0.2 : size / step < 5 ? 0.5 : 1;
   const double slack = 1e-9 * step;
-  for (double k = std::ceil((low - slack) / step); k * step <= high + slack; ++k) out.push_back(k == 0 ? 0 : k * step);
+  const double first = std::ceil((low - slack) / step);
+  for (int i = 0; i <= 11; ++i) {
+    const double t = (first + i) * step;
+    if (t > high + slack) break;
+    if (out.empty() || t > out.back()) out.push_back(t == 0 ? 0 : t);
+  }
   return out;
 }
 
