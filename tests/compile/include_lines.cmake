@@ -24,6 +24,7 @@ set(rules "^xtensor/"                       "^backend/xtensor.ipp$"
           "^(Eigen|unsupported)/"           "^backend/eigen.ipp$"
           "^nlohmann/json.hpp$"             "^file/json.(hpp|ipp)$"
           "^hnswlib/"                       "^search/vector_graph.ipp$"
+          "^mpi.h$"                         "^train/mpi.hpp$"
           "^(xtl|xtensor-blas|doctest)/"    "^$"
           "^motionlang/(motionlang|stmc)\\.hpp$" "^$")
 

@@ -7,6 +7,7 @@
 #include <vector>  // classes
 
 #include <motionlang/core/python_random.hpp>
+#include <motionlang/train/batch_parts.hpp>
 #include <motionlang/weights/actor_model.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -34,6 +35,13 @@ ActionBatch<B> action_batch(const std::vector<DescribedMotion>& motions, std::sp
   const Offsets offsets{std::span<const Index>(lengths)};
   out.x = {Tensor<B, 2>::from(values, {offsets.rows(), clips.width()}), offsets};
   return out;
+}
+
+/// The windows of a part of a batch.
+template <Backend B>
+ActionBatch<B> part_of(const ActionBatch<B>& batch, const BatchPart& part) {
+  const auto classes = part.of(batch.classes);
+  return {part_of(batch.x, part), {classes.begin(), classes.end()}};
 }
 
 /// For each of these motions a random other one of its class, or itself if there is no other.

@@ -46,13 +46,18 @@ class ActorTraining : public ActionTask<ActorTrainingConfig, Actor<A>, Actor<typ
                 const ActorBodyFiles& files = {});
 
   LossTerms<A> loss(Philox rng, Index step, const Context& context) const {
-    return loss_of(learner_.model, this->batch(rng, step), rng, context);
+    return part_loss(rng, step, {0, samples(step)}, context);
+  }
+  Index samples(Index step) const { return std::ssize(batches_(step, this->seed())); }
+  LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const {
+    return loss_of(learner_.model, this->batch(rng, step), part, rng, context);
   }
   std::vector<Measure> validate();
 
  private:
   template <Backend T>
-  LossTerms<T> loss_of(const Actor<T>& model, const ActionBatch<T>& b, const Philox& rng, const Context& context) const;
+  LossTerms<T> loss_of(const Actor<T>& model, const ActionBatch<T>& whole, const BatchPart& part, const Philox& rng,
+                       const Context& context) const;
   template <Backend T>
   Sequences<T> points_of(const Sequences<T>& x) const {
     if (!points_) return joint_points(x, config_.clips);
@@ -62,7 +67,7 @@ class ActorTraining : public ActionTask<ActorTrainingConfig, Actor<A>, Actor<typ
       return (*points_)(x, config_.clips, config_.losses.vertstrans);
   }
 
-  using Base::config_, Base::labels_, Base::learner_;
+  using Base::batches_, Base::config_, Base::labels_, Base::learner_;
   std::optional<BodyPoints<B>> points_;
   std::optional<BodyPoints<A>> taped_points_;  // the same
 };
@@ -93,23 +98,36 @@ template <AutodiffBackend A>
 std::vector<Measure> ActorTraining<A>::validate() {
   return {{"loss", this->over_validation([&](std::span<const Index> which, const Philox& rng) {
              const auto b = this->validation_batch(which, rng);
-             return static_cast<double>(loss_of(learner_.average, b, rng, {}).total().item()) /
+             const BatchPart all{0, b.x.count()};
+             return static_cast<double>(loss_of(learner_.average, b, all, rng, {}).total().item()) /
                     static_cast<double>(b.classes.size()) * static_cast<double>(config_.optimiser.batch);
            })}};
 }
 
+/// Means over frames, or over steps from frame to frame, count by their number. The KL divergence is a sum.
 template <AutodiffBackend A>
 template <Backend T>
-LossTerms<T> ActorTraining<A>::loss_of(const Actor<T>& model, const ActionBatch<T>& b, const Philox& rng,
-                                       const Context& context) const {
+LossTerms<T> ActorTraining<A>::loss_of(const Actor<T>& model, const ActionBatch<T>& whole, const BatchPart& part,
+                                       const Philox& rng, const Context& context) const {
+  const ActionBatch<T> b = part_of(whole, part);
   const auto latent = model.encode(b.x, b.classes, context);
-  auto noise = rng.split("noise");
+  const auto noise = normal_rows<T>(part.first, latent.mu.size(0), latent.mu.size(1), rng.split("noise"));
   const auto written = model.teach(latent.sample(noise), b.classes, b.x, context);
   const auto& l = config_.losses;
   std::optional<ActorLossPoints<T>> points;
   if (l.rcxyz != 0 || l.velxyz != 0) points = {points_of(b.x), points_of(written)};
-  return actor_losses(latent, b.x, written,
-                      {.rc = l.rc, .rcxyz = l.rcxyz, .kl = l.kl, .vel = l.vel, .velxyz = l.velxyz}, points);
+  auto out = actor_losses(latent, b.x, written,
+                          {.rc = l.rc, .rcxyz = l.rcxyz, .kl = l.kl, .vel = l.vel, .velxyz = l.velxyz}, points);
+  std::vector<Index> frames, steps;
+  for (Index s = 0; s < whole.x.count(); ++s) {
+    frames.push_back(whole.x.offsets.length(s));
+    steps.push_back(frames.back() - 1);
+  }
+  for (auto& term : out.terms) {
+    if (term.name != "kl")
+      term.weight *= part.share(std::span<const Index>(term.name.starts_with("vel") ? steps : frames));
+  }
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END

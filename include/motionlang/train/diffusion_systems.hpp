@@ -11,7 +11,8 @@
 ///   make         the network with the initial weights of the published program
 ///   item         the frames and the text of a training sample; `first` of one for validation
 ///   pads         0, or the number of frames to which motions are padded: before they are normalised, or after
-///   loss         of a batch, without regularisation
+///   loss         of a batch, without regularisation; `frames` of the longest motion, if that is in another part
+///   share        the share of a part's loss in that of the batch
 ///   describe     writes the sizes into the description that the reader of the model takes
 #pragma once
 
@@ -19,6 +20,7 @@
 #include <span>       // lengths
 #include <vector>     // lengths
 
+#include <motionlang/train/batch_parts.hpp>
 #include <motionlang/train/diffusion_items.hpp>
 #include <motionlang/train/diffusion_losses.hpp>
 #include <motionlang/weights/diffusion_run.hpp>
@@ -88,9 +90,10 @@ struct MdmSmplSystem {
   template <Backend B>
   static Tensor<B, 0> loss(const GaussianDiffusion& d, const MdmSmplDenoiser<B>& denoiser,
                            const NoisedMotions<B>& batch, std::span<const Index>, const TextFeatures<B>& text,
-                           const Context& context) {
-    return mdm_smpl_loss(d, denoiser, batch, text, context);
+                           const Context& context, Index frames) {
+    return mdm_smpl_loss(d, denoiser, batch, text, context, Prediction::x0, frames);
   }
+  static double share(const BatchPart& part, std::span<const Index> lengths) { return part.share(std::ssize(lengths)); }
   static void describe(DiffusionRun& run, const Config& c, Index width, Index text_width) {
     run.mdm_smpl = detail::network_sizes(c, width, text_width);
     run.features = "smplrifke";
@@ -117,9 +120,10 @@ struct MdmSystem {
   }
   template <Backend B>
   static Tensor<B, 0> loss(const GaussianDiffusion& d, const MdmDenoiser<B>& denoiser, const NoisedMotions<B>& batch,
-                           std::span<const Index> lengths, const TextFeatures<B>& text, const Context& context) {
+                           std::span<const Index> lengths, const TextFeatures<B>& text, const Context& context, Index) {
     return mean(mdm_losses(d, denoiser, batch, lengths, text, context));
   }
+  static double share(const BatchPart& part, std::span<const Index> lengths) { return part.share(std::ssize(lengths)); }
   static void describe(DiffusionRun& run, const Config& c, Index width, Index text_width) {
     run.mdm = detail::network_sizes(c, width, text_width);
     run.features = "guoh3dfeats";
@@ -159,9 +163,10 @@ struct MotionDiffuseSystem {
   template <Backend B>
   static Tensor<B, 0> loss(const GaussianDiffusion& d, const MotionDiffuseDenoiser<B>& denoiser,
                            const NoisedMotions<B>& batch, std::span<const Index> lengths, const TextFeatures<B>& text,
-                           const Context& context) {
+                           const Context& context, Index) {
     return motiondiffuse_loss(d, denoiser, batch, lengths, text, context);
   }
+  static double share(const BatchPart& part, std::span<const Index> lengths) { return part.share(lengths); }
   static void describe(DiffusionRun& run, const Config& c, Index width, Index text_width) {
     run.motiondiffuse = detail::network_sizes(c, width, text_width);
     run.features = "guoh3dfeats";

@@ -61,6 +61,12 @@ struct DiffusionBatch {
   std::vector<Index> lengths;  // frames without padding
 };
 
+/// The place of motions in the batch from which random numbers are drawn: by default they are all of it.
+struct DiffusionPlace {
+  Index first = 0, first_row = 0;  // motions and rows before them
+  Index longest = 0;               // the most frames in the batch, if not among these motions
+};
+
 namespace detail {
 
 /// The number of a training's steps: that of all epochs if `updates` is 0. Otherwise it is the first end of an epoch
@@ -118,7 +124,11 @@ class DiffusionTraining : public EpochTask<typename System::Config, DiffusionMod
   std::map<std::string, std::string> settings() const;
 
   /// One term: the published loss of the system.
-  LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
+  LossTerms<A> loss(Philox rng, Index step, const Context& context) const {
+    return part_loss(rng, step, {0, samples(step)}, context);
+  }
+  Index samples(Index step) const { return std::ssize(motions_of(step)); }
+  LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const;
   /// The loss without dropout, of first texts and always with the same noise.
   std::vector<Measure> validate();
 
@@ -133,6 +143,10 @@ class DiffusionTraining : public EpochTask<typename System::Config, DiffusionMod
     return System::drops_last ? std::max<Index>(1, std::ssize(data_->training) / config_.optimiser.batch)
                               : batches_.per_epoch();
   }
+  /// The numbers of the motions of a step.
+  std::vector<Index> motions_of(Index step) const {
+    return batches_(detail::step_with_last(step, steps_per_epoch(), batches_.per_epoch()), this->seed());
+  }
   Index text_width() const { return texts_.encode ? texts_.width : config_.text.width; }
   Normalizer<B> motion_statistics(const std::filesystem::path& folder) const;
   Normalizer<B> text_statistics() const;
@@ -144,7 +158,7 @@ class DiffusionTraining : public EpochTask<typename System::Config, DiffusionMod
   TextFeatures<T> texts_of(const Model<T>& model, std::span<const std::string> texts, const Context& context) const;
   template <Backend T>
   Tensor<T, 0> loss_of(const Model<T>& model, const DiffusionBatch<T>& batch, const Philox& rng, double drop,
-                       const Context& context) const;
+                       const Context& context, const DiffusionPlace& place = {}) const;
 
   using Base::batches_, Base::config_, Base::data_, Base::learner_;
   DiffusionTexts<B> texts_;
@@ -274,33 +288,54 @@ TextFeatures<T> DiffusionTraining<Tape, System>::texts_of(const Model<T>& model,
 template <AutodiffBackend Tape, class System>
 template <Backend T>
 Tensor<T, 0> DiffusionTraining<Tape, System>::loss_of(const Model<T>& model, const DiffusionBatch<T>& batch,
-                                                      const Philox& rng, double drop, const Context& context) const {
+                                                      const Philox& rng, double drop, const Context& context,
+                                                      const DiffusionPlace& place) const {
   using S = typename T::scalar;
-  auto steps = rng.split("t"), noise = rng.split("noise"), drops = rng.split("drop");
-  NoisedMotions<T> noised{batch.x0, Tensor<T, 2>::randn(batch.x0.rows.shape(), noise), {}};
+  auto steps = rng.split("t"), drops = rng.split("drop");
+  const Shape shape = batch.x0.rows.shape();
+  NoisedMotions<T> noised{batch.x0, normal_rows<T>(place.first_row, shape[0], shape[1], rng.split("noise")), {}};
   std::vector<S> kept;
-  for (std::size_t i = 0; i < batch.texts.size(); ++i) {
-    noised.t.push_back(static_cast<Index>(steps.below(static_cast<std::uint32_t>(diffusion_.steps()))));
-    kept.push_back(drops.uniform() < drop ? S(0) : S(1));
+  for (Index i = 0; i < place.first + std::ssize(batch.texts); ++i) {
+    const auto t = static_cast<Index>(steps.below(static_cast<std::uint32_t>(diffusion_.steps())));
+    const bool dropped = drops.uniform() < drop;
+    if (i < place.first) continue;
+    noised.t.push_back(t);
+    kept.push_back(dropped ? S(0) : S(1));
   }
   auto text = texts_of(model, batch.texts, context);
   if (drop > 0) {
     const auto factor = Tensor<T, 2>::from(kept, {std::ssize(kept), 1});
     text.tokens.rows = text.tokens.rows * repeat_for_rows(factor, text.tokens.offsets);
   }
-  return System::loss(diffusion_, model.denoiser, noised, std::span<const Index>(batch.lengths), text, context);
+  return System::loss(diffusion_, model.denoiser, noised, std::span<const Index>(batch.lengths), text, context,
+                      place.longest);
 }
 
+/// All items of the batch are drawn, and the motions of the part are read.
 template <AutodiffBackend Tape, class System>
-auto DiffusionTraining<Tape, System>::loss(Philox rng, Index step, const Context& context) const -> LossTerms<A> {
-  const auto which = batches_(detail::step_with_last(step, steps_per_epoch(), batches_.per_epoch()), this->seed());
-  const auto items = rng.split("items");
-  const auto batch =
-      batch_of<A>(learner_.model, data_->training, which, [&](const DescribedMotion& m, Index place, Index frames) {
-        return System::item(config_, m, frames, items.split(static_cast<std::uint64_t>(place)));
-      });
+auto DiffusionTraining<Tape, System>::part_loss(Philox rng, Index step, const BatchPart& part,
+                                                const Context& context) const -> LossTerms<A> {
+  const std::vector<Index> which = motions_of(step);
+  const auto items_rng = rng.split("items");
+  const Index padded = System::pads(config_).frames;
+  std::vector<DiffusionItem> items;
+  std::vector<Index> lengths;
+  DiffusionPlace place{.first = part.first};
+  for (Index i = 0; i < std::ssize(which); ++i) {
+    const DescribedMotion& m = data_->training[static_cast<std::size_t>(which[static_cast<std::size_t>(i)])];
+    items.push_back(
+        System::item(config_, m, std::ssize(m.rows) / data_->width, items_rng.split(static_cast<std::uint64_t>(i))));
+    const Index frames = items.back().frames.length;
+    lengths.push_back(frames);
+    place.longest = std::max(place.longest, frames);
+    if (i < part.first) place.first_row += padded > 0 ? padded : frames;
+  }
+  const auto batch = batch_of<A>(
+      learner_.model, data_->training, part.of(which),
+      [&](const DescribedMotion&, Index i, Index) { return items[static_cast<std::size_t>(part.first + i)]; });
   LossTerms<A> out;
-  out.add("loss", 1, loss_of<A>(learner_.model, batch, rng, System::drops_texts ? config_.text.drop : 0, context));
+  out.add("loss", System::share(part, std::span<const Index>(lengths)),
+          loss_of<A>(learner_.model, batch, rng, System::drops_texts ? config_.text.drop : 0, context, place));
   return out;
 }
 

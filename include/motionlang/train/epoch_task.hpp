@@ -6,6 +6,7 @@
 #include <map>      // settings
 #include <string>   // names
 #include <utility>  // move
+#include <vector>   // parameters
 
 #include <motionlang/datasets/described_motions.hpp>
 #include <motionlang/file/fields_json.hpp>
@@ -39,6 +40,7 @@ class EpochTask {
   void update(const Gradients<A>& gradients, Index step) {
     learner_.update(gradients, config_.optimiser.rate(step, steps()), step);
   }
+  std::vector<ModuleTensor<A>> parameters() { return tensors_of(learner_.model); }
   ValidationPlan validation() const {
     const auto& v = config_.validation;
     if (data_->validation.empty()) return {};

@@ -66,7 +66,11 @@ class MdmActionTraining
     out.erase("updates");  // a run may be extended
     return out;
   }
-  LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
+  LossTerms<A> loss(Philox rng, Index step, const Context& context) const {
+    return part_loss(rng, step, {0, samples(step)}, context);
+  }
+  Index samples(Index step) const { return std::ssize(motions_of(step)); }
+  LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const;
   /// The loss without dropout, of the same windows and noise in every call.
   std::vector<Measure> validate();
 
@@ -75,9 +79,14 @@ class MdmActionTraining
 
  private:
   Index steps_per_epoch() const { return std::max<Index>(1, std::ssize(data_->training) / config_.optimiser.batch); }
+  /// The numbers of the motions of a step.
+  std::vector<Index> motions_of(Index step) const {
+    return batches_(detail::step_with_last(step, steps_per_epoch(), batches_.per_epoch()), this->seed());
+  }
+  /// The loss of a part of a batch.
   template <Backend T>
-  LossTerms<T> loss_of(const MdmDenoiser<T>& model, const ActionBatch<T>& batch, const Philox& rng, double drop,
-                       const Context& context) const;
+  LossTerms<T> loss_of(const MdmDenoiser<T>& model, const ActionBatch<T>& whole, const BatchPart& part,
+                       const Philox& rng, double drop, const Context& context) const;
 
   using Base::batches_, Base::classes_, Base::config_, Base::data_, Base::labels_, Base::learner_;
   GaussianDiffusion diffusion_;
@@ -92,34 +101,43 @@ MdmActionTraining<Tape>::MdmActionTraining(const MdmActionTrainingConfig& config
 }
 
 template <AutodiffBackend Tape>
-auto MdmActionTraining<Tape>::loss(Philox rng, Index step, const Context& context) const -> LossTerms<A> {
-  const auto which = batches_(detail::step_with_last(step, steps_per_epoch(), batches_.per_epoch()), this->seed());
-  const auto batch = action_batch<A>(data_->training, classes_, which, config_.clips, rng.split("windows"));
-  return loss_of(learner_.model, batch, rng, config_.drop, context);
+auto MdmActionTraining<Tape>::part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const
+    -> LossTerms<A> {
+  const auto batch = action_batch<A>(data_->training, classes_, motions_of(step), config_.clips, rng.split("windows"));
+  return loss_of(learner_.model, batch, part, rng, config_.drop, context);
 }
 
 template <AutodiffBackend Tape>
 std::vector<Measure> MdmActionTraining<Tape>::validate() {
   return {{"loss", this->over_validation([&](std::span<const Index> which, const Philox& rng) {
              const auto batch = this->validation_batch(which, rng);
-             return static_cast<double>(loss_of(learner_.average, batch, rng, 0, {}).total().item());
+             const BatchPart all{0, batch.x.count()};
+             return static_cast<double>(loss_of(learner_.average, batch, all, rng, 0, {}).total().item());
            })}};
 }
 
 template <AutodiffBackend Tape>
 template <Backend T>
-LossTerms<T> MdmActionTraining<Tape>::loss_of(const MdmDenoiser<T>& model, const ActionBatch<T>& batch,
-                                              const Philox& rng, double drop, const Context& context) const {
+LossTerms<T> MdmActionTraining<Tape>::loss_of(const MdmDenoiser<T>& model, const ActionBatch<T>& whole,
+                                              const BatchPart& part, const Philox& rng, double drop,
+                                              const Context& context) const {
   using S = typename T::scalar;
-  auto steps = rng.split("t"), noise = rng.split("noise"), drops = rng.split("drop");
-  NoisedMotions<T> noised{batch.x, Tensor<T, 2>::randn(batch.x.rows.shape(), noise), {}};
+  const ActionBatch<T> batch = part_of(whole, part);
+  auto steps = rng.split("t"), drops = rng.split("drop");
+  NoisedMotions<T> noised{
+      batch.x,
+      normal_rows<T>(whole.x.offsets.begin(part.first), batch.x.rows.size(0), batch.x.width(), rng.split("noise")),
+      {}};
   const Index actions = model.config.num_actions;
   std::vector<S> one_hot(batch.classes.size() * static_cast<std::size_t>(actions));
-  for (std::size_t i = 0; i < batch.classes.size(); ++i) {
-    noised.t.push_back(static_cast<Index>(steps.below(static_cast<std::uint32_t>(diffusion_.steps()))));
+  for (Index i = 0; i < part.last; ++i) {
+    const auto t = static_cast<Index>(steps.below(static_cast<std::uint32_t>(diffusion_.steps())));
     const bool dropped = drops.uniform() < drop;
+    if (i < part.first) continue;
+    noised.t.push_back(t);
+    const auto row = static_cast<std::size_t>(i - part.first);
     if (!config_.unconstrained && !dropped)
-      one_hot[i * static_cast<std::size_t>(actions) + static_cast<std::size_t>(batch.classes[i])] = 1;
+      one_hot[row * static_cast<std::size_t>(actions) + static_cast<std::size_t>(batch.classes[row])] = 1;
   }
   const auto action = TextFeatures<T>::pooled(Tensor<T, 2>::from(one_hot, {std::ssize(batch.classes), actions}));
   const auto said = model(noised.at_t(diffusion_), noised.t, action, context);
@@ -128,8 +146,10 @@ LossTerms<T> MdmActionTraining<Tape>::loss_of(const MdmDenoiser<T>& model, const
   const auto of = [&](const Sequences<T>& x) {
     return joints ? detail::joints_in_place(x, config_.clips) : Sequences<T>();
   };
-  return mdm_action_losses(batch.x, said, of(batch.x), of(said), config_.clips.numbers(),
-                           {.rcxyz = l.rcxyz, .vel = l.vel, .fc = l.fc});
+  auto out = mdm_action_losses(batch.x, said, of(batch.x), of(said), config_.clips.numbers(),
+                               {.rcxyz = l.rcxyz, .vel = l.vel, .fc = l.fc});
+  for (auto& term : out.terms) term.weight *= part.share(whole.x.count());
+  return out;
 }
 
 template <AutodiffBackend Tape>

@@ -11,6 +11,7 @@
 #include <cmath>       // pow, sqrt
 #include <filesystem>  // the model
 #include <map>         // settings
+#include <optional>    // batches
 #include <string>      // captions
 #include <vector>      // samples
 
@@ -137,8 +138,13 @@ class StmcTraining {
   /// Everything that decides what a step computes, except the number of steps: a run may be extended, and its learning
   /// rate then follows the new number.
   std::map<std::string, std::string> settings() const;
-  LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
+  LossTerms<A> loss(Philox rng, Index step, const Context& context) {
+    return part_loss(rng, step, {0, config_.batch}, context);
+  }
+  Index samples(Index) const { return config_.batch; }
+  LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context);
   void update(const Gradients<A>& gradients, Index step);
+  std::vector<ModuleTensor<A>> parameters();
   void add_to(TensorStore& store) const;
   void load(const SafetensorsFile& file, Index steps);
 
@@ -149,6 +155,8 @@ class StmcTraining {
   Learner<Stmc<A>, Stmc<B>> learner_;
   Linear<A> summary_;  // from a caption's vector to the summary of its motion; not part of the model
   AdamW<A> adam_summary_;
+  std::optional<std::uint64_t> drawn_{};  // the stream of the batch that was drawn last, for its next part
+  std::vector<TrainingSample> batch_{};
 };
 
 template <AutodiffBackend A>
@@ -214,43 +222,52 @@ void StmcTraining<A>::start_from(const std::filesystem::path& model) {
 }
 
 template <AutodiffBackend A>
-LossTerms<A> StmcTraining<A>::loss(Philox rng, Index, const Context& context) const {
-  const auto batch = detail::draw_batch(*data_, config_, rng.split("samples"), config_.batch);
+LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part, const Context& context) {
+  if (drawn_ != rng.stream) batch_ = detail::draw_batch(*data_, config_, rng.split("samples"), config_.batch);
+  drawn_ = rng.stream;
 
-  // The clean frames x0, packed; one t for each sequence; the noise.
+  // The clean frames x0 of the part, packed; one t for each sequence; the noise.
   std::vector<float> values;
-  std::vector<Index> lengths, t, t_of_row;
+  std::vector<Index> lengths, all_lengths, all_steps, t, t_of_row;
   std::vector<std::string> captions;
   auto t_rng = rng.split("t");
-  for (const TrainingSample& s : batch) {
+  Index rows_before = 0;
+  for (Index i = 0; i < config_.batch; ++i) {
+    const TrainingSample& s = batch_[static_cast<std::size_t>(i)];
+    const Index t_of_sample = detail::draw_t(t_rng, diffusion_.steps(), config_.noise_focus);
+    all_lengths.push_back(s.frames);
+    all_steps.push_back(s.frames - 1);
+    if (i < part.first) rows_before += s.frames;
+    if (i < part.first || i >= part.last) continue;
     values.insert(values.end(), s.features.begin(), s.features.end());
     lengths.push_back(s.frames);
     captions.push_back(s.caption);
-    t.push_back(detail::draw_t(t_rng, diffusion_.steps(), config_.noise_focus));
-    t_of_row.insert(t_of_row.end(), static_cast<std::size_t>(s.frames), t.back());
+    t.push_back(t_of_sample);
+    t_of_row.insert(t_of_row.end(), static_cast<std::size_t>(s.frames), t_of_sample);
   }
+  const double of_samples = part.share(config_.batch), of_frames = part.share(std::span<const Index>(all_lengths)),
+               of_steps = part.share(std::span<const Index>(all_steps));
   const Offsets offsets(lengths);
   const auto x0 =
       learner_.model.motion_normalizer.normalize(Tensor<A, 2>::from(values, {offsets.rows(), smplrifke_size}));
-  auto noise_rng = rng.split("noise");
-  const auto eps = Tensor<A, 2>::randn(x0.shape(), noise_rng);
+  const auto eps = normal_rows<A>(rows_before, offsets.rows(), smplrifke_size, rng.split("noise"));
 
   const auto text = TextFeatures<A>::pooled(learner_.model.text_encoder(captions, context));
   const auto out =
       learner_.model.denoiser(Sequences<A>(q_sample(diffusion_, x0, t_of_row, eps), offsets), t, text, context).rows;
   const auto error = (out - x0) * detail::feature_weights<A>(config_.root_weight);
   LossTerms<A> loss;
-  loss.add("features", 1, mean(square(error)));
+  loss.add("features", of_frames, mean(square(error)));
   if (config_.velocity_weight > 0) {  // differences between neighbouring frames of a sequence
     std::vector<Index> now, next;
     for (Index s = 0; s < offsets.count(); ++s) {
       for (Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);
     }
-    loss.add("velocities", config_.velocity_weight, mean(square(gather(error, next) - gather(error, now))));
+    loss.add("velocities", config_.velocity_weight * of_steps, mean(square(gather(error, next) - gather(error, now))));
   }
   if (config_.foot_weight > 0) {
     const auto truth = Tensor<B, 2>::from(values, {offsets.rows(), smplrifke_size});
-    loss.add("feet", config_.foot_weight,
+    loss.add("feet", config_.foot_weight * of_steps,
              foot_velocity_loss<A>(learner_.model.motion_normalizer.denormalize(out), truth, offsets, training_fps));
   }
   if (config_.text_weight > 0) {
@@ -260,9 +277,16 @@ LossTerms<A> StmcTraining<A>::loss(Philox rng, Index, const Context& context) co
       detail::append_summary(wanted, x0.span().subspan(static_cast<std::size_t>(offsets.begin(s)) * width,
                                                        static_cast<std::size_t>(offsets.length(s)) * width));
     const auto said = summary_(text.tokens.rows);
-    loss.add("text", config_.text_weight, mse(said, Tensor<A, 2>::from(wanted, said.shape())));
+    loss.add("text", config_.text_weight * of_samples, mse(said, Tensor<A, 2>::from(wanted, said.shape())));
   }
   return loss;
+}
+
+template <AutodiffBackend A>
+std::vector<ModuleTensor<A>> StmcTraining<A>::parameters() {
+  auto out = tensors_of(learner_.model);
+  for (auto& t : tensors_of(summary_)) out.push_back(std::move(t));
+  return out;
 }
 
 template <AutodiffBackend A>

@@ -6,6 +6,10 @@
 ///     trainer.run({.out = "run"}, {.progress = [](const TrainingProgress& p) { return !asked_to_stop; }});
 ///
 /// The folder `out` gets checkpoint.safetensors and loss.svg. A stopped run continues from there.
+///
+/// A batch is cut into parts of `micro_batch` samples if that is not 0. Several processes may share the parts
+/// (train/communicator.hpp), and any number of processes and threads gives the same bits. So a run may be resumed with
+/// another number. The results differ from those of whole batches by rounding and by the masks of dropout.
 #pragma once
 
 #include <chrono>       // minutes between checkpoints
@@ -19,10 +23,13 @@
 #include <vector>       // measures
 
 #include <motionlang/core/context.hpp>
+#include <motionlang/core/option_error.hpp>
 #include <motionlang/core/progress.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/loss/loss_terms.hpp>
 #include <motionlang/tensor/gradient.hpp>
+#include <motionlang/train/batch_parts.hpp>
+#include <motionlang/train/communicator.hpp>
 #include <motionlang/train/training_record.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -48,6 +55,21 @@ concept TrainingTask = requires(T& task, const T& same, Philox rng, const Contex
   same.add_to(store);
   task.load(file, step);
 };
+/// Trainings whose loss is a sum over the samples of a batch, so that parts of a batch can be computed apart.
+/// Contrastive losses are not such sums.
+///   samples     of the batch of a step
+///   part_loss   the terms of some of these samples
+///   parameters  the tensors that `update` changes
+/// Laws    the terms of all parts of a batch, with their weights, add up to those of `loss`, up to rounding and the
+///         masks of dropout; all parts have the same terms
+/// Models  DiffusionTraining, MdmActionTraining, ActorTraining, StmcTraining
+template <class T>
+concept DividedTask = TrainingTask<T> &&
+    requires(T& task, Philox rng, const Context& context, const BatchPart& part, Index step) {
+  { task.samples(step) } -> std::convertible_to<Index>;
+  { task.part_loss(rng, step, part, context) } -> std::same_as<LossTerms<typename T::A>>;
+  { task.parameters() } -> std::same_as<std::vector<ModuleTensor<typename T::A>>>;
+};
 /// Tasks that can measure how good they are.
 ///   validate    its first measure decides which weights are best
 ///   validation  when to validate
@@ -64,7 +86,9 @@ struct TrainingOptions {
   double save_minutes = 5;                 // between checkpoints
   bool fresh = false;                      // begin a new run even if there is a checkpoint
   bool other_settings = false;             // continue even if the checkpoint has other settings
-  bool recompute = false;  // layers are recomputed instead of kept: the same results, less memory, more time
+  bool recompute = false;          // layers are recomputed instead of kept: the same results, less memory, more time
+  Index micro_batch = 0;           // samples of a part of a batch; 0: batches are not divided
+  AnyCommunicator communicator{};  // the processes that share the parts
 };
 
 /// The start of a run.
@@ -86,7 +110,7 @@ struct TrainingSummary {
   bool stopped_early = false;  // because the validation no longer improved
 };
 /// The reports of a run; any of them may be empty.
-///   prepare   for a new run, before its first checkpoint
+///   prepare   for a new run, before its first checkpoint: in all processes; rank 0 alone makes the other calls
 ///   start     before the first step
 ///   progress  after every step; false: the run is saved and ends with `cancelled`
 ///   stop      the run was saved because `progress` returned false
@@ -111,6 +135,10 @@ class Trainer {
   const TrainingRecord& record() const { return record_; }
   Index steps_done() const { return record_.steps(); }
 
+  /// Batches are computed in parts of `micro_batch` samples (0: as one), which these processes share. Call it before
+  /// the first step. Throws option_error 101 for a negative number, 102 for several processes without parts, and for
+  /// parts of a loss that needs the whole batch.
+  void divide(Index micro_batch, const AnyCommunicator& communicator = {});
   /// One optimiser step; returns the loss. Throws numeric_error 301 if it is not finite.
   double step();
   bool finished() const {
@@ -125,38 +153,79 @@ class Trainer {
   /// (`with_other_settings`: other sizes or data), io_error 406, 407 if tensors are missing or wrong.
   void resume(const std::filesystem::path& checkpoint, bool with_other_settings = false);
 
-  /// All steps, from the checkpoint in the folder if there is one. Saves regularly, and at the end.
+  /// All steps, from the checkpoint in the folder if there is one. Saves regularly, and at the end. Of several
+  /// processes rank 0 alone saves and decides when to stop; all must see the same data and the folder `out`.
   /// Throws  cancelled if `progress` returns false, after saving; config_error 102 for a checkpoint with other settings
-  ///         or more steps; what step, save and resume throw
+  ///         or more steps, and if processes differ; what divide, step, save and resume throw
   TrainingSummary run(const TrainingOptions& options, const TrainingCallbacks& callbacks = {});
 
  private:
+  using Number = typename Task::A::scalar;
+
+  /// A step of a divided batch.
+  double divided_step(const Philox& rng, Index k);
+  double keep_loss(double value, const std::vector<std::string>& names, std::span<const float> values);
   void validate();
+  /// Those of the task, and the size of the parts if there are any, or were in `before`.
+  std::map<std::string, std::string> settings(const SafetensorsFile* before = nullptr) const;
+  /// Throws config_error 102, in all processes, if their settings, states or kernels differ.
+  void require_same_everywhere(const char* when) const;
+  void require_finite(double loss, Index k) const {
+    if (!std::isfinite(loss)) raise<numeric_error>(301, "training: the loss of step ", k, " is ", loss);
+  }
 
   Task task_;
   TrainingRecord record_;
   bool recompute_ = false;
+  Index micro_batch_ = 0;
+  AnyCommunicator communicator_;
 };
 
 /// A complete training: the run, then the folder of the model, out/model. `about`: license and provenance, which are
-/// required, data, command, ... for its config.json. Throws what Trainer::run and the task's save throw.
+/// required, data, command, ... for its config.json. Of several processes, rank 0 writes the folder. Throws what
+/// Trainer::run and the task's save throw.
 template <TrainingTask Task>
 TrainingSummary train(Task task, const TrainingOptions& options, const std::map<std::string, std::string>& about,
                       const TrainingCallbacks& callbacks = {}) {
   Trainer<Task> trainer(std::move(task));
   const TrainingSummary summary = trainer.run(options, callbacks);
-  trainer.task().save(options.out / "model", about);
+  if (options.communicator.rank() == 0) trainer.task().save(options.out / "model", about);
   return summary;
+}
+
+namespace detail {
+
+inline constexpr const char* micro_batch_setting = "training.micro_batch";
+
+}  // namespace detail
+
+template <TrainingTask Task>
+void Trainer<Task>::divide(Index micro_batch, const AnyCommunicator& communicator) {
+  if (micro_batch < 0) raise<option_error>(101, "`micro_batch` is ", micro_batch, ", expected 0 or more");
+  if constexpr (!DividedTask<Task>) {
+    if (micro_batch > 0 || communicator.size() > 1)
+      raise<option_error>(102,
+                          "this training needs its whole batch at once: it has no `micro_batch` and runs in one "
+                          "process, not in ",
+                          communicator.size());
+  } else if (micro_batch == 0 && communicator.size() > 1) {
+    raise<option_error>(102, communicator.size(), " processes share the parts of a batch: `micro_batch` is missing");
+  }
+  micro_batch_ = micro_batch;
+  communicator_ = communicator;
 }
 
 template <TrainingTask Task>
 double Trainer<Task>::step() {
   const Index k = steps_done();
   const auto rng = Philox{.seed = task_.seed()}.split("step").split(static_cast<std::uint64_t>(k));
+  if constexpr (DividedTask<Task>) {
+    if (micro_batch_ > 0) return divided_step(rng, k);
+  }
   const auto terms = task_.loss(rng, k, {.dropout = rng.split("dropout"), .recompute = recompute_});
   const auto loss = terms.total();
   const double value = static_cast<double>(loss.item());
-  if (!std::isfinite(value)) raise<numeric_error>(301, "training: the loss of step ", k, " is ", value);
+  require_finite(value, k);
   task_.update(backward(loss), k);
   std::vector<std::string> names;
   std::vector<float> values;
@@ -164,6 +233,47 @@ double Trainer<Task>::step() {
     names.push_back(t.name);
     values.push_back(static_cast<float>(t.weight * static_cast<double>(t.value.item())));
   }
+  return keep_loss(value, names, values);
+}
+
+/// A list of numbers is summed over the parts: the loss, its terms, the gradients.
+template <TrainingTask Task>
+double Trainer<Task>::divided_step(const Philox& rng, Index k) {
+  if constexpr (DividedTask<Task>) {
+    using A = typename Task::A;
+    const Index samples = task_.samples(k), parts = part_count(samples, micro_batch_);
+    const std::vector<ModuleTensor<A>> parameters = task_.parameters();
+    const auto dropout = rng.split("dropout");
+    std::vector<std::string> names;
+    auto sum = sum_of_parts<Number>(communicator_, parts, [&](Index i) {
+      const Context context{.dropout = dropout.split(static_cast<std::uint64_t>(i)), .recompute = recompute_};
+      const LossTerms<A> terms = task_.part_loss(rng, k, batch_part(i, samples, micro_batch_), context);
+      const auto loss = terms.total();
+      std::vector<Number> out{loss.item()};
+      names.clear();
+      for (const auto& t : terms.terms) {
+        names.push_back(t.name);
+        out.push_back(static_cast<Number>(t.weight * static_cast<double>(t.value.item())));
+      }
+      append_gradients<A>(out, parameters, backward(loss));
+      return out;
+    });
+    // A rank without parts does not know the terms.
+    names = lines_of_first(communicator_, names);
+    const std::size_t heads = 1 + names.size();
+    sum.resize(heads + gradient_list_size<A>(parameters));
+    communicator_.broadcast(std::as_writable_bytes(std::span(sum)), 0);
+    const auto value = static_cast<double>(sum.front());
+    require_finite(value, k);
+    task_.update(listed_gradients<A>(std::span<const Number>(sum).subspan(heads), parameters), k);
+    return keep_loss(value, names, std::vector<float>(sum.begin() + 1, sum.begin() + static_cast<Index>(heads)));
+  } else {
+    return 0;  // `divide` has refused it
+  }
+}
+
+template <TrainingTask Task>
+double Trainer<Task>::keep_loss(double value, const std::vector<std::string>& names, std::span<const float> values) {
   record_.add(static_cast<float>(value), names, values);
   validate();
   return value;
@@ -182,62 +292,92 @@ void Trainer<Task>::validate() {
 template <TrainingTask Task>
 void Trainer<Task>::save(const std::filesystem::path& checkpoint) const {
   TensorStore store;
-  auto metadata = task_.settings();
+  auto metadata = settings();
   task_.add_to(store);
   record_.add_to(store, metadata);
   write_safetensors(checkpoint, store.views(), metadata);
 }
 
 template <TrainingTask Task>
+std::map<std::string, std::string> Trainer<Task>::settings(const SafetensorsFile* before) const {
+  auto out = task_.settings();
+  if (micro_batch_ > 0 || (before != nullptr && before->metadata().contains(detail::micro_batch_setting)))
+    out[detail::micro_batch_setting] = std::to_string(micro_batch_);
+  return out;
+}
+
+template <TrainingTask Task>
+void Trainer<Task>::require_same_everywhere(const char* when) const {
+  if (communicator_.size() == 1) return;
+  TensorStore store;
+  auto texts = settings();
+  task_.add_to(store);
+  record_.add_to(store, texts);
+  std::string text = kernels_in_use() + "\n" + tensors_checksum(store.views());
+  for (const auto& [name, value] : texts) text += "\n" + name + " " + value;
+  if (const Index other = first_other_text(communicator_, text); other > 0)
+    raise<config_error>(102, "rank ", other, " of ", communicator_.size(), " differs from rank 0 ", when,
+                        ": all processes need the same data, options and kind of processor");
+}
+
+template <TrainingTask Task>
 void Trainer<Task>::resume(const std::filesystem::path& checkpoint, bool with_other_settings) {
   const auto file = SafetensorsFile::open(checkpoint);
-  require_same_settings(file, task_.settings(), with_other_settings);
+  require_same_settings(file, settings(&file), with_other_settings);
   record_.load(file);
   task_.load(file, steps_done());
 }
 
 template <TrainingTask Task>
 TrainingSummary Trainer<Task>::run(const TrainingOptions& o, const TrainingCallbacks& callbacks) {
+  divide(o.micro_batch, o.communicator);
   recompute_ = o.recompute;
-  std::filesystem::create_directories(o.out);
+  const bool is_first = communicator_.rank() == 0;
+  if (is_first) std::filesystem::create_directories(o.out);
   const auto checkpoint = o.out / "checkpoint.safetensors";
   auto keep = [&] {
+    if (!is_first) return;
     save(checkpoint);
     if (steps_done() > 0) write_file(o.out / "loss.svg", std::string_view(record_.curves()));
   };
-  const bool resumed = !o.fresh && std::filesystem::exists(checkpoint);
+  const bool resumed = answer_of_first(communicator_, is_first && !o.fresh && std::filesystem::exists(checkpoint));
   if (resumed) {
     resume(checkpoint, o.other_settings);
     if (steps_done() > task_.steps())
       raise<config_error>(102, checkpoint.string(), " has ", counted(steps_done(), "step"), ", ", task_.steps(),
                           " are asked for: `fresh` starts anew, another `out` keeps both");
-  } else {
-    if (callbacks.prepare) callbacks.prepare();
-    keep();
+  } else if (callbacks.prepare) {
+    callbacks.prepare();
   }
+  require_same_everywhere("before the first step");
+  if (!resumed) keep();
   const Index first = steps_done();
-  if (callbacks.start) callbacks.start({first, task_.steps(), resumed});
+  if (is_first && callbacks.start) callbacks.start({first, task_.steps(), resumed});
   const auto began = std::chrono::steady_clock::now();
   auto saved = began;
   double smoothed = 0;
   while (!finished()) {
     const double loss = step();
     smoothed = smoothed == 0 ? loss : 0.98 * smoothed + 0.02 * loss;
-    const bool go_on = !callbacks.progress || callbacks.progress({steps_done(), task_.steps(), smoothed, record_});
+    const bool go_on =
+        answer_of_first(communicator_, !is_first || !callbacks.progress ||
+                                           callbacks.progress({steps_done(), task_.steps(), smoothed, record_}));
     const auto now = std::chrono::steady_clock::now();
     if (!go_on || now - saved > std::chrono::duration<double>(60 * o.save_minutes)) {
       keep();
       saved = now;
     }
     if (!go_on) {
-      if (callbacks.stop) callbacks.stop(steps_done(), checkpoint);
+      if (is_first && callbacks.stop) callbacks.stop(steps_done(), checkpoint);
+      communicator_.barrier();  // until rank 0 has saved
       detail::throw_exception(cancelled());
     }
   }
+  require_same_everywhere("after the last step");
   keep();
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - began;
   const TrainingSummary summary{steps_done() - first, steps_done(), time.count(), steps_done() < task_.steps()};
-  if (callbacks.finish) callbacks.finish(summary);
+  if (is_first && callbacks.finish) callbacks.finish(summary);
   return summary;
 }
 

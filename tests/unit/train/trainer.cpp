@@ -137,3 +137,11 @@ TEST_CASE("training stops early when the validation no longer gets better, and k
   CHECK(trainer.record().best() == 0);
   CHECK(trainer.task().kept == 1);
 }
+
+TEST_CASE("a training that needs its whole batch has no parts") {
+  const TemporaryFolder folder;
+  static_assert(!ml::DividedTask<Doubling> && ml::DividedTask<ml::ActorTraining<Doubling::A>>);
+  CHECK_ERROR(ml::Trainer{Doubling()}.run({.out = folder / "out", .micro_batch = 2}),
+              "[motionlang.config.102] this training needs its whole batch at once");
+  CHECK_FALSE(std::filesystem::exists(folder / "out"));
+}

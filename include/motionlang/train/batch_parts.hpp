@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+/// Parts of a batch, whose gradients several processes compute, and their sum in an order that does not depend on the
+/// number of processes.
+///
+/// Parts have a fixed number of samples, the last one perhaps fewer. They are the leaves of a binary tree, and a node
+/// is the sum of its two halves:
+///     ((0 + 1) + (2 + 3)) + ((4 + 5) + 6)
+/// Each rank computes parts that follow each other. The rank of the first leaf of a node adds what the rank of its
+/// second half sends. If the numbers of parts and ranks are powers of two, every rank but the first sends one sum.
+#pragma once
+
+#include <algorithm>  // count_if, min
+#include <span>       // messages
+#include <utility>    // move
+#include <vector>     // sums
+
+#include <motionlang/core/rng.hpp>
+#include <motionlang/tensor/gradient.hpp>
+#include <motionlang/tensor/module.hpp>
+#include <motionlang/tensor/sequences.hpp>
+#include <motionlang/train/communicator.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Samples first ... last - 1 of a batch.
+struct BatchPart {
+  Index first = 0, last = 0;
+
+  Index count() const { return last - first; }
+  /// These samples of a list of all.
+  template <class T>
+  std::span<const T> of(const std::vector<T>& all) const {
+    return std::span(all).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count()));
+  }
+  /// Their share of all samples of the batch.
+  double share(Index samples) const { return static_cast<double>(count()) / static_cast<double>(samples); }
+  /// Their share in the sum of numbers of which each sample of the batch has one.
+  double share(std::span<const Index> numbers) const;
+};
+
+/// The number of parts with `size` samples each.
+inline Index part_count(Index samples, Index size) { return (samples + size - 1) / size; }
+/// Part number i.
+inline BatchPart batch_part(Index i, Index samples, Index size) {
+  return {i * size, std::min(samples, (i + 1) * size)};
+}
+/// The rank that computes part i. Ranks have equal numbers of parts, or one more than others; rank 0 has part 0.
+inline Index rank_of_part(Index i, Index parts, Index ranks) { return i * ranks / parts; }
+
+/// The sequences of a part of a batch, and the rows of the batch before them.
+template <Backend B>
+Sequences<B> part_of(const Sequences<B>& batch, const BatchPart& part) {
+  if (part.count() == batch.count()) return batch;
+  std::vector<Index> lengths;
+  for (Index s = part.first; s < part.last; ++s) lengths.push_back(batch.offsets.length(s));
+  return {slice(batch.rows, 0, batch.offsets.begin(part.first), batch.offsets.begin(part.last)), Offsets(lengths)};
+}
+
+/// Rows first ... first + rows - 1 of the matrix of `width` columns that `rng` draws: the numbers of the whole batch,
+/// without those of other samples.
+template <Backend B>
+Tensor<B, 2> normal_rows(Index first, Index rows, Index width, Philox rng) {
+  constexpr Index block = 4;  // numbers that Philox draws at once
+  const Index before = first * width, skipped = before % block;
+  rng.position += static_cast<std::uint64_t>(before / block);
+  if (skipped == 0) return Tensor<B, 2>::randn({rows, width}, rng);
+  std::vector<typename B::scalar> values(static_cast<std::size_t>(skipped + rows * width));
+  rng.normal(std::span(values));
+  return Tensor<B, 2>::from(std::span<const typename B::scalar>(values).subspan(static_cast<std::size_t>(skipped)),
+                            {rows, width});
+}
+
+/// The sum of what compute(i) returns for the parts i = 0 ... parts - 1, vectors of one size. Rank 0 has it; others get
+/// a part of it or nothing. compute is called in each process for its own parts. Throws shape_error 204 if the sizes of
+/// vectors differ.
+template <Scalar S, class F>
+std::vector<S> sum_of_parts(const AnyCommunicator& c, Index parts, const F& compute);
+
+/// All gradients as one list: for each parameter 1 if the loss depends on it and 0 if not, then the gradients in the
+/// order of the parameters, with zeros where there are none.
+template <AutodiffBackend A>
+void append_gradients(std::vector<typename A::scalar>& out, const std::vector<ModuleTensor<A>>& parameters,
+                      const Gradients<A>& gradients);
+/// The length of such a list.
+template <AutodiffBackend A>
+std::size_t gradient_list_size(const std::vector<ModuleTensor<A>>& parameters);
+/// The gradients in such a list, or in a sum of some. Parameters on which no loss depends have none. Throws shape_error
+/// 205 for a list of another length.
+template <AutodiffBackend A>
+Gradients<A> listed_gradients(std::span<const typename A::scalar> list, const std::vector<ModuleTensor<A>>& parameters);
+
+namespace detail {
+
+template <Scalar S, class F>
+struct PartSums {
+  const AnyCommunicator& communicator;
+  Index parts;
+  const F& compute;
+
+  /// The sum of parts first ... first + width - 1, as far as there are any, on the rank of the first one.
+  std::vector<S> operator()(Index first, Index width) const {
+    const Index here = communicator.rank(), to = rank_of_part(first, parts, communicator.size());
+    if (width == 1) return here == to ? compute(first) : std::vector<S>();
+    const Index middle = first + width / 2;
+    std::vector<S> sum = (*this)(first, width / 2);
+    if (middle >= parts) return sum;
+    std::vector<S> other = (*this)(middle, width / 2);
+    const Index from = rank_of_part(middle, parts, communicator.size());
+    if (here == from && from != to) communicator.send(std::as_bytes(std::span(other)), to);
+    if (here != to) return {};
+    if (from != to) {
+      other.resize(sum.size());
+      communicator.receive(std::as_writable_bytes(std::span(other)), from);
+    }
+    if (other.size() != sum.size())
+      raise<shape_error>(204, "sum_of_parts: ", sum.size(), " values beside ", other.size());
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += other[i];
+    return sum;
+  }
+};
+
+template <AutodiffBackend A>
+bool is_variable(const ModuleTensor<A>& t) {
+  return t.data->node != nullptr && t.data->node->variable;
+}
+
+}  // namespace detail
+
+template <Scalar S, class F>
+std::vector<S> sum_of_parts(const AnyCommunicator& c, Index parts, const F& compute) {
+  Index width = 1;
+  while (width < parts) width *= 2;
+  return detail::PartSums<S, F>{c, parts, compute}(0, width);
+}
+
+template <AutodiffBackend A>
+void append_gradients(std::vector<typename A::scalar>& out, const std::vector<ModuleTensor<A>>& parameters,
+                      const Gradients<A>& gradients) {
+  using S = typename A::scalar;
+  out.reserve(out.size() + gradient_list_size<A>(parameters));
+  for (const auto& t : parameters) {
+    if (detail::is_variable<A>(t)) out.push_back(gradients.find(*t.data) == nullptr ? S(0) : S(1));
+  }
+  for (const auto& t : parameters) {
+    if (!detail::is_variable<A>(t)) continue;
+    if (const auto* g = gradients.find(*t.data)) {
+      const auto values = A::inner::to_span(*g);
+      out.insert(out.end(), values.begin(), values.end());
+    } else {
+      out.resize(out.size() + static_cast<std::size_t>(t.shape().count()));
+    }
+  }
+}
+
+template <AutodiffBackend A>
+std::size_t gradient_list_size(const std::vector<ModuleTensor<A>>& parameters) {
+  std::size_t size = 0;
+  for (const auto& t : parameters) {
+    if (detail::is_variable<A>(t)) size += 1 + static_cast<std::size_t>(t.shape().count());
+  }
+  return size;
+}
+
+template <AutodiffBackend A>
+Gradients<A> listed_gradients(std::span<const typename A::scalar> list,
+                              const std::vector<ModuleTensor<A>>& parameters) {
+  if (const std::size_t size = gradient_list_size<A>(parameters); list.size() != size)
+    raise<shape_error>(205, "listed_gradients: ", list.size(), " numbers, the parameters need ", size);
+  const auto variables = std::count_if(parameters.begin(), parameters.end(), detail::is_variable<A>);
+  auto reached = list.first(static_cast<std::size_t>(variables)), values = list.subspan(reached.size());
+  typename A::GradientMap out;
+  for (const auto& t : parameters) {
+    if (!detail::is_variable<A>(t)) continue;
+    const auto count = static_cast<std::size_t>(t.shape().count());
+    if (reached.front() > 0) out.emplace(t.data->node.get(), A::inner::from_span(values.first(count), t.shape()));
+    reached = reached.subspan(1), values = values.subspan(count);
+  }
+  return Gradients<A>(std::move(out));
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/train/batch_parts.ipp>
+#endif

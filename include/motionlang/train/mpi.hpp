@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+/// The model of Communicator (train/communicator.hpp) for MPI. Include it only where MPI is linked; Debian has it in
+/// libopenmpi-dev and openmpi-bin. Without <mpi.h> this header declares only started_processes.
+///
+/// Source   Message Passing Interface Forum: "MPI: A Message-Passing Interface Standard", version 3.1 (2015)
+#pragma once
+
+#include <algorithm>  // max, min
+#include <cstdlib>    // getenv, strtol
+#include <span>       // messages
+
+#include <motionlang/train/communicator.hpp>
+
+#if __has_include(<mpi.h>)
+#ifndef OMPI_SKIP_MPICXX
+#define OMPI_SKIP_MPICXX 1  // without Open MPI's classes
+#endif
+#ifndef MPICH_SKIP_MPICXX
+#define MPICH_SKIP_MPICXX 1
+#endif
+#include <mpi.h>
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The number of processes that mpirun or srun started together with this one, as Open MPI, MPICH and Slurm tell it in
+/// the environment; 1 without them. A process alone need not initialise MPI, which takes up to a second.
+inline Index started_processes() {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}) {
+    if (const char* value = std::getenv(name)) return std::max<Index>(1, std::strtol(value, nullptr, 10));
+  }
+  return 1;
+}
+
+#if __has_include(<mpi.h>)
+
+/// All processes that were started together. One object lives at a time, in the thread that uses it, until the work is
+/// done. Without `abort`, its end waits for the other processes.
+class MpiCommunicator {
+ public:
+  MpiCommunicator() {
+    int level = 0;
+    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &level);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+    MPI_Comm_size(MPI_COMM_WORLD, &size_);
+  }
+  ~MpiCommunicator() { MPI_Finalize(); }
+  MpiCommunicator(const MpiCommunicator&) = delete;
+  MpiCommunicator& operator=(const MpiCommunicator&) = delete;
+
+  Index rank() const { return rank_; }
+  Index size() const { return size_; }
+  void send(std::span<const std::byte> bytes, Index to) const {
+    for_pieces(bytes, [&](auto piece, int count) {
+      MPI_Send(piece.data(), count, MPI_BYTE, static_cast<int>(to), 0, MPI_COMM_WORLD);
+    });
+  }
+  void receive(std::span<std::byte> bytes, Index from) const {
+    for_pieces(bytes, [&](auto piece, int count) {
+      MPI_Recv(piece.data(), count, MPI_BYTE, static_cast<int>(from), 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    });
+  }
+  void broadcast(std::span<std::byte> bytes, Index root) const {
+    for_pieces(bytes, [&](auto piece, int count) {
+      MPI_Bcast(piece.data(), count, MPI_BYTE, static_cast<int>(root), MPI_COMM_WORLD);
+    });
+  }
+  void barrier() const { MPI_Barrier(MPI_COMM_WORLD); }
+
+  /// Ends all processes at once: for one that cannot go on while the others wait for it.
+  [[noreturn]] void abort(int code) const {
+    MPI_Abort(MPI_COMM_WORLD, code);
+    std::_Exit(code);
+  }
+
+ private:
+  /// MPI counts bytes in an int.
+  template <class Byte, class F>
+  static void for_pieces(std::span<Byte> bytes, const F& f) {
+    constexpr std::size_t longest = std::size_t{1} << 30;
+    do {
+      const auto piece = bytes.first(std::min(longest, bytes.size()));
+      f(piece, static_cast<int>(piece.size()));
+      bytes = bytes.subspan(piece.size());
+    } while (!bytes.empty());
+  }
+
+  int rank_ = 0, size_ = 1;
+};
+static_assert(Communicator<MpiCommunicator>);
+
+#endif
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,176 @@
+// Processes that train together: messages, answers of the first, and the sum of parts in a fixed tree.
+#include <motionlang/train/communicator.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include <motionlang/backend/usual.hpp>
+#include <motionlang/nn/linear.hpp>
+#include <motionlang/train/batch_parts.hpp>
+#include <motionlang/train/mpi.hpp>
+
+#include "../../support/check_error.hpp"
+#include "../../support/thread_processes.hpp"
+
+namespace ml = motionlang;
+using B = ml::EigenBackend<float>;
+using A = ml::Autodiff<B>;
+using ml::Index;
+
+TEST_CASE("one process has nobody to send to, and answers itself") {
+  const ml::AnyCommunicator alone;
+  CHECK((alone.rank() == 0 && alone.size() == 1));
+  CHECK(ml::text_of_first(alone, "text") == "text");
+  CHECK(ml::answer_of_first(alone, true));
+  CHECK_FALSE(ml::answer_of_first(alone, false));
+  CHECK(ml::first_other_text(alone, "text") == -1);
+  CHECK_NOTHROW(alone.barrier());
+  std::byte message[1]{};
+  CHECK_ERROR(alone.send(message, 1), "[motionlang.config.101] OneProcess: there is no rank 1");
+  CHECK_ERROR(alone.receive(message, 2), "there is no rank 2");
+}
+
+TEST_CASE("all have the text and the answer of the first, and find the first who differs") {
+  for (const Index size : {2, 4}) {
+    std::vector<std::string> texts(4);
+    std::vector<int> answers(4), same(4), different(4);
+    std::vector<std::vector<std::string>> lines(4);
+    run_processes(size, [&](const ThreadProcess& process) {
+      const ml::AnyCommunicator c(process);
+      const auto r = static_cast<std::size_t>(c.rank());
+      texts[r] = ml::text_of_first(c, r == 0 ? "long text" : std::string(r, 'x'));
+      lines[r] = ml::lines_of_first(c, r == 0 ? std::vector<std::string>{"a b", "c"} : std::vector<std::string>{});
+      answers[r] = ml::answer_of_first(c, r == 0) && !ml::answer_of_first(c, r != 0);
+      same[r] = static_cast<int>(ml::first_other_text(c, "equal"));
+      different[r] = static_cast<int>(ml::first_other_text(c, r + 1 == static_cast<std::size_t>(size) ? "x" : "equal"));
+    });
+    for (std::size_t r = 0; r < static_cast<std::size_t>(size); ++r) {
+      CHECK(texts[r] == "long text");
+      CHECK(lines[r] == std::vector<std::string>{"a b", "c"});
+      CHECK(answers[r] == 1);
+      CHECK(same[r] == -1);
+      CHECK(different[r] == size - 1);
+    }
+  }
+}
+
+TEST_CASE("parts have equal sizes but the last, and each belongs to one rank") {
+  CHECK(ml::part_count(10, 4) == 3);
+  CHECK(ml::batch_part(2, 10, 4).first == 8);
+  CHECK(ml::batch_part(2, 10, 4).last == 10);
+  CHECK(ml::batch_part(2, 10, 4).share(10) == 0.2);
+  const std::vector<Index> frames{1, 1, 2, 4};
+  CHECK(ml::BatchPart{2, 4}.share(std::span<const Index>(frames)) == 0.75);
+  CHECK(ml::BatchPart{0, 4}.share(std::span<const Index>(frames)) == 1);
+  for (Index parts = 1; parts < 12; ++parts) {
+    for (Index ranks = 1; ranks < 9; ++ranks) {
+      std::vector<Index> counts(static_cast<std::size_t>(ranks));
+      Index before = 0;
+      for (Index i = 0; i < parts; ++i) {
+        const Index rank = ml::rank_of_part(i, parts, ranks);
+        CHECK((rank >= before && rank < ranks));
+        ++counts[static_cast<std::size_t>(before = rank)];
+      }
+      CHECK(ml::rank_of_part(0, parts, ranks) == 0);
+      const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
+      CHECK(*most - *least <= 1);
+    }
+  }
+}
+
+TEST_CASE("the sum of parts is that of a fixed tree, with the same bits in any number of processes") {
+  const auto part = [](Index i) {  // numbers whose sum depends on the order
+    ml::Philox rng = ml::Philox{.seed = 3}.split(static_cast<std::uint64_t>(i));
+    std::vector<float> out(501);
+    rng.normal(std::span(out));
+    for (float& x : out) x *= std::pow(10.0f, static_cast<float>(i % 5));
+    return out;
+  };
+  std::vector<float> tree = part(0);  // ((0 + 1) + (2 + 3)) + ((4 + 5) + 6)
+  for (std::size_t k = 0; k < tree.size(); ++k) {
+    const auto p = [&](Index i) { return part(i)[k]; };
+    tree[k] = ((p(0) + p(1)) + (p(2) + p(3))) + ((p(4) + p(5)) + p(6));
+  }
+  std::vector<float> in_order = part(0);
+  for (Index i = 1; i < 7; ++i) {
+    for (std::size_t k = 0; k < in_order.size(); ++k) in_order[k] += part(i)[k];
+  }
+  CHECK(in_order != tree);  // so this test can fail
+  for (const Index ranks : {1, 2, 3, 4, 5, 7, 9}) {
+    CAPTURE(ranks);
+    std::vector<float> sum;
+    std::vector<Index> computed(static_cast<std::size_t>(ranks));
+    run_processes(ranks, [&](const ThreadProcess& process) {
+      auto own = ml::sum_of_parts<float>(ml::AnyCommunicator(process), 7, [&](Index i) {
+        ++computed[static_cast<std::size_t>(process.rank())];
+        return part(i);
+      });
+      if (process.rank() == 0) sum = std::move(own);
+    });
+    CHECK(sum == tree);
+    CHECK(std::accumulate(computed.begin(), computed.end(), Index{0}) == 7);
+  }
+}
+
+TEST_CASE("four ranks with eight parts send one sum each") {
+  std::vector<Index> messages(4);
+  run_processes(4, [&](const ThreadProcess& process) {
+    ml::sum_of_parts<float>(ml::AnyCommunicator(process), 8, [](Index) { return std::vector<float>(3, 1.0f); });
+    messages[static_cast<std::size_t>(process.rank())] = process.messages();
+  });
+  CHECK(messages == std::vector<Index>{0, 1, 1, 1});
+  CHECK_ERROR(
+      ml::sum_of_parts<float>({}, 2, [](Index i) { return std::vector<float>(static_cast<std::size_t>(i + 1)); }),
+      "[motionlang.shape.204]");
+}
+
+TEST_CASE("rows of a part are those that the whole batch draws") {
+  for (const Index width : {1, 3, 8}) {
+    auto rng = ml::Philox{.seed = 9};
+    const auto whole = ml::Tensor<B, 2>::randn({11, width}, rng).to_vector();
+    for (Index first = 0; first < 11; ++first) {
+      const Index rows = std::min<Index>(3, 11 - first);
+      const auto part = ml::normal_rows<B>(first, rows, width, ml::Philox{.seed = 9}).to_vector();
+      CHECK(part == std::vector<float>(whole.begin() + first * width, whole.begin() + (first + rows) * width));
+    }
+  }
+}
+
+TEST_CASE("gradients become a list and return from it; parameters that no loss reaches have none") {
+  ml::Philox rng{.seed = 1};
+  auto used = ml::convert<A>(ml::Linear<B>(2, 3, rng)), unused = ml::convert<A>(ml::Linear<B>(2, 1, rng));
+  auto parameters = ml::tensors_of(used);
+  for (auto& t : ml::tensors_of(unused)) parameters.push_back(t);
+  const auto x = ml::Tensor<A, 2>::randn({4, 2}, rng);
+  const auto gradients = ml::backward(ml::mean(ml::square(used(x))));
+  std::vector<float> list;
+  ml::append_gradients<A>(list, parameters, gradients);
+  CHECK(list.size() == ml::gradient_list_size<A>(parameters));
+  CHECK(std::vector<float>(list.begin(), list.begin() + 4) == std::vector<float>{1, 1, 0, 0});
+  const auto back = ml::listed_gradients<A>(std::span<const float>(list), parameters);
+  CHECK(back[used.weight].to_vector() == gradients[used.weight].to_vector());
+  CHECK(back.find(unused.weight.data()) == nullptr);
+  CHECK_ERROR(ml::listed_gradients<A>(std::span<const float>(list).first(5), parameters), "[motionlang.shape.205]");
+}
+
+TEST_CASE("the environment has the number of processes that were started together") {
+  const std::array names{"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"};
+  for (const char* name : names) ::unsetenv(name);
+  CHECK(ml::started_processes() == 1);
+  ::setenv("SLURM_STEP_NUM_TASKS", "2", 1);
+  CHECK(ml::started_processes() == 2);
+  ::setenv("OMPI_COMM_WORLD_SIZE", "8", 1);  // mpirun, which Slurm started
+  CHECK(ml::started_processes() == 8);
+  ::setenv("OMPI_COMM_WORLD_SIZE", "none", 1);
+  CHECK(ml::started_processes() == 1);
+  for (const char* name : names) ::unsetenv(name);
+}
+
+TEST_CASE("the kernels of this process have a name") {
+  const std::vector<std::string> names{"portable", "avx2", "avx512", "avx512_bf16", "amx"};
+  CHECK(std::find(names.begin(), names.end(), ml::kernels_in_use()) != names.end());
+}
