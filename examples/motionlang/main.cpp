@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "help_formatter.hpp"
+#include "train/processes.hpp"
 #include "training_commands.hpp"
 
 namespace {
@@ -40,9 +41,8 @@ void add_commands(CLI::App& app) {
     add(app);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// Returns the exit code.
+int run(int argc, char** argv) {
   for (int i = 0; i < argc; ++i) program::command_line += (i == 0 ? "motionlang" : std::string(" ") + argv[i]);
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
@@ -87,3 +87,7 @@ int main(int argc, char** argv) {
     return program::failed;
   }
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return program::end_processes(run(argc, argv)); }

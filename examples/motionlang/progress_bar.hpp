@@ -15,6 +15,9 @@ namespace program {
 /// be passed to anything that takes a motionlang::Progress.
 class ProgressBar {
  public:
+  /// Set in processes that work for another one. They draw nothing, and that one decides when all stop.
+  inline static bool quiet = false;
+
   explicit ProgressBar(std::string what, std::ptrdiff_t already_done = 0)
       : what_(std::move(what)), first_(already_done) {}
   ~ProgressBar() { finish(); }
@@ -26,6 +29,7 @@ class ProgressBar {
 
   bool operator()(std::ptrdiff_t done, std::ptrdiff_t total) {
     using namespace std::chrono;
+    if (quiet) return true;
     const auto now = steady_clock::now();
     const double pause = terminal_ ? 0.1 : 10;
     if (done == total || duration<double>(now - shown_).count() >= pause) {

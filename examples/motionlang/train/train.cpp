@@ -13,6 +13,7 @@
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
+#include "processes.hpp"
 #include "training_display.hpp"
 
 namespace program {
@@ -28,6 +29,8 @@ struct TrainOptions {
 };
 
 void run(const TrainOptions& o) {
+  ml::TrainingOptions options = o.run;
+  options.communicator = training_processes(true, o.run);
   o.machine.apply();
   make_output_folder("--out", o.run.out);
   const auto data = [&] {
@@ -38,7 +41,7 @@ void run(const TrainOptions& o) {
   ml::Trainer trainer(ml::StmcTraining<ml::Autodiff<ml::EigenBackend<float>>>(
       o.config, data, o.vectors.empty() ? ml::WordVectors() : ml::read_word_vectors(o.vectors)));
   TrainingDisplay display;
-  trainer.run(o.run, display.callbacks([&] {
+  trainer.run(options, display.callbacks([&] {
     if (!o.start.empty()) {
       trainer.task().start_from(o.start);
     } else if (o.config.text_steps > 0) {
@@ -46,6 +49,7 @@ void run(const TrainOptions& o) {
       trainer.task().learn_texts(bar);
     }
   }));
+  if (options.communicator.rank() > 0) return;  // the first process writes the model
   if (o.license.empty())
     std::printf("--license is missing: the metadata of the weights will not say who may use them\n");
   const auto weights = o.run.out / "stmc.safetensors", curve = o.run.out / "loss.svg";
@@ -106,6 +110,7 @@ void add_train(CLI::App& app) {
                  "Share of the samples that come from the noisiest fifth");
   c->add_flag("--fresh", o->run.fresh, "Start over even if there is a checkpoint");
   c->add_flag("--recompute", o->run.recompute, about_recompute);
+  add_micro_batch_option(*c, o->run);
   o->machine.add_to(*c);
   c->callback([o] { run(*o); });
 }

@@ -32,6 +32,11 @@ void add_training_options(CLI::App& command, TrainingOptions& o, const std::vect
   o.machine.add_to(command);
 }
 
+void add_divided_option(CLI::App& command, TrainingOptions& o) {
+  o.divided = true;
+  add_micro_batch_option(command, o.run);
+}
+
 void LabelOptions::add_to(CLI::App& command) {
   file_option(command, "--labels", labels,
               "Table of clips, with columns clip, start, end, label; or clip, label for whole clips. With "
@@ -54,6 +59,7 @@ bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& conf
     return false;
   }
   if (o.data.empty()) ml::raise<usage_error>(102, "--data is required");
+  training_processes(o.divided, o.run);
   o.machine.apply();
   make_output_folder("--out", o.run.out);
   return true;

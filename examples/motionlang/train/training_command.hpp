@@ -15,6 +15,7 @@
 
 #include "../commands.hpp"
 #include "../machine_options.hpp"
+#include "processes.hpp"
 #include "training_display.hpp"
 
 namespace program {
@@ -33,6 +34,7 @@ struct TrainingOptions {
   ml::TrainingOptions run;
   std::string license = "not stated", provenance = "own training", commit;
   MachineOptions machine;
+  bool divided = false;  // several processes can share a batch
 };
 
 /// The source of the actions of train-actor, train-classifier and train-mdm-actions.
@@ -54,6 +56,9 @@ struct CaptionOptions {
 /// `presets` holds their names; the first is the default.
 void add_training_options(CLI::App& command, TrainingOptions& o, const std::vector<std::string>& presets);
 
+/// The option --micro-batch, for trainings whose batches can be divided (ml::DividedTask).
+void add_divided_option(CLI::App& command, TrainingOptions& o);
+
 /// Prints the number of motions in each part.
 void print_parts(const ml::DescribedMotions& data);
 /// Prints the places of the model and the curves.
@@ -70,7 +75,7 @@ std::map<std::string, std::string> about(const TrainingOptions& o, const ml::Des
 
 /// Throws usage_error 103 unless each is name=value.
 void require_assignments(const std::vector<std::string>& set);
-/// Prints, and applies --threads and --precision.
+/// Prints, finds the other processes, and applies --threads and --precision.
 bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& config);
 
 /// Puts --config and --set over a preset.
@@ -94,7 +99,9 @@ bool configure(C& config, const TrainingOptions& o) {
 template <ml::TrainingTask Task>
 void train(Task task, const TrainingOptions& o, const ml::DescribedMotions& data) {
   TrainingDisplay display;
-  ml::train(std::move(task), o.run, about(o, data), display.callbacks());
+  ml::TrainingOptions run = o.run;
+  run.communicator = processes();
+  ml::train(std::move(task), run, about(o, data), display.callbacks());
   print_results(o);
 }
 

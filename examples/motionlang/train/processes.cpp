@@ -1,0 +1,78 @@
+#include "processes.hpp"
+
+#include <cstdio>
+#include <optional>
+
+#include <motionlang/train/mpi.hpp>
+
+#include "../commands.hpp"
+#include "../option_checks.hpp"
+#include "../progress_bar.hpp"
+
+namespace program {
+
+namespace ml = motionlang;
+
+namespace {
+
+#ifdef MOTIONLANG_MPI
+std::optional<ml::MpiCommunicator> mpi;
+#endif
+
+ml::AnyCommunicator begin() {
+  const ml::Index started = ml::started_processes();
+  if (started == 1) return {};
+#ifdef MOTIONLANG_MPI
+  mpi.emplace();
+  ml::AnyCommunicator all(*mpi);
+  if (all.size() != started)
+    ml::raise<usage_error>(
+        102, started, " processes were started together, and MPI connects ", all.size(),
+        ": srun needs its own option --mpi=pmix, and mpirun must be that of the MPI of this program");
+  if (all.rank() > 0) {
+    ProgressBar::quiet = true;
+    if (std::freopen("/dev/null", "w", stdout) == nullptr)
+      ml::raise<ml::io_error>(401, "/dev/null cannot be opened for the output of rank ", all.rank());
+  }
+  return all;
+#else
+  ml::raise<usage_error>(102, started,
+                         " processes were started together, but this motionlang was built without MPI. Build it "
+                         "where MPI is installed (Debian: libopenmpi-dev)");
+#endif
+}
+
+}  // namespace
+
+const ml::AnyCommunicator& processes() {
+  static const ml::AnyCommunicator all = begin();
+  return all;
+}
+
+int end_processes(int code) {
+#ifdef MOTIONLANG_MPI
+  if (mpi && mpi->size() > 1 && code != ok) mpi->abort(code);
+  mpi.reset();
+#endif
+  return code;
+}
+
+void add_micro_batch_option(CLI::App& command, ml::TrainingOptions& o) {
+  command
+      .add_option("--micro-batch", o.micro_batch,
+                  "Compute batches in parts of this many samples, which the processes of mpirun share. Any number of "
+                  "processes gives the same weights. The default is to compute them as one, in one process")
+      ->check(positive());
+}
+
+const ml::AnyCommunicator& training_processes(bool divided, const ml::TrainingOptions& o) {
+  const ml::AnyCommunicator& all = processes();
+  if (all.size() > 1 && !divided)
+    ml::raise<usage_error>(102, "this training needs its whole batch at once: it runs in one process, not in ",
+                           all.size());
+  if (all.size() > 1 && o.micro_batch == 0)
+    ml::raise<usage_error>(102, all.size(), " processes share the parts of a batch: --micro-batch is missing");
+  return all;
+}
+
+}  // namespace program

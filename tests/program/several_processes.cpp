@@ -1,0 +1,106 @@
+// Several processes under mpirun: the same bits as one, a process that is killed, and trainings that refuse. Built
+// where MPI is installed. `run` starts a shell here.
+#include <doctest/doctest.h>
+
+#include "training_clips.hpp"
+
+namespace {
+
+struct Processes : Clips {
+  /// The command line of a tiny training, and `more`.
+  static std::string command(const std::string& name, const std::string& out, const std::string& more) {
+    std::string line = MOTIONLANG_TRAINED_PROGRAM " " + name + " --data . --out " + out + " --preset small --threads 1";
+    const bool labels = name == "train-actor";
+    line += labels ? " --labels labels.tsv" : " --captions captions.tsv";
+    for (const char* a : {"data.min_seconds=0.5", "data.test_share=0.25", "data.validation_share=0.25",
+                          "optimiser.batch=4", "validation.every=1", "network.latent_dim=8", "network.ff_size=8",
+                          "network.num_layers=1", "network.num_heads=2"})
+      line += std::string(" --set ") + a;
+    if (!labels) {
+      for (const char* a : {"data.mirror=false", "text.width=8", "text.vocabulary=40"})
+        line += std::string(" --set ") + a;
+    }
+    if (name == "train-mdm-smpl") {
+      for (const char* a : {"diffusion.steps=4", "text.ff_size=8", "text.num_layers=1", "text.num_heads=2"})
+        line += std::string(" --set ") + a;
+    }
+    return line + " " + more;
+  }
+  static std::string mpirun(int processes) { return MOTIONLANG_MPIRUN " -n " + std::to_string(processes) + " "; }
+  /// With the variables that make Open MPI accept the user root, and more processes than processors.
+  Outcome shell(const std::string& script) const {
+    return run({"-c",
+                "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
+                "OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe\n" +
+                    script},
+               path);
+  }
+  std::string checkpoint_bytes(const std::string& out) const {
+    return ml::read_file(*this / (out + "/checkpoint.safetensors"));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("one, two and four processes train the same model, and print once") {
+  const Processes w;
+  for (const std::string name : {"train-mdm-smpl", "train-actor"}) {
+    CAPTURE(name);
+    const std::string more = "--micro-batch 1 --set optimiser.epochs=3";
+    const Outcome alone = w.shell(Processes::command(name, name + "0", more));
+    REQUIRE_MESSAGE(alone.code == 0, alone.text);
+    for (const int processes : {1, 2, 4}) {
+      const std::string out = name + std::to_string(processes);
+      const Outcome o = w.shell(Processes::mpirun(processes) + Processes::command(name, out, more));
+      REQUIRE_MESSAGE(o.code == 0, o.text);
+      CHECK_MESSAGE(o.text.find("trained  ") == o.text.rfind("trained  "), o.text);
+      CHECK(w.checkpoint_bytes(out) == w.checkpoint_bytes(name + "0"));
+      CHECK(w.losses(out).size() >= 3);
+      CHECK(ml::values_of<float>(ml::SafetensorsFile::open(w / (out + "/model/weights.safetensors")).tensors()[0]) ==
+            ml::values_of<float>(ml::SafetensorsFile::open(w / (name + "0/model/weights.safetensors")).tensors()[0]));
+    }
+  }
+}
+
+TEST_CASE("when a process is killed, all end, and one process goes on from the last checkpoint with the same bits") {
+  const Processes w;
+  const std::string more = "--micro-batch 1 --save-minutes 0 --set validation.every=0 --set optimiser.epochs=60";
+  const std::string whole = Processes::command("train-mdm-smpl", "whole", more),
+                    killed = Processes::command("train-mdm-smpl", "killed", more);
+  REQUIRE(w.shell(whole).code == 0);
+  for (const char* signal : {"-KILL $first", "-KILL $last", "-TERM $first"}) {
+    CAPTURE(signal);
+    // The curves appear with the first checkpoint that has steps.
+    const Outcome o = w.shell("rm -f killed/loss.svg\n" + Processes::mpirun(2) + killed +
+                              " &\n"
+                              "run=$!\n"
+                              "while [ ! -e killed/loss.svg ]; do kill -0 $run || exit 99; sleep 0.01; done\n"
+                              "first=$(cat /proc/$run/task/*/children | tr ' ' '\\n' | grep . | head -n 1)\n"
+                              "last=$(cat /proc/$run/task/*/children | tr ' ' '\\n' | grep . | tail -n 1)\n"
+                              "kill " +
+                              signal + "\nwait $run\n");
+    CAPTURE(o.text);
+    if (contains(signal, "TERM")) {  // it saves before it ends
+      CHECK(o.code == 130);
+      CHECK(contains(o.text, "the same command continues from killed/checkpoint.safetensors"));
+    } else {
+      CHECK((o.code != 0 && o.code != 99));
+    }
+    const auto steps = w.losses("killed").size();
+    CHECK((steps > 0 && steps < 60));
+  }
+  REQUIRE(w.shell(killed).code == 0);
+  CHECK(w.checkpoint_bytes("killed") == w.checkpoint_bytes("whole"));
+}
+
+TEST_CASE("several processes are refused without parts, and by trainings whose loss needs the whole batch") {
+  const Processes w;
+  const Outcome parts = w.shell(Processes::mpirun(2) + Processes::command("train-mdm-smpl", "out", ""));
+  CHECK(parts.code == 2);
+  CHECK_MESSAGE(contains(parts.text, "[motionlang.config.102] 2 processes share the parts of a batch: --micro-batch"),
+                parts.text);
+  const Outcome tmr = w.shell(Processes::mpirun(2) + Processes::command("train-tmr", "out", ""));
+  CHECK(tmr.code == 2);
+  CHECK_MESSAGE(contains(tmr.text, "[motionlang.config.102] this training needs its whole batch at once"), tmr.text);
+  CHECK_FALSE(std::filesystem::exists(w / "out/checkpoint.safetensors"));
+}
