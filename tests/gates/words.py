@@ -30,7 +30,7 @@ for file in files:
     lines = file.read_text(encoding="utf-8").splitlines()
     path = file.relative_to(root).as_posix()
     rules_here = [(pattern, better) for pattern, better, paths in rules if paths.search(path)]
-    is_library = "include/motionlang" in str(file) and "viewer_page" not in str(file)  # this one has CSS
+    is_library = "include/motionlang" in str(file) and not re.search("(viewer|studio)_page", str(file))  # they have CSS
     for number, line in enumerate(lines, 1):
         if is_library and option.search(line.split("// ")[0]):
             print(f"{file}:{number}: an option of the program: write the field that it sets, in backticks")

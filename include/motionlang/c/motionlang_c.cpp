@@ -9,6 +9,7 @@
 #include <motionlang/formats/features_npy.hpp>
 #include <motionlang/generate/kept_clip_text.hpp>
 #include <motionlang/generate/load_trained_motion_model.hpp>
+#include <motionlang/generate/timeline_report.hpp>
 #include <motionlang/generate/timelines_of_text.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/search/kept_index.hpp>
@@ -16,6 +17,7 @@
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/view/rig_writer.hpp>
 #include <motionlang/view/view_file.hpp>
+#include <motionlang/view/viewer.hpp>
 
 namespace ml = motionlang;
 
@@ -129,7 +131,7 @@ ml::SearchOptions search_options(const motionlang_search_options* given_options)
   const motionlang_search_options o = given_options == nullptr ? motionlang_default_search_options() : *given_options;
   if (o.what < MOTIONLANG_SEARCH_CLIPS || o.what > MOTIONLANG_SEARCH_CAPTIONS)
     ml::raise<ml::config_error>(103, "motionlang_search_options: what is ", o.what, ", not 0, 1 or 2");
-  return {.top = o.top,
+  return {.top = static_cast<ml::Index>(o.top),
           .what = o.what == MOTIONLANG_SEARCH_MOMENTS    ? ml::SearchFor::moments
                   : o.what == MOTIONLANG_SEARCH_CAPTIONS ? ml::SearchFor::captions
                                                          : ml::SearchFor::clips,
@@ -161,6 +163,11 @@ void copy_to(float* out, int64_t room, const std::vector<V>& values) {
   for (const V& v : values) {
     for (const double x : numbers_of(v)) *out++ = static_cast<float>(x);
   }
+}
+
+motionlang_bytes bytes_of(const std::string& text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {{bytes.begin(), bytes.end()}};
 }
 
 /// The stretches and parts of a motion to keep.
@@ -280,6 +287,12 @@ int motionlang_generate_motions(const motionlang_model* model, const char* timel
   });
 }
 
+int motionlang_check_timeline(const motionlang_model* model, const char* timeline, motionlang_bytes** json) {
+  return made(json, "json", [&] {
+    return bytes_of(ml::timeline_report(*given(model, "model").model, &given(timeline, "timeline")));
+  });
+}
+
 motionlang_read_options motionlang_default_read_options(void) {
   motionlang_read_options o{};
   o.scale = ml::MotionReadOptions{}.scale;
@@ -338,6 +351,9 @@ int motionlang_write_features(const motionlang_motion* motion, const char* featu
 int motionlang_motion_bytes(const motionlang_motion* motion, const char* kind, motionlang_bytes** bytes) {
   return made(bytes, "bytes",
               [&] { return ml::motion_or_view_bytes(&given(kind, "kind"), given(motion, "motion").motion); });
+}
+int motionlang_viewer_data(const motionlang_motion* motion, motionlang_bytes** json) {
+  return made(json, "json", [&] { return bytes_of(ml::viewer_data(given(motion, "motion").motion)); });
 }
 const void* motionlang_bytes_data(const motionlang_bytes* bytes) {
   return bytes == nullptr ? nullptr : bytes->bytes.data();

@@ -106,6 +106,12 @@ MOTIONLANG_C_API int motionlang_generate_text(const motionlang_model* model, con
 MOTIONLANG_C_API int motionlang_generate_motions(const motionlang_model* model, const char* timelines,
                                                  const motionlang_options* options, motionlang_motions** motions);
 
+/* A timeline for an editor, as JSON: {"fps", "seconds", "texts": [{"text", "start", "end", "parts": ["legs"]}],
+ * "warnings": [{"texts": [0], "message"}]}. Times are in seconds from the first start, and `texts` of a warning has the
+ * numbers of the texts that it is about. Errors 501 ... 509 have line and column. */
+MOTIONLANG_C_API int motionlang_check_timeline(const motionlang_model* model, const char* timeline,
+                                               motionlang_bytes** json);
+
 typedef struct motionlang_read_options {
   double scale;         /* metres per unit of a .bvh file */
   double fps;           /* for .glb, .gltf, .vrm and .vrma, whose keys have their own times; 0: their rate, or 30 */
@@ -153,6 +159,8 @@ MOTIONLANG_C_API int motionlang_write_features(const motionlang_motion* motion, 
 /* The contents of a file of one motion in memory. `kind` is its extension, ".glb". */
 MOTIONLANG_C_API int motionlang_motion_bytes(const motionlang_motion* motion, const char* kind,
                                              motionlang_bytes** bytes);
+/* The data that the page of a viewer draws, as JSON: the figure, the floor, and every frame. */
+MOTIONLANG_C_API int motionlang_viewer_data(const motionlang_motion* motion, motionlang_bytes** json);
 MOTIONLANG_C_API const void* motionlang_bytes_data(const motionlang_bytes* bytes);
 MOTIONLANG_C_API int64_t motionlang_bytes_size(const motionlang_bytes* bytes);
 MOTIONLANG_C_API void motionlang_free_bytes(motionlang_bytes* bytes); /* NULL is allowed */

@@ -7,6 +7,7 @@
 #include <motionlang/view/rig_viewer.ipp>
 #include <motionlang/view/rig_writer.ipp>
 #include <motionlang/view/search_page.ipp>
+#include <motionlang/view/studio_page.ipp>
 #include <motionlang/view/study_page.ipp>
 #include <motionlang/view/view_file.ipp>
 #include <motionlang/view/viewer.ipp>

@@ -43,6 +43,10 @@ std::string body_viewer_page(std::span<const ViewerMotion> motions, const Skinne
 std::string viewer_html(const Motion& motion, std::span<const Track> tracks = {}, const ViewerOptions& options = {});
 std::string viewer_html(std::span<const ViewerMotion> motions, const ViewerOptions& options = {});
 
+/// The data of one motion, as JSON, which the program of such a page draws: its figure, its floor, and for every frame
+/// the root and the rotations. Throws as viewer_html.
+std::string viewer_data(const Motion& motion);
+
 /// Throws io_error 401, and what viewer_html throws.
 void write_viewer(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
                   const ViewerOptions& options = {});

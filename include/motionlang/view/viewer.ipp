@@ -18,24 +18,30 @@ struct ViewerEntry {
   std::string note;
 };
 
+/// Throws config_error 101 without a frame, and what Motion::validate throws.
+inline nlohmann::ordered_json shown_motion(const Motion& motion, std::span<const Track> tracks,
+                                           const std::string& note) {
+  motion.validate();
+  if (motion.frames() == 0) raise<config_error>(101, "viewer: motion '", motion.name, "' has no frames");
+  require_finite_times("viewer", tracks);
+  return viewer_json(motion, tracks, note);
+}
+
 /// body  null: the figure of every motion's own skeleton
 inline std::string viewer_page(std::span<const ViewerEntry> entries, const ViewerOptions& options,
                                nlohmann::ordered_json body = {}) {
   if (entries.empty()) raise<config_error>(101, "viewer: no motion to show");
   nlohmann::ordered_json motions = nlohmann::ordered_json::array();
-  for (const ViewerEntry& e : entries) {
-    e.motion.validate();
-    if (e.motion.frames() == 0) raise<config_error>(101, "viewer: motion '", e.motion.name, "' has no frames");
-    require_finite_times("viewer", e.tracks);
-    motions.push_back(viewer_json(e.motion, e.tracks, e.note));
-  }
+  for (const ViewerEntry& e : entries) motions.push_back(shown_motion(e.motion, e.tracks, e.note));
   const std::string& name = entries.front().motion.name;
   const std::string title = !options.title.empty() ? options.title : name.empty() ? "Motion" : name;
   nlohmann::ordered_json page{
       {"title", title}, {"info", options.info}, {"autoplay", options.autoplay}, {"motions", std::move(motions)}};
   if (!body.is_null()) page["body"] = std::move(body);
-  return self_contained_page(title, concat_text(page_colours, viewer_style), viewer_body, page,
-                             {viewer_script_pose, viewer_script_draw, viewer_script_control});
+  return self_contained_page(
+      title, concat_text(page_colours, viewer_style),
+      concat_text(viewer_header, viewer_stage, "<footer>", viewer_controls, viewer_timeline, "</footer>\n"), page,
+      {viewer_script_pose, viewer_script_draw, viewer_script_player, viewer_script_control});
 }
 
 MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motions,
@@ -53,6 +59,10 @@ MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motio
 }
 
 }  // namespace detail
+
+MOTIONLANG_BODY std::string viewer_data(const Motion& motion) {
+  return detail::shown_motion(motion, {}, "").dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
 
 MOTIONLANG_BODY std::string viewer_html(const Motion& motion, std::span<const Track> tracks,
                                         const ViewerOptions& options) {

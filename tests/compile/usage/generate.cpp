@@ -29,6 +29,7 @@
 #include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/gallery_page.hpp>
 #include <motionlang/view/loss_curves.hpp>
+#include <motionlang/view/studio_page.hpp>
 #include <motionlang/view/study_chart.hpp>
 #include <motionlang/view/study_page.hpp>
 #include <motionlang/view/viewer.hpp>
@@ -81,6 +82,9 @@ void gallery_page_(std::span<const GalleryCard> cards) {
 }
 void study_page_(const std::string& table) {
 #include "view/study_page.1.inc"
+}
+void studio_page_() {
+#include "view/studio_page.1.inc"
 }
 void study_chart_(const Study& study, const std::vector<StudyAnswers>& answers) {
 #include "view/study_chart.1.inc"

@@ -348,6 +348,35 @@ TEST_CASE("every format is read and written, from files and from memory") {
   motionlang_free_bytes(nullptr);
 }
 
+TEST_CASE("an editor checks a timeline and draws a motion") {
+  const auto text_of = [](motionlang_bytes* bytes) {
+    const std::string out(static_cast<const char*>(motionlang_bytes_data(bytes)),
+                          static_cast<std::size_t>(motionlang_bytes_size(bytes)));
+    motionlang_free_bytes(bytes);
+    return out;
+  };
+  motionlang_bytes* json = nullptr;
+  REQUIRE(motionlang_check_timeline(model(), timeline, &json) == 0);
+  CHECK(text_of(json).starts_with(
+      R"({"fps":20.0,"seconds":2.0,"texts":[{"text":"walk forward","start":0.0,"end":2.0,"parts":["legs"]},)"));
+  REQUIRE(motionlang_check_timeline(model(), "walk forwad # 0 # 2\n", &json) == 0);
+  CHECK(text_of(json).find(R"("warnings":[{"texts":[0],"message":"'walk forwad')") != std::string::npos);
+  CHECK(motionlang_check_timeline(model(), "walk # 0\n", &json) != 0);
+  CHECK(told("timeline:1:"));
+  CHECK(motionlang_check_timeline(nullptr, timeline, &json) == 101);
+  CHECK(motionlang_check_timeline(model(), nullptr, &json) == 101);
+
+  const TemporaryFolder folder;
+  const std::string file = (folder / "walk.bvh").string();
+  ml::write_bvh(file, synthetic::walk({.frames = 20}));
+  Made read;
+  REQUIRE(motionlang_read_motion(file.c_str(), &read.motion) == 0);
+  REQUIRE(motionlang_viewer_data(read.motion, &json) == 0);
+  CHECK(text_of(json).find(R"("frames":20,)") != std::string::npos);
+  CHECK(motionlang_viewer_data(nullptr, &json) == 101);
+  CHECK(json == nullptr);
+}
+
 TEST_CASE("an index is made, updated and searched by words and by a motion") {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "clips");

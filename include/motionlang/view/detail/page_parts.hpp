@@ -101,9 +101,10 @@ class SharedMotions {
 };
 
 /// A page that loads nothing. Its program finds the data, as JSON, in the element "data".
+/// allowed  sources of scripts besides those in the page, and further rules of its security policy
 inline std::string self_contained_page(std::string_view title, std::string_view style, std::string_view body,
                                        const nlohmann::ordered_json& page,
-                                       std::initializer_list<std::string_view> scripts) {
+                                       std::initializer_list<std::string_view> scripts, std::string_view allowed = "") {
   std::string data, program;
   for (const char c : page.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
     data += c == '<' ? "\\u003c" : std::string(1, c);  // no tag can end the script; '<' only stands in texts
@@ -113,8 +114,8 @@ inline std::string self_contained_page(std::string_view title, std::string_view 
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
-      "script-src 'unsafe-inline'\">\n<title>",
-      escape_markup(title), "</title>\n<style>", style, "</style>\n</head>\n<body>", body,
+      "script-src 'unsafe-inline'",
+      allowed, "\">\n<title>", escape_markup(title), "</title>\n<style>", style, "</style>\n</head>\n<body>", body,
       "<script type=\"application/json\" id=\"data\">", data, "</script>\n<script>", program,
       "</script>\n</body>\n</html>\n");
 }

@@ -53,7 +53,7 @@ button:disabled { opacity: 0.45; }
 #scrub { display: block; width: 100%; margin: 10px 0 4px; accent-color: var(--accent); height: 20px; }
 #timeline { position: relative; max-height: 34vh; overflow-x: hidden; overflow-y: auto; cursor: pointer; }
 #axis { position: relative; height: 16px; color: var(--faint); font-size: 11px; margin: 0 8px; }
-#axis span { position: absolute; transform: translateX(-50%); }
+#axis span { position: absolute; transform: translateX(-50%); white-space: nowrap; }
 #tracks { position: relative; margin: 0 8px; }
 .track { position: relative; height: 28px; border-top: 1px solid var(--line); }
 .bar {
@@ -71,14 +71,19 @@ button:disabled { opacity: 0.45; }
 }
 )page";
 
-inline constexpr std::string_view viewer_body = R"page(
+inline constexpr std::string_view viewer_header = R"page(
 <header><h1 id="title"></h1><span id="info"></span></header>
+)page";
+
+/// The figure, and the buttons of the player.
+inline constexpr std::string_view viewer_stage = R"page(
 <main id="stage">
   <canvas id="view" tabindex="0" role="img" aria-label="Moving figure. Drag or use the arrow keys to turn it, plus and
 minus to zoom."></canvas>
   <span id="hint">drag: turn &middot; wheel: zoom &middot; shift+drag: move &middot; space: play</span>
 </main>
-<footer>
+)page";
+inline constexpr std::string_view viewer_controls = R"page(
   <div id="controls">
     <button id="play" type="button" aria-pressed="false">Play</button>
     <label id="choice" hidden>Motion <select id="motion"></select></label>
@@ -92,8 +97,10 @@ minus to zoom."></canvas>
     <span id="clock"></span>
   </div>
   <input id="scrub" type="range" min="0" step="any" value="0" aria-label="Time">
+)page";
+
+inline constexpr std::string_view viewer_timeline = R"page(
   <div id="timeline"><div id="axis" aria-hidden="true"></div><div id="tracks"><div id="cursor"></div></div></div>
-</footer>
 )page";
 
 /// Poses: decoding, interpolation, forward kinematics. The camera.
@@ -628,13 +635,13 @@ function turnByDragging(canvas, camera, moved) {
 const sharedClips = () => page.motions.map((m) => new Clip({ ...page.figures[m.figure], ...m }));
 )page";
 
-/// State, controls, timeline.
-inline constexpr std::string_view viewer_script_control = R"page(
-const clips = page.motions.map((m) => new Clip(m));
+/// The player: one clip, its time, the camera, and their buttons, keys, mouse and fingers. The page calls showClip. It
+/// has a function showMoment, which the player calls with every picture.
+inline constexpr std::string_view viewer_script_player = R"page(
 const camera = new Camera(), canvas = element("view");
 const hues = ["#2b78c5", "#d0621c", "#2f9157", "#8a58c2", "#c0436d", "#97801b"];
 const dark = matchMedia("(prefers-color-scheme: dark)");
-let clip = clips[0], time = 0, playing = false, looping = true, following = true, speed = 1;
+let clip = null, time = 0, playing = false, looping = true, following = true, speed = 1;
 let scheduled = false, before = 0;
 let pace = 16, quality = 1;  // milliseconds between frames, pixels drawn per pixel of the screen
 
@@ -669,52 +676,17 @@ function play(on) {
   before = performance.now();
   refresh();
 }
-function choose(number) {
-  clip = clips[number];
-  camera.reset(clip);
+function showClip(next) {
+  clip = next;
   element("scrub").max = clip.seconds || 1;
   element("play").disabled = element("scrub").disabled = clip.seconds === 0;
-  element("info").textContent = [page.info, clip.note, `${clip.parents.length} joints`, `${clip.frames} frames`,
-    `${+clip.fps.toFixed(3)} fps`].filter(Boolean).join(" \u00b7 ");
-  buildTimeline();
-  seek(0);
-  if (playing) play(true);
 }
-
-function buildTimeline() {
-  const axis = element("axis"), tracks = element("tracks"), length = clip.seconds || 1;
+function drawAxis(axis, length) {
+  const most = clamp(axis.clientWidth / 50, 3, 12);  // marks
+  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 300].find((s) => length / s <= most) || length / 10;
   axis.replaceChildren();
-  tracks.replaceChildren(element("cursor"));
-  element("timeline").hidden = clip.tracks.length === 0;
-  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 300].find((s) => length / s <= 12) || length / 10;
   for (let t = 0; t <= length + 1e-9; t += step) {
     text("span", +t.toFixed(1) + " s", axis).style.left = 100 * t / length + "%";
-  }
-  clip.tracks.forEach((track, i) => {
-    const row = text("div", "", tracks), bar = text("button", "", row), label = text("span", track.text, bar);
-    row.className = "track";
-    bar.className = "bar";
-    bar.type = "button";
-    const from = clamp(track.start, 0, length), to = clamp(track.end, from, length);
-    Object.assign(bar.style, { left: 100 * from / length + "%", width: 100 * (to - from) / length + "%" });
-    bar.style.setProperty("--hue", hues[i % hues.length]);
-    bar.title = [`${track.text}: ${shown(track.start)} to ${shown(track.end)}`, ...track.parts].join(", ");
-    bar.setAttribute("aria-label", bar.title);
-    if (track.parts.length) text("small", track.parts.join(" \u00b7 "), label);
-    bar.addEventListener("click", (event) => { if (event.detail === 0) seek(track.start); });  // by keyboard
-  });
-  placeLabels();
-}
-/** A text that would run out of the picture ends at the right end of its bar instead, or is cut. */
-function placeLabels() {
-  const { left, right } = element("tracks").getBoundingClientRect();
-  for (const bar of document.querySelectorAll(".bar")) {
-    const label = bar.firstChild;
-    bar.classList.remove("turned");
-    label.style.maxWidth = "";
-    const place = label.getBoundingClientRect(), overflows = place.right > right;
-    if (overflows && bar.getBoundingClientRect().right - place.width > left) bar.classList.add("turned");
-    else if (overflows) label.style.maxWidth = right - place.left + "px";
   }
 }
 
@@ -730,9 +702,7 @@ function render() {
   element("scrub").value = time;
   element("clock").textContent = `${shown(time)} / ${shown(clip.seconds)} \u00b7 frame ${Math.round(time * clip.fps)}`;
   element("scrub").setAttribute("aria-valuetext", shown(time));
-  element("cursor").style.left = 100 * time / (clip.seconds || 1) + "%";
-  document.querySelectorAll(".bar").forEach((bar, i) =>
-    bar.classList.toggle("now", clip.tracks[i].start <= time && time < clip.tracks[i].end));
+  showMoment();
 }
 /** Asks for one more frame; while the motion plays, every frame asks for the next. */
 function refresh() {
@@ -765,16 +735,18 @@ toggle("loop", (on) => { looping = on; });
 toggle("follow", (on) => { following = on; });
 element("reset").addEventListener("click", () => { camera.reset(clip); refresh(); });
 element("speed").addEventListener("change", (event) => { speed = +event.target.value; });
-element("motion").addEventListener("change", (event) => { choose(+event.target.value); });
 element("scrub").addEventListener("input", (event) => { seek(+event.target.value); });
-element("timeline").addEventListener("pointerdown", (event) => {
-  const area = element("tracks").getBoundingClientRect();
-  const go = (e) => { seek(clip.seconds * (e.clientX - area.left) / area.width); };
-  const stop = () => { removeEventListener("pointermove", go); removeEventListener("pointerup", stop); };
-  go(event);
-  addEventListener("pointermove", go);
-  addEventListener("pointerup", stop);
-});
+/** Pressing or dragging on a surface seeks. The width of `area` stands for length() seconds. */
+function seekByDragging(surface, area, length) {
+  surface.addEventListener("pointerdown", (event) => {
+    const place = area.getBoundingClientRect();
+    const go = (e) => { seek(length() * (e.clientX - place.left) / place.width); };
+    const stop = () => { removeEventListener("pointermove", go); removeEventListener("pointerup", stop); };
+    go(event);
+    addEventListener("pointermove", go);
+    addEventListener("pointerup", stop);
+  });
+}
 const step = (frames) => { play(false); seek((Math.round(time * clip.fps) + frames) / clip.fps); };
 const keys = {
   " ": () => play(!playing), ",": () => step(-1), ".": () => step(1),
@@ -784,11 +756,13 @@ const viewKeys = {
   ArrowLeft: () => camera.orbit(-20, 0), ArrowRight: () => camera.orbit(20, 0), ArrowUp: () => camera.orbit(0, 20),
   ArrowDown: () => camera.orbit(0, -20), "+": () => camera.zoom(0.9), "-": () => camera.zoom(1.1) };
 const frameKeys = { ArrowLeft: () => step(-1), ArrowRight: () => step(1) };
+/** True for fields in which a person writes. */
+const takesText = (e) => e.matches("textarea, input:not([type=range]):not([type=checkbox])");
 addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || takesText(event.target)) return;
   const tag = event.target.tagName;
   if (tag === "SELECT" || (tag === "BUTTON" && (event.key === " " || event.key === "Enter"))) return;
-  if (tag === "INPUT" && /^(Arrow|Home|End)/.test(event.key)) return;
+  if (tag === "INPUT" && /^( |Arrow|Home|End)/.test(event.key)) return;
   const action = (event.target === view ? viewKeys : frameKeys)[event.key] || keys[event.key];
   if (!action) return;
   event.preventDefault();
@@ -826,15 +800,71 @@ view.addEventListener("wheel", (event) => {
   refresh();
 }, { passive: false });
 dark.addEventListener("change", refresh);
+
+/** What is shown now, as a copy, for scripts that look at the page. */
+const playerState = () => ({
+  playing, time, seconds: clip.seconds, frame: Math.round(time * clip.fps), frames: clip.frames, fps: clip.fps, speed,
+  following, renderer: renderer.kind, joints: clip.pose(time).positions,
+  camera: { yaw: camera.yaw, pitch: camera.pitch, distance: camera.distance } });
+)page";
+
+/// The viewer's motions and their timelines.
+inline constexpr std::string_view viewer_script_control = R"page(
+const clips = page.motions.map((m) => new Clip(m));
+
+function choose(number) {
+  showClip(clips[number]);
+  camera.reset(clip);
+  element("info").textContent = [page.info, clip.note, `${clip.parents.length} joints`, `${clip.frames} frames`,
+    `${+clip.fps.toFixed(3)} fps`].filter(Boolean).join(" \u00b7 ");
+  buildTimeline();
+  seek(0);
+  if (playing) play(true);
+}
+
+function buildTimeline() {
+  const tracks = element("tracks"), length = clip.seconds || 1;
+  tracks.replaceChildren(element("cursor"));
+  element("timeline").hidden = clip.tracks.length === 0;
+  drawAxis(element("axis"), length);
+  clip.tracks.forEach((track, i) => {
+    const row = text("div", "", tracks), bar = text("button", "", row), label = text("span", track.text, bar);
+    row.className = "track";
+    bar.className = "bar";
+    bar.type = "button";
+    const from = clamp(track.start, 0, length), to = clamp(track.end, from, length);
+    Object.assign(bar.style, { left: 100 * from / length + "%", width: 100 * (to - from) / length + "%" });
+    bar.style.setProperty("--hue", hues[i % hues.length]);
+    bar.title = [`${track.text}: ${shown(track.start)} to ${shown(track.end)}`, ...track.parts].join(", ");
+    bar.setAttribute("aria-label", bar.title);
+    if (track.parts.length) text("small", track.parts.join(" \u00b7 "), label);
+    bar.addEventListener("click", (event) => { if (event.detail === 0) seek(track.start); });  // by keyboard
+  });
+  placeLabels();
+}
+/** A text that would run out of the picture ends at the right end of its bar instead, or is cut. */
+function placeLabels() {
+  const { left, right } = element("tracks").getBoundingClientRect();
+  for (const bar of document.querySelectorAll(".bar")) {
+    const label = bar.firstChild;
+    bar.classList.remove("turned");
+    label.style.maxWidth = "";
+    const place = label.getBoundingClientRect(), overflows = place.right > right;
+    if (overflows && bar.getBoundingClientRect().right - place.width > left) bar.classList.add("turned");
+    else if (overflows) label.style.maxWidth = right - place.left + "px";
+  }
+}
+function showMoment() {
+  element("cursor").style.left = 100 * time / (clip.seconds || 1) + "%";
+  document.querySelectorAll(".bar").forEach((bar, i) =>
+    bar.classList.toggle("now", clip.tracks[i].start <= time && time < clip.tracks[i].end));
+}
+element("motion").addEventListener("change", (event) => { choose(+event.target.value); });
+seekByDragging(element("timeline"), element("tracks"), () => clip.seconds);
 new ResizeObserver(() => { placeLabels(); refresh(); }).observe(element("stage"));
 
-/** For scripts that look at the page: what is shown now, as a copy. */
-window.motionlang = Object.freeze({
-  state: () => ({
-    name: clip.name, motion: clips.indexOf(clip), motions: clips.length, playing, time, seconds: clip.seconds,
-    frame: Math.round(time * clip.fps), frames: clip.frames, fps: clip.fps, speed, following,
-    renderer: renderer.kind, joints: clip.pose(time).positions,
-    camera: { yaw: camera.yaw, pitch: camera.pitch, distance: camera.distance } }) });
+window.motionlang = Object.freeze({ state: () => ({
+  name: clip.name, motion: clips.indexOf(clip), motions: clips.length, ...playerState() }) });
 
 element("title").textContent = page.title;
 clips.forEach((c, i) => { text("option", c.name || `motion ${i + 1}`, element("motion")).value = i; });

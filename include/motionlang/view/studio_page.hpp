@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// The studio: one self-contained HTML page in which motion is made from texts on a timeline. It holds motionlang as
+/// WebAssembly (wasm/wasm.cmake) and the weights of a model, and it asks for nothing.
+///
+///     const auto code = MappedFile::open("motionlang_wasm.wasm.gz");
+///     const auto model = MappedFile::open("stmc_free.safetensors");
+///     write_file("studio.html", studio_html({.program = read_file("motionlang_wasm.js"),
+///                                            .code = code->bytes(), .model = model->bytes()}));
+#pragma once
+
+#include <cstddef>  // code and weights
+#include <span>     // code and weights
+#include <string>   // texts
+#include <vector>   // prompts
+
+#include <motionlang/version.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A text that the model knows, which the page offers while somebody writes.
+struct StudioPrompt {
+  std::string text;
+  double seconds = 0;  // that its action takes
+};
+
+struct StudioParts {
+  std::string program;               // motionlang_wasm.js
+  std::span<const std::byte> code;   // motionlang_wasm.wasm, packed by gzip
+  std::span<const std::byte> model;  // weights of STMC, .safetensors
+  std::vector<StudioPrompt> prompts{};
+  std::string title = "motionlang studio";
+};
+
+/// Throws config_error 101 without program, code or model.
+std::string studio_html(const StudioParts& parts);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/view/studio_page.ipp>
+#endif

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// Bodies of studio_page.hpp.
+#pragma once
+
+#include <motionlang/kinematics/known_skeletons.hpp>
+#include <motionlang/view/detail/page_parts.hpp>
+#include <motionlang/view/detail/studio_page_source.hpp>
+#include <motionlang/view/detail/viewer_page.hpp>
+#include <motionlang/view/studio_page.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The rest pose, which the page shows until there is a motion.
+inline Motion rest_motion() {
+  Motion out{.skeleton = smpl24_skeleton(), .root = {{}}, .local = {}, .name = "rest"};
+  out.local.assign(static_cast<std::size_t>(out.skeleton.size()), Quaternion<double>::identity());
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string studio_html(const StudioParts& parts) {
+  using namespace detail;
+  if (parts.program.empty() || parts.code.empty() || parts.model.empty())
+    raise<config_error>(101, "studio: no ", parts.program.empty() ? "program" : parts.code.empty() ? "code" : "model");
+  nlohmann::ordered_json prompts = nlohmann::ordered_json::array();
+  for (const StudioPrompt& p : parts.prompts) prompts.push_back({{"text", p.text}, {"seconds", p.seconds}});
+  const nlohmann::ordered_json page{{"title", parts.title},
+                                    {"version", MOTIONLANG_VERSION},
+                                    {"rest", viewer_json(rest_motion(), {}, "")},
+                                    {"prompts", std::move(prompts)},
+                                    {"program", concat_text(parts.program, studio_worker)}};
+  const auto packed = [](std::string_view id, std::span<const std::byte> bytes) {
+    return concat_text("<script type=\"text/plain\" id=\"", id, "\">", to_base64(bytes), "</script>\n");
+  };
+  return self_contained_page(parts.title, concat_text(page_colours, viewer_style, studio_style),
+                             concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel,
+                                         "</div>\n<footer>", viewer_controls, studio_timeline, "</footer>\n",
+                                         studio_dialog, packed("code", parts.code), packed("model", parts.model)),
+                             page,
+                             {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project,
+                              studio_script_engine, studio_script_editor},
+                             " 'wasm-unsafe-eval'; worker-src blob:");
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,70 @@
+# motionlang::wasm: the functions of motionlang_c.h, compiled to WebAssembly by emscripten (target motionlang_wasm). The target
+# `studio` writes studio.html into the build folder: one page in which motion is made. Without em++ (Debian: emscripten) there are no
+# such targets, and nothing builds them unless it is asked to.
+include_guard(GLOBAL)
+find_program(MOTIONLANG_EMXX em++)
+
+# The packages alone: the folder that has them may be /usr/include, with the system's headers beside them.
+#     motionlang_wasm_packages(<folder for links> <target> <folder of headers> ...)
+function(motionlang_wasm_packages links)
+  file(MAKE_DIRECTORY ${links})
+  while(ARGN)
+    list(POP_FRONT ARGN target folder)
+    get_target_property(places ${target} INTERFACE_INCLUDE_DIRECTORIES)
+    foreach(place ${places})
+      if(IS_DIRECTORY ${place}/${folder})
+        file(CREATE_LINK ${place}/${folder} ${links}/${folder} SYMBOLIC)
+      endif()
+    endforeach()
+  endwhile()
+endfunction()
+
+#     motionlang_wasm(<folder include/motionlang> <folder of the models>)
+function(motionlang_wasm source models)
+  set(wasm ${CMAKE_CURRENT_BINARY_DIR}/wasm)
+  motionlang_wasm_packages(${wasm}/packages Eigen3::Eigen Eigen Eigen3::Eigen unsupported nlohmann_json::nlohmann_json nlohmann)
+  # Debian's optimiser of JavaScript finds its package acorn only there.
+  set(emxx ${CMAKE_COMMAND} -E env NODE_PATH=/usr/share/nodejs ${MOTIONLANG_EMXX} -O2 -msimd128 -fwasm-exceptions)
+  foreach(unit c/motionlang_c wasm/motionlang_wasm)
+    get_filename_component(name ${unit} NAME)
+    add_custom_command(OUTPUT ${wasm}/${name}.o
+                       COMMAND ${emxx} -std=c++20 -I ${source}/.. -isystem ${wasm}/packages
+                               -MMD -MF ${wasm}/${name}.d -MT ${wasm}/${name}.o -c ${source}/${unit}.cpp -o ${wasm}/${name}.o
+                       DEPENDS ${source}/${unit}.cpp DEPFILE ${wasm}/${name}.d
+                       COMMENT "Compiling ${unit}.cpp to WebAssembly" VERBATIM)
+    list(APPEND objects ${wasm}/${name}.o)
+  endforeach()
+
+  set(exports _malloc,_free)
+  file(STRINGS ${source}/c/motionlang_c.h lines REGEX "^MOTIONLANG_C_API ")
+  foreach(line ${lines})
+    if(line MATCHES "(motionlang_[a-z_]+)\\(")
+      string(APPEND exports ",_${CMAKE_MATCH_1}")
+    endif()
+  endforeach()
+  set(module ${wasm}/motionlang_wasm.js)
+  add_custom_command(OUTPUT ${module} ${wasm}/motionlang_wasm.wasm
+                     COMMAND ${emxx} ${objects} -o ${module} --no-entry -sMODULARIZE -sEXPORT_NAME=motionlangModule
+                             -sENVIRONMENT=worker,node -sDYNAMIC_EXECUTION=0 -sALLOW_MEMORY_GROWTH -sINITIAL_MEMORY=64MB
+                             -sFORCE_FILESYSTEM -sEXPORTED_FUNCTIONS=${exports}
+                             -sEXPORTED_RUNTIME_METHODS=FS,UTF8ToString,lengthBytesUTF8,stringToUTF8
+                     DEPENDS ${objects} ${source}/c/motionlang_c.h COMMENT "Linking motionlang_wasm.wasm" VERBATIM)
+  add_custom_target(motionlang_wasm DEPENDS ${module})
+
+  add_executable(motionlang_write_studio EXCLUDE_FROM_ALL ${source}/wasm/write_studio.cpp)
+  target_link_libraries(motionlang_write_studio PRIVATE motionlang::instantiated)
+  set(page ${CMAKE_CURRENT_BINARY_DIR}/studio.html)
+  set(model ${models}/stmc_free.safetensors)
+  add_custom_command(OUTPUT ${page}
+                     COMMAND ${CMAKE_COMMAND} -D FILE=motionlang_wasm.wasm -P ${source}/wasm/gzip.cmake
+                     COMMAND motionlang_write_studio ${module} motionlang_wasm.wasm.gz ${model} ${models}/gallery.txt ${page}
+                     DEPENDS ${module} motionlang_write_studio ${model} ${models}/gallery.txt ${source}/wasm/gzip.cmake
+                     WORKING_DIRECTORY ${wasm} COMMENT "Writing studio.html" VERBATIM)
+  add_custom_target(studio DEPENDS ${page})
+  set_target_properties(studio PROPERTIES PAGE ${page})
+endfunction()
+
+if(MOTIONLANG_EMXX AND TARGET Eigen3::Eigen AND TARGET nlohmann_json::nlohmann_json)
+  get_filename_component(repository ${CMAKE_CURRENT_LIST_DIR}/../../.. ABSOLUTE)
+  motionlang_wasm(${repository}/include/motionlang ${repository}/examples/models)
+endif()

@@ -1,0 +1,79 @@
+// The studio's page: its parts, its rules, and what it refuses. tests/browser uses it.
+#include <motionlang/view/studio_page.hpp>
+
+#include <doctest/doctest.h>
+
+#include <motionlang/file/json.hpp>
+#include <motionlang/view/viewer.hpp>
+
+#include "../../support/markup.hpp"
+#include "../../support/page_data.hpp"
+#include "../../support/synthetic_motion.hpp"
+
+namespace ml = motionlang;
+using nlohmann::json;
+
+namespace {
+
+std::span<const std::byte> bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
+
+}  // namespace
+
+TEST_CASE("one file with code and model in it, which asks for nothing and may run only that") {
+  const std::string code = "code!", model = "the model";
+  const ml::StudioParts parts{.program = "var motionlangModule; // </script>",
+                              .code = bytes(code),
+                              .model = bytes(model),
+                              .prompts = {{"walk </script> forward", 4}, {"sit", 2}},
+                              .title = "A <studio>"};
+  const std::string page = ml::studio_html(parts);
+  CHECK(page == ml::studio_html(parts));
+  for (const char* word : {"http:", "https:", "src=", "@import", "url(", "import("})
+    CHECK_MESSAGE(page.find(word) == std::string::npos, word);
+  CHECK(page.find("content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' "
+                  "'wasm-unsafe-eval'; worker-src blob:\"") != std::string::npos);
+  CHECK(page.find("<title>A &lt;studio&gt;</title>") != std::string::npos);
+  CHECK(occurrences(page, "</script>") == 4);  // of code, model, data and program
+  CHECK(page.find("id=\"code\">Y29kZSE=</script>") != std::string::npos);
+  CHECK(page.find("id=\"model\">dGhlIG1vZGVs</script>") != std::string::npos);
+  const json data = data_of(page);
+  CHECK(data["title"] == "A <studio>");
+  CHECK(data["version"] == MOTIONLANG_VERSION);
+  CHECK(data["prompts"] == json::parse(R"([{"text": "walk </script> forward", "seconds": 4.0},
+                                           {"text": "sit", "seconds": 2.0}])"));
+  CHECK(std::string(data["program"]).starts_with(parts.program));
+  CHECK(std::string(data["program"]).find("onmessage") != std::string::npos);
+  CHECK(data["rest"]["frames"] == 1);
+  CHECK(data["rest"]["parents"].size() == 24);
+}
+
+TEST_CASE("every button and field of the page has a name") {
+  const std::string page = ml::studio_html({.program = "p", .code = bytes("c"), .model = bytes("m")});
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = page.find("<input id=", at)) != std::string::npos; ++at) {
+    const std::string tag = page.substr(at, page.find('>', at) - at);
+    const bool inside_label =
+        page.rfind("<label>", at) != std::string::npos && page.find("</label>", page.rfind("<label>", at)) > at;
+    CHECK_MESSAGE((inside_label || tag.find("aria-label=") != std::string::npos || tag.ends_with("hidden")), tag);
+    ++count;
+  }
+  CHECK(count == 7);
+}
+
+TEST_CASE("a page without one of its parts is an error") {
+  const std::string part = "x";
+  CHECK_THROWS_WITH_AS(ml::studio_html({.program = "", .code = bytes(part), .model = bytes(part)}),
+                       doctest::Contains("studio: no program"), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::studio_html({.program = part, .code = {}, .model = bytes(part)}),
+                       doctest::Contains("studio: no code"), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::studio_html({.program = part, .code = bytes(part), .model = {}}),
+                       doctest::Contains("studio: no model"), ml::config_error);
+}
+
+TEST_CASE("the data of one motion are those in its viewer's page") {
+  const ml::Motion walk = synthetic::walk({.frames = 12});
+  CHECK(json::parse(ml::viewer_data(walk)) == data_of(ml::viewer_html(walk))["motions"][0]);
+  ml::Motion empty = walk;
+  empty.root.clear(), empty.local.clear();
+  CHECK_THROWS_AS(ml::viewer_data(empty), ml::config_error);
+}
