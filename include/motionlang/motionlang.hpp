@@ -108,6 +108,7 @@
 #include <motionlang/kinematics/motion_from_joints.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/on_smpl.hpp>
+#include <motionlang/kinematics/one_euro_filter.hpp>
 #include <motionlang/kinematics/overlay.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/kinematics/root_motion.hpp>

@@ -17,6 +17,7 @@
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/one_euro_filter.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../support/mdm_results.hpp"
@@ -129,6 +130,23 @@ TEST_CASE("convert makes loops in place") {
   CHECK(loop.frames() == 34);
   const auto expected = ml::make_loop(ml::in_place(ml::smooth_motion(walk)), 6).motion;
   CHECK(synthetic::largest_distance(loop, expected) < 1e-3);
+}
+
+TEST_CASE("convert filters jitter by the 1 euro filter, with the defaults or other numbers") {
+  const Workplace w;
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
+  const auto walk = ml::read_bvh_motion(w / "walk.bvh");
+  const auto filtered = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"convert", "walk.bvh", "calm.bvh"});
+    const auto out = w.run(more);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    return ml::read_bvh_motion(w / "calm.bvh");
+  };
+  CHECK(synthetic::largest_distance(filtered({"--one-euro"}), ml::one_euro_filter(walk)) < 1e-3);
+  const auto other = filtered({"--one-euro", "--one-euro-cutoff", "5", "--one-euro-beta", "0"});
+  CHECK(synthetic::largest_distance(other, ml::one_euro_filter(walk, {.min_cutoff = 5, .beta = 0})) < 1e-3);
+  CHECK(synthetic::largest_distance(other, ml::one_euro_filter(walk)) > 1e-2);
+  CHECK(w.run({"convert", "walk.bvh", "calm.bvh", "--one-euro-beta", "1"}).code == 2);  // without the filter
 }
 
 TEST_CASE("convert: from one format to the others and back, cut, resampled, mirrored; strip and view") {

@@ -35,6 +35,8 @@ struct ConvertOptions {
   ml::ShownBodyOptions body;
   ml::TimeEdits time;
   ml::MotionEdits edits;
+  bool one_euro = false;
+  ml::OneEuroOptions filter;
   double scale = 100;
   bool replace = false;  // clips of the data set
 };
@@ -67,6 +69,7 @@ ml::MotionConversion conversion_of(const ConvertOptions& o, const ml::ShownBody*
                            .replace = o.replace,
                            .scale = o.scale,
                            .inputs = inputs_of(o)};
+  if (o.one_euro) out.edits.one_euro = o.filter;
   out.denoise = denoiser_of(o);
   if (!o.skeleton.empty()) out.skeleton = read_motions(o.skeleton, {.scale = 1 / o.scale}).front().skeleton;
   return out;
@@ -290,6 +293,15 @@ void add_convert(CLI::App& app) {
   c->add_flag("--smpl", o->edits.smpl, "Retarget to SMPL's 24 joints");
   c->add_flag("--mirror", o->edits.mirror, "Exchange left and right");
   c->add_flag("--smooth", o->edits.smooth, "Remove jitter");
+  CLI::Option* one_euro = c->add_flag("--one-euro", o->one_euro,
+                                      "Remove jitter by the 1 euro filter, which does not look ahead. Fast movements "
+                                      "lag a little");
+  checked_option(*c, "--one-euro-cutoff", o->filter.min_cutoff, positive(),
+                 "Cutoff of the 1 euro filter for what does not move, Hz")
+      ->needs(one_euro);
+  checked_option(*c, "--one-euro-beta", o->filter.beta, not_negative(),
+                 "By how much speed raises this cutoff, Hz per metre (or radian) and second")
+      ->needs(one_euro);
   c->add_flag("--in-place", o->edits.in_place, "Keep the root over the origin");
   c->add_option("--loop", o->edits.loop, "Make a loop by blending this many seconds at the end into the start")
       ->check(positive());

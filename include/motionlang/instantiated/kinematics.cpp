@@ -24,6 +24,7 @@
 #include <motionlang/kinematics/motion_from_joints.ipp>
 #include <motionlang/kinematics/motion_tools.ipp>
 #include <motionlang/kinematics/on_smpl.ipp>
+#include <motionlang/kinematics/one_euro_filter.ipp>
 #include <motionlang/kinematics/overlay.ipp>
 #include <motionlang/kinematics/retarget.ipp>
 #include <motionlang/kinematics/root_motion.ipp>

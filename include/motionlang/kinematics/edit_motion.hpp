@@ -4,9 +4,11 @@
 ///     const Motion loop = edit_motion(motion, {.mirror = true, .in_place = true, .loop = 0.5});
 #pragma once
 
-#include <utility>  // pair
+#include <optional>  // a filter
+#include <utility>   // pair
 
 #include <motionlang/kinematics/on_smpl.hpp>
+#include <motionlang/kinematics/one_euro_filter.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -23,9 +25,10 @@ Motion edit_time(Motion motion, const TimeEdits& edits);
 
 /// In this order.
 struct MotionEdits {
-  bool smpl = false;      // retarget to SMPL's 24 joints
-  bool mirror = false;    // exchange left and right
-  bool smooth = false;    // removes jitter
+  bool smpl = false;                         // retarget to SMPL's 24 joints
+  bool mirror = false;                       // exchange left and right
+  bool smooth = false;                       // removes jitter
+  std::optional<OneEuroOptions> one_euro{};  // removes jitter without looking ahead
   bool fix_feet = false;  // put it on the floor and keep standing feet from sliding; on SMPL's 24 joints
   bool in_place = false;  // keep the root over the origin
   double loop = 0;        // blend this many seconds at the end into the start; 0: no loop

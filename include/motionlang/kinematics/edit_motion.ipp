@@ -39,6 +39,7 @@ MOTIONLANG_BODY Motion edit_motion(Motion m, const MotionEdits& edits, RetargetR
   if (edits.smpl) m = on_smpl(m, report);
   if (edits.mirror) m = mirror(m);
   if (edits.smooth) m = smooth_motion(m);
+  if (edits.one_euro) m = one_euro_filter(m, *edits.one_euro);
   if (edits.fix_feet) {
     place_on_floor(m);
     m = motionlang::fix_feet(m);

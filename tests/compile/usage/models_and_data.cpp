@@ -21,6 +21,7 @@
 #include <motionlang/generate/generate_motion.ipp>
 #include <motionlang/kinematics/body_partition.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
+#include <motionlang/kinematics/one_euro_filter.hpp>
 #include <motionlang/kinematics/treadmill.hpp>
 #include <motionlang/search/kept_index.hpp>
 #include <motionlang/search/query_bench.hpp>
@@ -84,6 +85,9 @@ void partition() {
 }
 void edit(const Motion& motion) {
 #include "kinematics/edit_motion.1.inc"
+}
+void one_euro_(const Motion& motion, std::span<const double> heights, std::vector<double>& shown) {
+#include "kinematics/one_euro_filter.1.inc"
 }
 void index_folder(const TmrSearchEncoder<B>& tmr) {
 #include "search/index_folder.1.inc"

@@ -38,6 +38,8 @@ TEST_CASE("edits follow each other in the order of the structure") {
   const ml::Motion walk = synthetic::walk({.frames = 60, .fps = 20});
   CHECK(same(ml::edit_motion(walk, {}), walk));
   CHECK(same(ml::edit_motion(walk, {.mirror = true, .smooth = true}), ml::smooth_motion(ml::mirror(walk))));
+  CHECK(same(ml::edit_motion(walk, {.mirror = true, .one_euro = ml::OneEuroOptions{.beta = 1}}),
+             ml::one_euro_filter(ml::mirror(walk), {.beta = 1})));
   CHECK(same(ml::edit_motion(walk, {.in_place = true, .loop = 0.3}), ml::make_loop(ml::in_place(walk), 6).motion));
   ml::Motion standing = walk;
   ml::place_on_floor(standing);
