@@ -706,3 +706,17 @@ TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of
   write_evaluator("of_kit", 251);
   refused("T2M_Seq2Seq", {"--evaluator", runs + "of_kit"}, "reads features of 251 numbers, the motions have 263");
 }
+
+  // as a model that retrieves, on motions of a TEMOS whose language model and statistics are elsewhere
+  official::write_temos_run(w / "temos", official::small_temos());
+  official::write_temos_statistics(w / "of64", 64);
+  official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
+  std::vector<std::string> synthesis{"--statistics", runs + "VQVAEV3/meta",      "--synthesis", "--generator",
+                                     "temos",        "--generator-text-encoder", "words"};
+  refused("text_mot_match", synthesis, "no statistics of the motions");
+  synthesis.insert(synthesis.end(), {"--generator-statistics", "of64"});
+  const Outcome searched = evaluate("text_mot_match", synthesis);
+  REQUIRE_MESSAGE(searched.code == 0, searched.text);
+  CHECK_MESSAGE(contains(searched.text, "\n    generated"), searched.text);
+  const Outcome nothing = evaluate("text_mot_match", {"--generator-statistics", "of64"});
+  CHECK_MESSAGE((nothing.code == 2 && contains(nothing.text, "--generator")), nothing.text);

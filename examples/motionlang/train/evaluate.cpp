@@ -133,11 +133,17 @@ void add_evaluate(CLI::App& app) {
       "--synthesis", o->synthesis,
       "TMR, evaluator: also search motions that were generated for the texts, with the lengths of the recorded "
       "ones");
-  c->add_option(
-       "--generator", o->generator,
-       "Model that generates these motions, as for generate; it shares --text-encoder. The default is the TMR itself")
-      ->needs(synthesis)
-      ->check(CLI::ExistingPath);
+  CLI::Option* generator =
+      c->add_option("--generator", o->generator,
+                    "Model that generates these motions, as for generate. The default is the TMR itself")
+          ->needs(synthesis)
+          ->check(CLI::ExistingPath);
+  path_option(*c, "--generator-text-encoder", o->generator_text_encoder,
+              "Text encoder of --generator, as --text-encoder of generate. For TMR the default is --text-encoder")
+      ->needs(generator);
+  folder_option(*c, "--generator-statistics", o->generator_statistics,
+                "Folder with mean and std of the features of a published --generator, if its folder lacks them")
+      ->needs(generator);
   c->add_option(
        "--moments", o->moments,
        "TMR: build this many long motions of several clips, and measure how well the segment of each text is found. "

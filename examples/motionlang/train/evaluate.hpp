@@ -22,7 +22,7 @@ struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
       strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts,
       temos, independent, joint, keys, tags, evaluator, evaluator_words, evaluator_statistics, bert, texts, timelines,
-      recorded, tmr, tmr_text_encoder;
+      recorded, tmr, tmr_text_encoder, generator_text_encoder, generator_statistics;
   bool synthesis = false;  // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;        // texts more similar than that count as the same

@@ -81,7 +81,9 @@ void evaluate_evaluator(const EvaluationOptions& o) {
   if (o.synthesis) {
     if (o.generator.empty())
       ml::raise<usage_error>(102, "--synthesis of the evaluator needs --generator: it makes no motions itself");
-    other = load_generator("eigen", o.generator, {});
+    other = load_generator(
+        "eigen", o.generator,
+        {.text_encoder = o.generator_text_encoder.string(), .statistics = o.generator_statistics.string()});
     make = ml::guo_maker<B>(*other, judge.width());
   }
   const auto table = ml::guo_latents(judge, part, data.width);

@@ -114,7 +114,11 @@ void evaluate_tmr(const EvaluationOptions& o) {
   std::optional<ml::LatentTable> made;
   if (o.synthesis) {
     std::unique_ptr<ml::MotionModel> other;
-    if (!o.generator.empty()) other = load_generator("eigen", o.generator, {.text_encoder = o.text_encoder.string()});
+    if (!o.generator.empty()) {
+      const auto& text_encoder = o.generator_text_encoder.empty() ? o.text_encoder : o.generator_text_encoder;
+      other = load_generator("eigen", o.generator,
+                             {.text_encoder = text_encoder.string(), .statistics = o.generator_statistics.string()});
+    }
     std::uint64_t seed = o.seed;  // of the next batch
     made = ml::latents_of(model, *m.part, m.token_cache(), [&](const ml::TextMotionBatch<B>& batch) {
       const std::uint64_t own = seed++;
