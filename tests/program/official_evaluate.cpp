@@ -273,13 +273,14 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
   official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
   const ml::MotionFeatures& features = ml::motion_features("rifke64");
   std::string captions;
-  std::vector<ml::Motion> clips;
+  std::vector<ml::Motion> clips, dense;  // at 12.5 and at 100 frames per second
   for (int i = 0; i < 3; ++i) {
     const std::string id = "clip" + std::to_string(i);
     ml::write_bvh(w / (id + ".bvh"), synthetic::walk({.frames = 40 + 8 * i, .fps = 12.5, .turn = 0.4 * i}));
     captions += id + "\t0\t" + std::to_string(3 + 0.5 * i) + "\tlegs\t" + (i == 0 ? "a walk" : "walk") + "\n";
     const auto all = ml::retarget(ml::read_bvh_motion(w / (id + ".bvh")));
     clips.push_back(ml::crop(ml::resample(all, 12.5), 0, static_cast<ml::Index>((3 + 0.5 * i) * 12.5 + 0.5)));
+    dense.push_back(ml::crop(ml::resample(all, 100), 0, static_cast<ml::Index>((3 + 0.5 * i) * 100 + 0.5)));
   }
   ml::write_file(w / "captions.tsv", captions);
   official::write_text(w / "splits/train.txt", "clip1\nclip2\n");
@@ -301,13 +302,16 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
     more.insert(more.begin(), command.begin(), command.end());
     return w.run(more);
   };
-  const std::string said = [&] {
-    const Outcome out =
-        evaluate({"--statistics", "statistics", "--text-encoder", "words", "--samples", "2", "--strips", "strips"});
+  const auto measured = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--statistics", "statistics", "--text-encoder", "words", "--samples", "2"});
+    const Outcome out = evaluate(more);
     REQUIRE_MESSAGE(out.code == 0, out.text);
     return out.text;
-  }();
+  };
+  const std::string said = measured({"--strips", "strips", "--rate", "12.5"}), at_100 = measured({});
   CHECK(contains(said, "1 motion of the test part"));
+  CHECK(!contains(said, "frames per second"));
+  CHECK_MESSAGE(contains(at_100, "joints at 100 frames per second; generated ones are interpolated from 12.5"), at_100);
   for (const char* file : {"strips/1.svg", "strips/1_recorded.svg"})
     CHECK_MESSAGE(contains(ml::read_file(w / file), "a walk"), file);
   const auto run = ml::load_temos_run<official::B>(ml::FilePath(w / "temos"),
@@ -316,13 +320,25 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
   const auto tokens = run.text_encoder.encode<official::B>(std::span<const std::string>(text)).tokens;
   const auto frames = clips[0].frames();
   const auto truth = ml::rifke_joints(ml::temos_rifke(), std::span<const double>(rows));
-  const auto check_row = [&](const std::string& name, const ml::Tensor<official::B, 2>& made) {
+  const auto dense_rows = features.from_motion(dense[0]);
+  const auto dense_truth = ml::rifke_joints(ml::temos_rifke(), std::span<const double>(dense_rows));
+  CHECK(dense_truth.size() == 21 * 300);
+  const auto check_row = [&](const std::string& name, const ml::Tensor<official::B, 2>& made, bool in_100 = false) {
     std::vector<ml::Vec3<double>> joints;
-    for (const auto& p : ml::temos_joints(run.normalizer, made)) joints.push_back(ml::vec_cast<double>(p));
+    std::vector<double> values;
+    for (const auto& p : ml::temos_joints(run.normalizer, made)) {
+      joints.push_back(ml::vec_cast<double>(p));
+      values.insert(values.end(), {joints.back().x, joints.back().y, joints.back().z});
+    }
+    if (in_100) {
+      joints.clear();
+      values = ml::upsample_linearly(std::span<const double>(values), 63, 12.5, 100);
+      for (std::size_t i = 0; i < values.size(); i += 3) joints.push_back({values[i], values[i + 1], values[i + 2]});
+    }
     ml::ApeAveMetric<double> metric(ml::temos_rifke(), 0.001);
-    metric.add(joints, truth);
+    metric.add(joints, in_100 ? dense_truth : truth);
     const auto e = metric.result();
-    const auto found = numbers_of_row(said, name);
+    const auto found = numbers_of_row(in_100 ? at_100 : said, name);
     std::vector<double> wanted;
     for (const ml::PositionErrors* p : {&e.ape, &e.ave})
       for (const double x : {p->root, p->trajectory, p->mean_local(), p->mean_joints()}) wanted.push_back(x);
@@ -337,6 +353,30 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
   const auto of_one =
       check_row("one sample", ml::text_to_motion(run.model, tokens, ml::Offsets{frames}, ml::Philox{}).front().rows);
   CHECK(std::abs(of_mean[0] - of_one[0]) > 2e-3);
+  check_row("one sample", ml::text_to_motion(run.model, tokens, ml::Offsets{frames}, ml::Philox{}).front().rows, true);
+
+  // a model on SMPL, measured on MMM's joints: those in KIT's units are 0.64 times as far apart
+  official::write_lightning_run(w / "on_smpl", official::temos(official::small_temos(135)), official::small_temos(135),
+                                12.5);
+  official::write_temos_statistics(w / "of135", 135);
+  const auto on_mmm = [&](const std::string& set, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"evaluate", "on_smpl", "--data", ".", "--captions", "captions.tsv", "--splits", "splits",
+                               "--statistics", "of135", "--text-encoder", "words", "--samples", "1", "--joints", set});
+    return w.run(more);
+  };
+  const Outcome scaled = on_mmm("mmm"), in_metres = on_mmm("mmmns");
+  REQUIRE_MESSAGE(scaled.code == 0, scaled.text);
+  CHECK_MESSAGE(contains(scaled.text, "MMM's joints of our own skeleton"), scaled.text);
+  const auto small = numbers_of_row(scaled.text, "one sample"), large = numbers_of_row(in_metres.text, "one sample");
+  REQUIRE_MESSAGE((small.size() == 8 && large.size() == 8), in_metres.text);
+  CHECK(large[0] > 0.05);
+  for (const std::size_t i : {1u, 4u, 5u, 6u, 7u}) {  // without heights, which keep the unscaled place of the root
+    const double wanted = (i < 4 ? 0.64 : 0.64 * 0.64) * large[i];
+    CHECK_MESSAGE(std::abs(small[i] - wanted) < 1.1e-3 * (1 + wanted), i << ": " << small[i] << ", " << wanted);
+  }
+  const Outcome other_body = on_mmm("mmm", {"--body", "clip0.bvh"});
+  CHECK(other_body.code == 1);
+  CHECK_MESSAGE(contains(other_body.text, "clip0.bvh"), other_body.text);
 
   const auto refused = [&](std::vector<std::string> more, const std::string& message) {
     const Outcome out = evaluate(more);
@@ -345,6 +385,17 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
   };
   refused({"--text-encoder", "words"}, "no statistics of the motions");
   refused({"--statistics", "statistics"}, "no tokenizer of DistilBERT");
+  const auto with_files = [](std::vector<std::string> more) {
+    more.insert(more.end(), {"--statistics", "statistics", "--text-encoder", "words"});
+    return more;
+  };
+  refused(with_files({"--joints", "mmm"}),
+          "[motionlang.config.102] MMM's joints of SMPL need a model of smplvelp, this one has 'rifke64'");
+  refused(with_files({"--rate", "30"}),
+          "[motionlang.config.101] joints of 12.5 frames per second cannot be interpolated to 30");
+  const Outcome no_set = evaluate(with_files({"--body", "captions.tsv"}));
+  CHECK(no_set.code == 2);
+  CHECK_MESSAGE(contains(no_set.text, "--body of TEMOS is for --joints mmm or mmmns"), no_set.text);
   const auto teach = official::small_teach();
   official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
   const Outcome other = w.run({"evaluate", "teach", "--data", ".", "--captions", "captions.tsv"});
@@ -703,9 +754,6 @@ TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of
   REQUIRE_MESSAGE(of_people.size() == 10, described.text);
   CHECK(of_people[0] <= of_people[2]);
   refused("T2M_Seq2Seq", {"--evaluator", "splits"}, "[motionlang.io.401] --evaluator splits: no finest.tar");
-  write_evaluator("of_kit", 251);
-  refused("T2M_Seq2Seq", {"--evaluator", runs + "of_kit"}, "reads features of 251 numbers, the motions have 263");
-}
 
   // as a model that retrieves, on motions of a TEMOS whose language model and statistics are elsewhere
   official::write_temos_run(w / "temos", official::small_temos());
@@ -720,3 +768,6 @@ TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of
   CHECK_MESSAGE(contains(searched.text, "\n    generated"), searched.text);
   const Outcome nothing = evaluate("text_mot_match", {"--generator-statistics", "of64"});
   CHECK_MESSAGE((nothing.code == 2 && contains(nothing.text, "--generator")), nothing.text);
+  write_evaluator("of_kit", 251);
+  refused("T2M_Seq2Seq", {"--evaluator", runs + "of_kit"}, "reads features of 251 numbers, the motions have 263");
+}

@@ -71,9 +71,15 @@ void add_evaluate(CLI::App& app) {
   path_option(
       *c, "--classifier", o->classifier,
       "ACTOR: folder of the classifier that judges, or a published file (humanact12_gru.tar, uestc_rot6d_stgcn.tar)");
-  file_option(*c, "--body", o->body,
-              "ACTOR: SMPL file, whose joints a published GRU reads. ntu13_gru.tar needs it; humanact12_gru.tar "
-              "otherwise reads our own joints. SINC, TEACH: SMPL-H file, whose joints are compared instead of ours");
+  c->add_option("--durations", o->durations,
+                "ACTOR: only measure motions of these lengths, in frames (figure 3.4: 40,45,...,120)")
+      ->delimiter(',')
+      ->check(in_range(2, 100000));
+  file_option(
+      *c, "--body", o->body,
+      "ACTOR: SMPL file, whose joints a published GRU reads. ntu13_gru.tar needs it; humanact12_gru.tar "
+      "otherwise reads our own joints. SINC, TEACH, TEMOS with --joints: SMPL-H file, whose joints are compared "
+      "instead of ours");
   file_option(*c, "--joint-regressor", o->regressor, "File J_regressor_extra.npy of SPIN or VIBE, for ntu13_gru.tar");
   path_option(
       *c, "--evaluator", o->evaluator,
@@ -166,6 +172,13 @@ void add_evaluate(CLI::App& app) {
       "TMR: also print the share of negatives that the contrastive loss leaves out, by threshold and by size of "
       "the batch (table 5.5)");
   checked_option(*c, "--samples", o->samples, in_range(1, 1000), "TEMOS, SINC, TEACH: number of motions for each text");
+  checked_option(*c, "--rate", o->rate, in_range(1, 1000),
+                 "TEMOS: frames per second at which joints are compared, a multiple of the model's. Joints that it "
+                 "generates are interpolated linearly; recorded ones, too, if the data are ready-made features");
+  c->add_option("--joints", o->joints,
+                "TEMOS of SMPL's features: compare MMM's 21 joints (table 4.11). mmm: scaled by 0.64, in the units of "
+                "KIT; mmmns: in metres. The default is SMPL's 22 joints")
+      ->check(CLI::IsMember({"mmm", "mmmns"}));
   checked_option(*c, "--items", o->items, CLI::IsMember({"pairs", "unseen", "single", "all"}),
                  "SINC: items to measure. pairs: two actions at the same time; unseen: pairs that the training part "
                  "lacks, without 'stand' (the published evaluation); single: single actions; all");

@@ -41,6 +41,8 @@ struct EvaluationOptions {
   ml::Alignment alignment = ml::Alignment::full;             // for the second action of TEACH
   ml::Index slerp_window = 8;                                // interpolated frames between both actions
   std::string bert_baseline = "none";                        // none, tm2t or random
+  double rate = 100;                                         // of the joints that TEMOS compares, frames per second
+  std::string joints;                                        // of TEMOS: mmm, mmmns; "": those of its features
   ml::Index bert_layer = 0;                                  // of BERTScore; 0: the last one
   // These belong to STMC:
   std::optional<ml::Index> first{};  // timelines that are measured, from the first on

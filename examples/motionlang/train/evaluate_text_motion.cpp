@@ -20,6 +20,7 @@
 
 #include "../formatted.hpp"
 #include "../generate/generation.hpp"
+#include "../usage_error.hpp"
 #include "evaluate_guo.hpp"
 #include "film_strips.hpp"
 #include "training_command.hpp"
@@ -40,6 +41,8 @@ std::vector<std::string> first_texts(const std::vector<ml::DescribedMotion>& mot
 
 /// The data of a model's configuration, and the part to measure.
 struct Measured {
+  ml::DataSources sources;
+  ml::DataConfig config;
   ml::DescribedMotions data;
   const std::vector<ml::DescribedMotion>* part;
   std::optional<ml::EmbeddingCache> states;
@@ -47,12 +50,13 @@ struct Measured {
 
   /// encoder  for the texts, if the model has its own
   Measured(const EvaluationOptions& o, const ml::TextMotionFile& file, const ml::AnyTextEncoder<B>* encoder = nullptr)
-      : data([&] {
-          auto config = file.config.data;
+      : sources{o.data, o.captions, {}, o.annotations, o.splits},
+        config(file.config.data),
+        data([&] {
           config.mirror = false;
           ml::RowMaker rows = ml::row_maker(file.config.features);
           rows.fps = file.fps;
-          return read_motions_of({o.data, o.captions, {}, o.annotations, o.splits}, config, rows);
+          return read_motions_of(sources, config, rows);
         }()),
         part(&data.part(o.part)),
         sentences(0) {
@@ -139,6 +143,13 @@ namespace {
 void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, const Measured& m,
                    const ml::TemosModel<B>& model, FilmStrips& strips) {
   const auto& features = ml::motion_features(file.config.features);
+  const ml::TemosJoints joints =
+      o.joints.empty() ? ml::TemosJoints(features) : ml::mmm_joints<B>(features, o.joints, o.body);
+  std::vector<ml::DescribedMotion> at_rate;
+  if (o.rate != m.data.fps) {
+    ProgressBar bar("reading motions again");
+    at_rate = ml::recorded_at(m.sources, m.config, features, o.part, o.rate, bar);
+  }
   ProgressBar bar("generating");
   std::string best;  // by the number of samples
   const auto errors = ml::temos_errors<B>(
@@ -152,11 +163,21 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
            },
        .sampled = [&](const ml::SampledErrors& e) { best = ml::best_of_table(e); },
        .samples = o.samples,
-       .seed = o.seed},
+       .seed = o.seed,
+       .joints = joints,
+       .rate = o.rate,
+       .recorded = at_rate},
       bar);
   bar.finish();
-  if (ml::TemosJoints(features).mmm)
+  if (!o.joints.empty())
+    std::printf("MMM's joints of %s\n", o.body.empty() ? "our own skeleton, whose ankles replace the heels; --body "
+                                                         "SMPLH_NEUTRAL takes those of SMPL-H as published"
+                                                       : "SMPL-H");
+  if (joints.unit != 1)
     std::printf("as TEMOS measures MMM's joints: 640 units per metre, which count as millimetres\n");
+  const char* which = at_rate.empty() ? "all" : "generated ones";
+  if (o.rate != m.data.fps)
+    std::printf("joints at %g frames per second; %s are interpolated from %g\n", o.rate, which, m.data.fps);
   print(ml::errors_table(errors));
   if (o.samples > 1) print(best);
 }
@@ -164,6 +185,8 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
 }  // namespace
 
 void evaluate_temos(const EvaluationOptions& o) {
+  if (o.joints.empty() && !o.body.empty())
+    ml::raise<usage_error>(102, "--body of TEMOS is for --joints mmm or mmmns, which select joints of it");
   FilmStrips strips(o);
   if (ml::model_system(ml::FilePath(o.model)).ours) {
     const ml::TextMotionFile file = ml::read_text_motion_config(o.model);

@@ -2,14 +2,24 @@
 /// Measures TEMOS: errors of several motions of each text and of the mean of the latent, compared with motions that do
 /// not depend on the text.
 ///
+///     const auto recorded =
+///         recorded_at({.data = "KIT", .captions = "captions.tsv"}, {}, *temos.features, "test", temos_rate);
 ///     const auto errors = temos_errors<B>(temos.model, temos.normalizer, *temos.features, data, data.test,
-///                                         {.tokens = temos.tokens, .samples = 10});
+///                                         {.tokens = temos.tokens, .rate = temos_rate, .recorded = recorded});
 ///
-/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), tables 1 and 2, temos/model/metrics/compute.py; thesis 4.3
+/// The model makes 12.5 frames per second. Its joints are interpolated linearly to 100, the rate of KIT's recordings,
+/// and compared with the recorded ones at that rate.
+/// Source   TEMOS (Petrovich, Black, Varol, ECCV 2022), tables 1 and 2, temos/model/metrics/compute.py; thesis 4.3.1;
+///          tables 4.10 and 4.11 for the joints of SMPL
+/// Differs  recordings of AMASS with 60 or 120 frames per second are resampled to the same rate; the published program
+///          compares their frames, as they are, with those that it interpolated to 100 frames per second
 #pragma once
 
 #include <cstdint>     // seed
+#include <filesystem>  // a body
 #include <functional>  // tokens
+#include <map>         // recorded motions
+#include <optional>    // other joints
 #include <span>        // rows
 #include <string>      // texts
 #include <vector>      // motions
@@ -20,8 +30,12 @@
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/metrics/sampled_errors.hpp>
 #include <motionlang/systems/temos.hpp>
+#include <motionlang/train/compared_joints.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+/// The rate at which TEMOS is measured, frames per second.
+inline constexpr double temos_rate = 100;
 
 /// How joints are measured. MMM's 21 joints as in TEMOS: Y up, 640 units per metre taken for millimetres, in the
 /// heading of knees and elbows. SMPL's 22 joints: in metres, Z up.
@@ -29,13 +43,42 @@ struct TemosJoints {
   const MotionFeatures& features;
   bool mmm;
   RifkeVariant variant;
-  double unit;  // metres
+  double unit;                                                    // metres
+  std::function<JointFrames(std::span<const float>)> selected{};  // MMM's joints of SMPL; empty: those of the features
 
   explicit TemosJoints(const MotionFeatures& features);
   /// rows    (frames, width), not normalised
   /// result  (frames, joints)
   JointFrames operator()(std::span<const float> rows) const;
 };
+
+namespace detail {
+/// As mmm_joints, without the joints themselves.
+TemosJoints joints_as_mmm(const MotionFeatures& features, const std::string& set);
+}  // namespace detail
+
+/// MMM's joints of a model on SMPL: thesis table 4.11.
+/// set     "mmm": 640 units per metre, which count as millimetres; "mmmns": metres
+/// body    file of an SMPL-H body; "": the library's own skeleton
+/// Throws  config_error 102 for features without SMPL's rotations, 103 for another set, and what ComparedJoints throws
+template <Backend B>
+TemosJoints mmm_joints(const MotionFeatures& features, const std::string& set, const std::filesystem::path& body = {}) {
+  TemosJoints out = detail::joints_as_mmm(features, set);
+  out.selected = [joints = ComparedJoints<B>(set, body)](std::span<const float> rows) {
+    return joints(smplvelp_inverse(rows));
+  };
+  return out;
+}
+
+/// Joints at another rate, by linear interpolation between frames.
+/// joints  (frames, per_frame)
+/// Throws  config_error 101 unless the new rate is a multiple of the old one
+JointFrames joints_at_rate(const JointFrames& joints, Index per_frame, double from, double to);
+
+/// The motions of a part at another rate. None if the data are ready-made rows, whose rate is fixed. Throws what
+/// read_described_motions throws.
+std::vector<DescribedMotion> recorded_at(DataSources sources, const DataConfig& config, const MotionFeatures& features,
+                                         const std::string& part, double rate, Progress progress = {});
 
 /// How motions are measured.
 template <Backend B>
@@ -46,10 +89,16 @@ struct TemosMeasures {
   std::function<void(const SampledErrors&)> sampled{};  // receives the errors of the samples, at the end
   Index samples = 10;                                   // motions for each text
   std::uint64_t seed = 0;
+  std::optional<TemosJoints> joints{};  // none: those of the features
+  double rate = 0;                      // frames per second of the joints that are compared; 0: that of the data
+  /// The same motions at this rate, by their ids. A motion that is missing is interpolated, as generated ones are.
+  std::span<const DescribedMotion> recorded{};
 };
 
 /// The rows of a motion that its first text is about.
 std::span<const float> first_text_rows(const DescribedMotion& motion, Index width);
+/// The rows of a motion that this text is about. Throws config_error 102 if it has no such text.
+std::span<const float> rows_of_text(const DescribedMotion& motion, const std::string& text, Index width);
 
 /// Rows: those of named_errors(SampledErrors), "mean of the latent", and those of named_errors(BlindErrors).
 /// data    with the features that the model reads; its training motions give the blind guesses
@@ -60,22 +109,31 @@ std::vector<NamedErrors> temos_errors(const Temos<B>& model, const Normalizer<B>
                                       const MotionFeatures& features, const DescribedMotions& data,
                                       const std::vector<DescribedMotion>& part, const TemosMeasures<B>& how,
                                       Progress progress = {}) {
-  const TemosJoints joints_of(features);
-  const JointErrors none(joints_of.variant, joints_of.unit);
+  const TemosJoints selected = how.joints ? *how.joints : TemosJoints(features);
+  const double rate = how.rate > 0 ? how.rate : data.fps;
+  const auto joints_of = [&](std::span<const float> rows) {
+    return joints_at_rate(selected(rows), selected.variant.joints, data.fps, rate);
+  };
+  std::map<std::string, const DescribedMotion*> recorded_of;
+  for (const DescribedMotion& motion : how.recorded) recorded_of.emplace(motion.id, &motion);
+  const JointErrors none(selected.variant, selected.unit);
   SampledErrors sampled(none, how.samples);
   JointErrors at_mean = none;
   BlindErrors blind(
-      joints_of.variant, none, std::ssize(data.training),
+      selected.variant, none, std::ssize(data.training),
       [&](Index i) { return joints_of(first_text_rows(data.training[static_cast<std::size_t>(i)], features.width)); },
       how.seed);
   const auto rng = Philox{.seed = how.seed};
   Index done = 0;
   for (const DescribedMotion& motion : part) {
     const auto recorded = first_text_rows(motion, features.width);
-    const JointFrames truth = joints_of(recorded);
     const std::string& text = motion.texts.front().text;
+    const auto at_rate = recorded_of.find(motion.id);
+    const JointFrames truth = at_rate == recorded_of.end()
+                                  ? joints_of(recorded)
+                                  : selected(rows_of_text(*at_rate->second, text, features.width));
     const auto tokens = how.tokens(std::span(&text, 1));
-    const Offsets length{std::ssize(truth) / features.joints};
+    const Offsets length{std::ssize(recorded) / features.width};
     const auto rows_of = [&](const Sequences<B>& s) {
       const auto values = normalizer.denormalize(s.rows).to_vector();
       return std::vector<float>(values.begin(), values.end());

@@ -43,6 +43,47 @@ TEST_CASE("only SMPL-H is compared as published") {
   CHECK_ERROR(ml::ComparedJoints<B>("smplnh", folder / "nowhere.npz"), "[motionlang.io.401]");
 }
 
+TEST_CASE("joints at another rate are interpolated linearly") {
+  const ml::JointFrames two{{0, 1, 0}, {5, 5, 5}, {8, 1, 4}, {5, 5, 5}};  // two frames of two joints
+  const auto dense = ml::joints_at_rate(two, 2, 12.5, 100);
+  REQUIRE(dense.size() == 2 * 9);
+  for (std::size_t t = 0; t < 9; ++t) {
+    CHECK(ml::norm(dense[2 * t] - ml::Vec3<double>{static_cast<double>(t), 1, 0.5 * static_cast<double>(t)}) < 1e-12);
+    CHECK(dense[2 * t + 1] == ml::Vec3<double>{5, 5, 5});
+  }
+  CHECK(ml::joints_at_rate(two, 2, 30, 30) == two);
+  CHECK_ERROR(ml::joints_at_rate(two, 2, 30, 100),
+              "[motionlang.config.101] joints of 30 frames per second cannot be interpolated to 100");
+  CHECK_ERROR(ml::joints_at_rate(two, 2, 100, 12.5), "[motionlang.config.101]");
+}
+
+TEST_CASE("MMM's joints of a model on SMPL: in KIT's units, or in metres") {
+  const auto& features = ml::motion_features("smplvelp");
+  const auto values = features.from_motion(synthetic::walk({.frames = 6, .fps = 12.5}));
+  const std::vector<float> rows(values.begin(), values.end());
+  const auto scaled = ml::mmm_joints<B>(features, "mmm"), metres = ml::mmm_joints<B>(features, "mmmns");
+  CHECK(scaled.unit == 0.001);
+  CHECK(metres.unit == 1);
+  CHECK(scaled.variant.joints == 21);
+  const auto small = scaled(rows), large = metres(rows);
+  REQUIRE(small.size() == 21 * 6);
+  REQUIRE(large.size() == small.size());
+  for (std::size_t i = 0; i < small.size(); ++i)
+    CHECK(ml::norm((small[i] - small[0]) - 640.0 * (large[i] - large[0])) < 1e-2);
+  CHECK(large[3].y - large[0].y > 0.3);  // Y up: the neck is above the root
+  CHECK_ERROR(ml::mmm_joints<B>(ml::motion_features("rifke64"), "mmm"),
+              "[motionlang.config.102] MMM's joints of SMPL need a model of smplvelp, this one has 'rifke64'");
+  CHECK_ERROR(ml::mmm_joints<B>(features, "smplnh"), "[motionlang.config.103] joints 'smplnh' are not mmm or mmmns");
+}
+
+TEST_CASE("a text is found among those of a motion") {
+  const ml::DescribedMotion motion{"a", "a", {0, 1, 2, 3, 4, 5}, {{"walk", {0, 3}}, {"sit", {1, 2}}}};
+  const auto rows = ml::rows_of_text(motion, "sit", 2);
+  REQUIRE(rows.size() == 4);
+  CHECK(rows.front() == 2.0f);
+  CHECK_ERROR(ml::rows_of_text(motion, "jump", 2), "[motionlang.config.102] a has no text 'jump'");
+}
+
 TEST_CASE("TEMOS measures MMM's joints in its own units, SMPL's in metres") {
   const ml::TemosJoints smpl(ml::motion_features("guoh3d")), mmm(ml::motion_features("rifke64"));
   CHECK(!smpl.mmm);
