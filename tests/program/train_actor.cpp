@@ -8,6 +8,7 @@
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
+#include <motionlang/view/loss_curves.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
 
 #include "../support/body_arrays.hpp"
@@ -123,6 +124,28 @@ TEST_CASE(
   ml::write_npz(clips / "body.npz", body_arrays::chain(24, 6, 10));
   trained("train-actor", "skin", {"--body", "body.npz", "--set", "losses.points=vertices"});
   CHECK(clips.losses("skin") != clips.losses("first"));
+  const auto body_alone = clips.train("train-actor", "skin_alone", {"--body", "body.npz"});
+  CHECK_MESSAGE(contains(body_alone.text, "points   vertices of body.npz"), body_alone.text);
+  CHECK(clips.weights("skin_alone") == clips.weights("skin"));
+  const auto no_body = clips.train("train-actor", "no_body", {"--set", "optimiser.epochs=1"});
+  CHECK_MESSAGE(contains(no_body.text, "points   24 joints of our own skeleton, in place of the published vertices"),
+                no_body.text);
+
+  // figure 3.4: accuracy and FID of motions of several lengths, as a table of curves
+  const auto lengths = run({"evaluate", "first/model", "--data", ".", "--labels", "labels.tsv", "--classifier",
+                            "graph/model", "--seeds", "2", "--part", "training", "--durations", "8,12,20"},
+                           clips.path);
+  REQUIRE_MESSAGE(lengths.code == 0, lengths.text);
+  CHECK(!contains(lengths.text, "multimodality"));
+  const auto table = lengths.text.find("# accuracy %");
+  REQUIRE_MESSAGE(table != std::string::npos, lengths.text);
+  const auto panels =
+      ml::parse_curves(std::string_view(lengths.text).substr(table, lengths.text.rfind("\n\n") - table));
+  REQUIRE(panels.size() == 2);
+  CHECK(panels[0].axis == "frames");
+  CHECK(panels[0].curves.at(0).steps == std::vector<double>{8, 12, 20});
+  for (const double v : panels[0].curves.at(0).values) CHECK((v >= 0 && v <= 100));
+  for (const double v : panels[1].curves.at(0).values) CHECK(v > 0);
   trained("train-actor", "joints_of_skin", {"--body", "body.npz", "--set", "losses.points=smpl"});
   CHECK(clips.losses("joints_of_skin") != clips.losses("skin"));
   const auto no_points = [&](const std::string& points, std::vector<std::string> more, const std::string& message) {

@@ -103,8 +103,8 @@ void add_evaluate(CLI::App& app) {
       ->check(in_range(0, 1000))
       ->capture_default_str();
   c->add_option("--bert-baseline", o->bert_baseline,
-                "Value of BERTScore that counts as 0. tm2t: the published one, for layer 17 of roberta-large; random: "
-                "that of random texts of the training part")
+                "Value of BERTScore that counts as 0. random: that of random texts of the training part; tm2t: the "
+                "published one, which fits layer 17 of roberta-large alone")
       ->needs(bert)
       ->check(CLI::IsMember({"none", "tm2t", "random"}))
       ->capture_default_str();

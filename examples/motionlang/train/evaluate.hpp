@@ -25,24 +25,25 @@ struct EvaluationOptions {
       recorded, tmr, tmr_text_encoder, generator_text_encoder, generator_statistics;
   bool synthesis = false;  // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
-  double threshold = 0.95;        // texts more similar than that count as the same
-  ml::Index samples = 10;         // of TEMOS, SINC and TEACH, for each text
-  ml::Index count = 20;           // film strips
-  ml::Index seeds = 20;           // of ACTOR, and TM2T's motions
-  ml::Index repeats = 30;         // motions of a text that multimodality compares
-  ml::Index moments = 0;          // long motions in which TMR searches texts; 0: it searches whole clips
-  ml::Index joined = 5;           // clips in each
-  std::vector<double> windows{};  // seconds of the stretches to compare; none: as --moments says
-  double stride = 0;              // seconds between their starts; 0: as --moments says
-  bool filtered = false;          // the share of negatives that TMR's training leaves out
-  std::string items = "pairs";    // of SINC: pairs, unseen, single or all
-  ml::Index longest = 0;          // frames of its items; 0: as --items says
+  double threshold = 0.95;             // texts more similar than that count as the same
+  ml::Index samples = 10;              // of TEMOS, SINC and TEACH, for each text
+  ml::Index count = 20;                // film strips
+  ml::Index seeds = 20;                // of ACTOR, and TM2T's motions
+  std::vector<ml::Index> durations{};  // frames of motions of ACTOR; none: those of recorded motions
+  ml::Index repeats = 30;              // motions of a text that multimodality compares
+  ml::Index moments = 0;               // long motions in which TMR searches texts; 0: it searches whole clips
+  ml::Index joined = 5;                // clips in each
+  std::vector<double> windows{};       // seconds of the stretches to compare; none: as --moments says
+  double stride = 0;                   // seconds between their starts; 0: as --moments says
+  bool filtered = false;               // the share of negatives that TMR's training leaves out
+  std::string items = "pairs";         // of SINC: pairs, unseen, single or all
+  ml::Index longest = 0;               // frames of its items; 0: as --items says
   ml::Conjunction conjunction = ml::Conjunction::same_time;  // of the labels, of SINC
   ml::Alignment alignment = ml::Alignment::full;             // for the second action of TEACH
   ml::Index slerp_window = 8;                                // interpolated frames between both actions
-  std::string bert_baseline = "none";                        // none, tm2t or random
   double rate = 100;                                         // of the joints that TEMOS compares, frames per second
   std::string joints;                                        // of TEMOS: mmm, mmmns; "": those of its features
+  std::string bert_baseline = "none";                        // none, tm2t or random
   ml::Index bert_layer = 0;                                  // of BERTScore; 0: the last one
   // These belong to STMC:
   std::optional<ml::Index> first{};  // timelines that are measured, from the first on

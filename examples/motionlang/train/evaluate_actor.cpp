@@ -61,6 +61,12 @@ void evaluate_actor(const EvaluationOptions& o) {
   const auto& part = *measured.part;
   const Index kinds = std::ssize(file.labels);
   ProgressBar bar("evaluating");
+  if (!o.durations.empty()) {
+    const auto lengths = ml::duration_results(model, who, part, o.durations, {.seeds = o.seeds, .seed = o.seed}, bar);
+    bar.finish();
+    std::printf("\n");
+    return print(ml::duration_table(lengths));
+  }
   const auto results = ml::recognition_results(model, who, part, {.seeds = o.seeds, .seed = o.seed}, bar);
   bar.finish();
   print(ml::recognition_table(results));

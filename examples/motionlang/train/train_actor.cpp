@@ -1,4 +1,6 @@
 // motionlang train-actor: motions for actions.
+#include <cstdio>
+
 #include <motionlang/train/actor_training.hpp>
 
 #include "training_command.hpp"
@@ -16,8 +18,11 @@ struct Options {
 
 void run(const Options& o) {
   auto config = named_preset([&] { return ml::actor_preset(o.common.preset); });
-  if (!configure(config, o.common)) return;
+  read_settings(config, o.common);
+  ml::choose_points(config, o.files);
+  if (!begin_training(o.common, ml::config_json(config))) return;
   config.losses.require_any();
+  std::printf("points   %s\n", ml::points_text(config, o.files).c_str());
   const auto data = read_data(o.labels.sources(o.common), config.data, ml::actor_row_maker(config.clips));
   std::optional<ml::ActorModel<TrainingBackend>> from;
   if (!o.from.empty()) from.emplace(o.from);
@@ -30,12 +35,15 @@ void add_train_actor(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
       "train-actor", "Trains ACTOR, which generates motions from actions. Ctrl-C saves; the same command continues");
-  add_training_options(*c, o->common, {"actor-published", "actor-variable", "small"});
+  add_training_options(
+      *c, o->common, {"actor-published", "actor-published-ntu13", "actor-published-uestc", "actor-variable", "small"});
   add_divided_option(*c, o->common);
   o->labels.add_to(*c);
   folder_option(*c, "--from", o->from,
                 "Model to start with, trained here or published, to train on many lengths after those of 60 frames");
-  file_option(*c, "--body", o->files.body, "File of SMPL, for losses.points = vertices, smpl, a2m, a2mpl, vibe");
+  file_option(*c, "--body", o->files.body,
+              "File of SMPL, whose points are compared: losses.points = vertices (the default with it, as "
+              "published), smpl, a2m, a2mpl, vibe");
   file_option(*c, "--joint-regressor", o->files.regressor,
               "File J_regressor_extra.npy of SPIN or VIBE, for losses.points = a2m, a2mpl, vibe");
   c->callback([o] { run(*o); });

@@ -16,9 +16,9 @@ struct BabelOptions {
 };
 
 inline CLI::App* add_babel_options(CLI::App& app, const char* name, const char* what, BabelOptions& o,
-                                   const char* published) {
+                                   const std::vector<std::string>& presets) {
   CLI::App* c = app.add_subcommand(name, what);
-  add_training_options(*c, o.common, {published, "small"});
+  add_training_options(*c, o.common, presets);
   c->get_option("--data")->description("Folder of the motions, such as AMASS; the paths feat_p of BABEL lead into it");
   file_option(*c, "--babel", o.babel, "BABEL's train.json");
   file_option(*c, "--babel-validation", o.validation,

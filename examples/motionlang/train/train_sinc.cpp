@@ -12,7 +12,7 @@ void add_train_sinc(CLI::App& app) {
   CLI::App* c = add_babel_options(app, "train-sinc",
                                   "Trains SINC, which generates motions from several actions at the same time. Ctrl-C "
                                   "saves; the same command continues",
-                                  *o, "sinc-published");
+                                  *o, {"sinc-published", "sinc-paper", "small"});
   file_option(*c, "--body-parts", o->body_parts,
               "JSON of labels and the body parts that a language model named for them, as SINC has it. Training then "
               "combines actions of different parts (data.proportion)");

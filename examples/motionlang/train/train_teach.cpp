@@ -10,7 +10,7 @@ void add_train_teach(CLI::App& app) {
   CLI::App* c = add_babel_options(
       app, "train-teach",
       "Trains TEACH, which generates motions from actions one after another. Ctrl-C saves; the same command continues",
-      *o, "teach-published");
+      *o, {"teach-published", "teach-paper", "small"});
   c->callback([o] {
     run_babel(
         *o, named_preset([&] { return ml::teach_preset(o->common.preset); }), &ml::teach_reader,

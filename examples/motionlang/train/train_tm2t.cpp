@@ -94,7 +94,7 @@ void add_train_tm2t(CLI::App& app) {
   c->add_option("--stage", o->stage, "Stage: tokenizer (motions as tokens), then motion-to-text, then text-to-motion")
       ->required()
       ->transform(CLI::CheckedTransformer(stages).description("tokenizer, motion-to-text or text-to-motion"));
-  add_training_options(*c, o->common, {"tm2t-published", "tm2t-published-kit", "small"});
+  add_training_options(*c, o->common, {"tm2t-published", "tm2t-published-kit", "tm2t-paper", "small"});
   o->texts.add_to(*c);
   folder_option(*c, "--statistics", o->statistics,
                 "Tokenizer stage: folder with Mean.npy and Std.npy of the features. The default is the statistics of "

@@ -12,6 +12,7 @@
 #include <filesystem>  // files of a body
 #include <optional>    // what may be missing
 #include <span>        // numbers of motions
+#include <string>      // names of points
 #include <utility>     // move
 #include <vector>      // measures
 
@@ -29,6 +30,10 @@ struct ActorBodyFiles {
   std::filesystem::path regressor{};  // J_regressor_extra.npy, for points that need it
 };
 
+/// With a body, its vertices are compared instead of joints, as published (L_P + L_V).
+void choose_points(ActorTrainingConfig& config, const ActorBodyFiles& files);
+/// The points that the losses compare, for people.
+std::string points_text(const ActorTrainingConfig& config, const ActorBodyFiles& files);
 /// Throws config_error 102 if losses.points and the files contradict each other.
 void require_body_files(const ActorTrainingConfig& config, const ActorBodyFiles& files);
 

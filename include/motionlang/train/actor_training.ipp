@@ -6,6 +6,16 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+MOTIONLANG_BODY void choose_points(ActorTrainingConfig& config, const ActorBodyFiles& files) {
+  if (!files.body.empty() && config.losses.points == "joints") config.losses.points = "vertices";
+}
+
+MOTIONLANG_BODY std::string points_text(const ActorTrainingConfig& config, const ActorBodyFiles& files) {
+  if (config.losses.rcxyz == 0 && config.losses.velxyz == 0) return "none: rotations alone are compared";
+  if (!files.body.empty()) return config.losses.points + " of " + files.body.string();
+  return "24 joints of our own skeleton, in place of the published vertices of SMPL, which need a body";
+}
+
 MOTIONLANG_BODY void require_body_files(const ActorTrainingConfig& config, const ActorBodyFiles& files) {
   const std::string& points = config.losses.points;
   if ((points != "joints") != !files.body.empty())

@@ -2,6 +2,8 @@
 // Bodies of presets.hpp.
 #pragma once
 
+#include <cmath>  // sqrt
+
 #include <motionlang/train/presets.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -62,18 +64,29 @@ MOTIONLANG_BODY SincTrainingConfig sinc_preset(const std::string& name) {
   auto c = detail::small_babel<SincTrainingConfig>();
   c.data.proportion = 0;
   if (name == "small") return c;
-  if (name != "sinc-published") raise<config_error>(103, "preset '", name, "' is not sinc-published or small");
+  if (name != "sinc-published" && name != "sinc-paper")
+    raise<config_error>(103, "preset '", name, "' is not sinc-published, sinc-paper or small");
   c = {};
   c.optimiser.lr = 3e-4, c.optimiser.schedule = "step", c.optimiser.epochs = 1001, c.optimiser.seed = 42;
   c.validation.every = 25;
+  if (name == "sinc-paper") {
+    c.optimiser.schedule = "constant", c.optimiser.batch = 64, c.optimiser.epochs = 500;
+    c.losses = {.recons = 1, .kl = 1, .latent = 1};
+    c.data.longest = 600, c.data.shuffle = true;
+  }
   return c;
 }
 
 MOTIONLANG_BODY TeachTrainingConfig teach_preset(const std::string& name) {
   if (name == "small") return detail::small_babel<TeachTrainingConfig>();
-  if (name != "teach-published") raise<config_error>(103, "preset '", name, "' is not teach-published or small");
+  if (name != "teach-published" && name != "teach-paper")
+    raise<config_error>(103, "preset '", name, "' is not teach-published, teach-paper or small");
   TeachTrainingConfig c;
   c.optimiser.lr = 7e-5, c.optimiser.batch = 8, c.optimiser.epochs = 1001, c.optimiser.seed = 42;
+  if (name == "teach-paper") {
+    c.optimiser.lr = 1e-4, c.optimiser.batch = 32;
+    c.network.mask_padding = true;
+  }
   return c;
 }
 
@@ -83,12 +96,24 @@ MOTIONLANG_BODY ActorTrainingConfig actor_preset(const std::string& name) {
   c.validation.every = 0;
   c.data = {.min_seconds = 0.2, .max_seconds = 1000};
   if (name == "actor-published") return c;
+  if (name == "actor-published-ntu13") {
+    c.optimiser.epochs = 2000;
+    return c;
+  }
+  if (name == "actor-published-uestc") {
+    c.optimiser.epochs = 1000;
+    c.data.min_seconds = 45 / c.clips.fps;
+    return c;
+  }
   if (name == "actor-variable") {
     c.clips.num_frames = -2;
     c.optimiser.epochs = 100;
     return c;
   }
-  if (name != "small") raise<config_error>(103, "preset '", name, "' is not actor-published, actor-variable or small");
+  if (name != "small")
+    raise<config_error>(103, "preset '", name,
+                        "' is not actor-published, actor-published-ntu13, actor-published-uestc, actor-variable or "
+                        "small");
   c.clips.fps = 15;
   c.network = {.latent_dim = 128, .ff_size = 256, .num_layers = 3};
   c.optimiser = {
@@ -140,13 +165,19 @@ MOTIONLANG_BODY Tm2tTrainingConfig tm2t_preset(const std::string& name, Tm2tStag
     c.data.mirror = true;
     return c;
   }
-  if (name != "tm2t-published" && name != "tm2t-published-kit")
-    raise<config_error>(103, "preset '", name, "' is not tm2t-published, tm2t-published-kit or small");
+  if (name != "tm2t-published" && name != "tm2t-published-kit" && name != "tm2t-paper")
+    raise<config_error>(103, "preset '", name, "' is not tm2t-published, tm2t-published-kit, tm2t-paper or small");
   c.optimiser = {.lr = tokenizer ? 1e-4 : 2e-4, .weight_decay = 0, .batch = tokenizer ? 128 : 64, .epochs = 300};
   if (stage == Tm2tStage::text_to_motion) c.optimiser.clip_norm = 0.5;
   if (name == "tm2t-published-kit") {
     c.features = "kit";
     c.motion_to_text.num_layers = 3;
+  }
+  if (name == "tm2t-paper") {
+    c.optimiser.lr = 2e-4;
+    c.tokenizer.adversarial = 0;
+    c.tokenizer.feature_bias = std::sqrt(5);  // it divides twice
+    c.text_to_motion.forced_first = c.text_to_motion.forced_last = 0.4;
   }
   return c;
 }

@@ -188,6 +188,49 @@ std::map<std::string, std::vector<double>> recognition_results(const ActorModel<
   return results;
 }
 
+/// Motions of one length, judged with every seed.
+struct DurationResult {
+  Index frames = 0;
+  std::vector<double> accuracy{}, fid{};  // of the seeds; FID against recorded motions of the model's own length
+};
+/// Motions of other lengths than those of the training: one for each motion of the part, with its action.
+/// durations  frames
+/// Source     ACTOR (Petrovich, Black, Varol, ICCV 2021), section 4.3; thesis figure 3.4
+/// Throws     config_error 103 for a label that is not a class of the model; 101 for a length that it cannot make
+template <Backend B>
+std::vector<DurationResult> duration_results(const ActorModel<B>& model, const ActionJudge<B>& who,
+                                             const std::vector<DescribedMotion>& part, std::span<const Index> durations,
+                                             const RecognitionOptions& options, Progress progress = {}) {
+  const ActorClipsConfig &clips = model.file.config.clips, &seen = who.file.config.clips;
+  const std::vector<Index> classes = classes_of(part, model.file.labels);
+  const RecognitionSets<B> motions{model, part, classes, clips, seen};
+  std::vector<DurationResult> out;
+  for (const Index frames : durations) out.push_back({.frames = frames});
+  for (Index s = 0; s < options.seeds; ++s) {
+    const auto seed = Philox{.seed = options.seed + static_cast<std::uint64_t>(s)};
+    const auto judged = [&](const Philox& rng, auto batch) { return judge_motions(who, std::ssize(part), rng, batch); };
+    const auto recorded =
+        judged(seed.split("judge").split("gt"), [&](auto which) { return motions.recorded(which, seed.split("gt")); });
+    for (DurationResult& of : out) {
+      const auto own = static_cast<std::uint64_t>(of.frames);
+      const auto made = judged(seed.split("judge").split(own), [&](std::span<const Index> which) {
+        ActionBatch<B> batch;
+        for (const Index i : which) batch.classes.push_back(classes[static_cast<std::size_t>(i)]);
+        auto noise = seed.split("durations").split(own).split(static_cast<std::uint64_t>(which.front()));
+        const std::vector<Index> lengths(which.size(), of.frames);
+        batch.x = model.seen_by(generate(model.actor, batch.classes, lengths, noise), seen);
+        return batch;
+      });
+      of.accuracy.push_back(made.accuracy);
+      of.fid.push_back(frechet_distance(recorded.rows(), made.rows()));
+    }
+    progress(s + 1, options.seeds);
+  }
+  return out;
+}
+/// Means over the seeds as two panels of curves, which parse_curves (view/loss_curves.hpp) reads.
+std::string duration_table(std::span<const DurationResult> results);
+
 /// A figure of all seeds as ACTOR's tables have it: "92.30 +-0.05". The name is one of recognition_results.
 std::string recognition_cell(std::string_view name, std::span<const double> of_seeds);
 /// A row for each kind of motions and a column for each measure, below a header. "-" stands for what is not measured.

@@ -2,6 +2,8 @@
 // Bodies of recognition.hpp.
 #pragma once
 
+#include <numeric>  // accumulate
+
 #include <motionlang/core/formatted.hpp>
 #include <motionlang/metrics/summary.hpp>
 #include <motionlang/train/recognition.hpp>
@@ -22,6 +24,22 @@ MOTIONLANG_BODY std::pair<std::vector<Index>, Index> present_classes(std::span<c
 MOTIONLANG_BODY std::string recognition_cell(std::string_view name, std::span<const double> of_seeds) {
   const MeanInterval r = actor_summary(name, of_seeds);
   return formatted("%.2f +-%.2f", r.mean, r.half_width);
+}
+
+namespace detail {
+inline double mean_of_seeds(const std::vector<double>& x) {
+  return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
+}
+}  // namespace detail
+
+MOTIONLANG_BODY std::string duration_table(std::span<const DurationResult> results) {
+  const auto panel = [&](const char* title, auto value) {
+    std::string out = concat_text("# ", title, "\nframes\tgenerated\n");
+    for (const DurationResult& r : results) out += formatted("%td\t%.4g\n", r.frames, value(r));
+    return out + "\n";
+  };
+  return panel("accuracy %", [](const DurationResult& r) { return 100 * detail::mean_of_seeds(r.accuracy); }) +
+         panel("FID", [](const DurationResult& r) { return detail::mean_of_seeds(r.fid); });
 }
 
 MOTIONLANG_BODY std::string recognition_table(const std::map<std::string, std::vector<double>>& results) {

@@ -9,6 +9,7 @@
 #include <motionlang/train/moment_evaluation.hpp>
 #include <motionlang/train/recognition.hpp>
 #include <motionlang/train/text_entries.hpp>
+#include <motionlang/view/loss_curves.hpp>
 
 #include "../../support/check_error.hpp"
 
@@ -104,4 +105,16 @@ TEST_CASE("a sequence with several texts: each is a stretch of it") {
   CHECK(joined.rows == sequence.rows);
   CHECK(joined.texts == std::vector<std::string>{"walk", "wave"});
   CHECK(joined.stretches[1] == ml::FrameSlice{4, 3});
+}
+
+TEST_CASE("accuracy and FID of motions of several lengths are two panels of curves") {
+  const std::vector<ml::DurationResult> results{{40, {0.5, 0.7}, {3, 5}}, {60, {1, 1}, {1.5, 0.5}}};
+  const auto panels = ml::parse_curves(ml::duration_table(results));
+  REQUIRE(panels.size() == 2);
+  CHECK(panels[0].title == "accuracy %");
+  CHECK(panels[0].axis == "frames");
+  CHECK(panels[0].curves.at(0).steps == std::vector<double>{40, 60});
+  CHECK(panels[0].curves.at(0).values == std::vector<double>{60, 100});
+  CHECK(panels[1].title == "FID");
+  CHECK(panels[1].curves.at(0).values == std::vector<double>{4, 1});
 }

@@ -1,6 +1,7 @@
 // Hyperparameters by name, and the batches of an epoch.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <set>
 
 #include <motionlang/file/fields_json.hpp>
@@ -25,11 +26,33 @@ TEST_CASE("presets have the published numbers; an unknown name is reported with 
   CHECK(ml::tm2t_preset("tm2t-published-kit", ml::Tm2tStage::text_to_motion).optimiser.clip_norm == 0.5);
   CHECK_ERROR(ml::tmr_preset("x"), "[motionlang.config.103] preset 'x' is not tmr-published or small");
   CHECK_ERROR(ml::temos_preset("x"), "preset 'x' is not temos-published or small");
-  CHECK_ERROR(ml::sinc_preset("x"), "preset 'x' is not sinc-published or small");
-  CHECK_ERROR(ml::teach_preset("x"), "preset 'x' is not teach-published or small");
-  CHECK_ERROR(ml::actor_preset("x"), "preset 'x' is not actor-published, actor-variable or small");
+  CHECK_ERROR(ml::sinc_preset("x"), "preset 'x' is not sinc-published, sinc-paper or small");
+  CHECK_ERROR(ml::teach_preset("x"), "preset 'x' is not teach-published, teach-paper or small");
+  CHECK_ERROR(ml::actor_preset("x"), "preset 'x' is not actor-published, actor-published-ntu13");
   CHECK_ERROR(ml::classifier_preset("x"), "preset 'x' is not stgcn-published, gru-published or small");
   CHECK_ERROR(ml::tm2t_preset("x", ml::Tm2tStage::tokenizer), "preset 'x' is not tm2t-published, tm2t-published-kit");
+}
+
+TEST_CASE("the papers' own numbers, where the published programs have others") {
+  const auto sinc = ml::sinc_preset("sinc-paper");
+  CHECK(sinc.optimiser.batch == 64);
+  CHECK(sinc.optimiser.rate(900, 1000) == 3e-4);  // no steps
+  CHECK(sinc.losses.kl == 1);
+  CHECK(sinc.data.longest == 600);
+  const auto teach = ml::teach_preset("teach-paper");
+  CHECK(teach.optimiser.lr == 1e-4);
+  CHECK(teach.network.mask_padding);
+  const auto tokenizer = ml::tm2t_preset("tm2t-paper", ml::Tm2tStage::tokenizer);
+  CHECK(tokenizer.optimiser.lr == 2e-4);
+  CHECK(std::abs(tokenizer.tokenizer.feature_bias * tokenizer.tokenizer.feature_bias - 5) < 1e-12);
+  CHECK(ml::tm2t_preset("tm2t-paper", ml::Tm2tStage::text_to_motion).text_to_motion.forced_last == 0.4);
+  // ACTOR's numbers of epochs for its three data sets, and UESTC's shortest motion
+  CHECK(ml::actor_preset("actor-published").optimiser.epochs == 5000);
+  CHECK(ml::actor_preset("actor-published-ntu13").optimiser.epochs == 2000);
+  const auto uestc = ml::actor_preset("actor-published-uestc");
+  CHECK(uestc.optimiser.epochs == 1000);
+  CHECK(45 / uestc.clips.fps >= uestc.data.min_seconds);
+  CHECK(44 / uestc.clips.fps < uestc.data.min_seconds);
 }
 
 TEST_CASE("every preset passes its own checks") {
@@ -39,11 +62,13 @@ TEST_CASE("every preset passes its own checks") {
   };
   for (const char* name : {"tmr-published", "small"}) sound(ml::tmr_preset(name));
   for (const char* name : {"temos-published", "small"}) sound(ml::temos_preset(name));
-  for (const char* name : {"sinc-published", "small"}) sound(ml::sinc_preset(name));
-  for (const char* name : {"teach-published", "small"}) sound(ml::teach_preset(name));
-  for (const char* name : {"actor-published", "actor-variable", "small"}) sound(ml::actor_preset(name));
+  for (const char* name : {"sinc-published", "sinc-paper", "small"}) sound(ml::sinc_preset(name));
+  for (const char* name : {"teach-published", "teach-paper", "small"}) sound(ml::teach_preset(name));
+  for (const char* name :
+       {"actor-published", "actor-published-ntu13", "actor-published-uestc", "actor-variable", "small"})
+    sound(ml::actor_preset(name));
   for (const char* name : {"stgcn-published", "gru-published", "small"}) sound(ml::classifier_preset(name));
-  for (const char* name : {"tm2t-published", "tm2t-published-kit", "small"})
+  for (const char* name : {"tm2t-published", "tm2t-published-kit", "tm2t-paper", "small"})
     sound(ml::tm2t_preset(name, ml::Tm2tStage::motion_to_text));
 }
 
