@@ -2198,7 +2198,7 @@ MOTIONLANG_NAMESPACE_END
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
-
+// A template would lose the check of the format by the compiler. NOLINTNEXTLINE(cert-dcl50-cpp)
 __attribute__((format(MOTIONLANG_PRINTF_FORMAT, 1, 2))) inline std::string formatted(const char* form, ...) {
   std::va_list values, again;
   va_start(values, form);
@@ -11534,6 +11534,112 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_ONE_EURO_FILTER_HPP  // <motionlang/kinematics/one_euro_filter.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_ONE_EURO_FILTER_HPP
+/// The 1 euro filter: removes jitter from a stream of values, frame by frame and without looking ahead.
+///
+///     const Motion calm = one_euro_filter(motion);
+///     OneEuroFilter height(60);                          // frames per second
+///     for (const double y : heights) shown.push_back(height(y));
+///
+/// A low-pass filter whose cutoff frequency grows with speed: slow values lose jitter, fast ones lag little. With the
+/// interval T between frames and smoothed values y:
+///     y_i = a(f) x_i + (1 - a(f)) y_{i-1},   a(f) = 1 / (1 + 1 / (2 pi f T))
+///     f = min_cutoff + beta |v_i|,   v_i = a(derivative_cutoff) (x_i - y_{i-1}) / T + (1 - ...) v_{i-1}
+/// Rotations take the same step along the arc from the smoothed rotation to the new one, and their speed is that of
+/// its angle. To remove jitter from a whole clip without any lag see smooth_motion.hpp.
+/// Source   Casiez, Roussel, Vogel: "1 euro filter: a simple speed-based low-pass filter for noisy input in interactive
+///          systems" (CHI 2012), equations and algorithm 1 there
+/// Differs  the defaults of min_cutoff and beta are for motions in metres and radians; the paper tunes them by hand
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct OneEuroOptions {
+  double min_cutoff = 1.5;       // Hz, for what does not move: lower values remove more jitter
+  double beta = 2;               // Hz per metre (or radian) and second: higher values lag less
+  double derivative_cutoff = 1;  // Hz, of the speed
+};
+
+/// The filter of one stream of numbers.
+class OneEuroFilter {
+ public:
+  /// Throws config_error 101 unless fps and both cutoffs are above 0, and beta is 0 or more.
+  explicit OneEuroFilter(double fps, const OneEuroOptions& options = {});
+
+  /// The next value, smoothed. The first one is returned as it is.
+  double operator()(double x);
+
+ private:
+  OneEuroOptions options_;
+  double fps_;
+  std::optional<double> last_{};  // smoothed
+  double speed_ = 0;              // smoothed, per second
+};
+
+/// The clip with the coordinates of its root and its local rotations filtered. Throws config_error 101 as
+/// OneEuroFilter.
+Motion one_euro_filter(const Motion& motion, const OneEuroOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_ONE_EURO_FILTER_IPP  // <motionlang/kinematics/one_euro_filter.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_ONE_EURO_FILTER_IPP
+// Bodies of one_euro_filter.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The share of a new value.
+inline double one_euro_share(double cutoff, double fps) { return 1 / (1 + fps / (2 * std::numbers::pi * cutoff)); }
+
+/// The share of a value that differs this much from the smoothed one. Updates the speed.
+inline double one_euro_step(double change, double& speed, double fps, const OneEuroOptions& o) {
+  const double slow = one_euro_share(o.derivative_cutoff, fps);
+  speed = slow * change * fps + (1 - slow) * speed;
+  return one_euro_share(o.min_cutoff + o.beta * std::abs(speed), fps);
+}
+
+inline void require_one_euro(double fps, const OneEuroOptions& o) {
+  const bool finite =
+      std::isfinite(fps) && std::isfinite(o.min_cutoff) && std::isfinite(o.beta) && std::isfinite(o.derivative_cutoff);
+  if (!finite || !(fps > 0 && o.min_cutoff > 0 && o.derivative_cutoff > 0 && o.beta >= 0))
+    raise<config_error>(101, "OneEuroFilter: ", fps, " frames per second, min_cutoff ", o.min_cutoff, ", beta ", o.beta,
+                        ", derivative_cutoff ", o.derivative_cutoff);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY OneEuroFilter::OneEuroFilter(double fps, const OneEuroOptions& options) : options_(options), fps_(fps) {
+  detail::require_one_euro(fps, options);
+}
+
+MOTIONLANG_BODY double OneEuroFilter::operator()(double x) {
+  if (!last_) return *(last_ = x);
+  const double share = detail::one_euro_step(x - *last_, speed_, fps_, options_);
+  return *(last_ = share * x + (1 - share) * *last_);
+}
+
+MOTIONLANG_BODY Motion one_euro_filter(const Motion& motion, const OneEuroOptions& options) {
+  detail::require_one_euro(motion.fps, options);
+  Motion out = motion;
+  OneEuroFilter x(motion.fps, options), y = x, z = x;
+  for (Vec3<double>& p : out.root) p = {x(p.x), y(p.y), z(p.z)};
+  std::vector<double> speeds(static_cast<std::size_t>(motion.skeleton.size()));
+  for (Index f = 1; f < motion.frames(); ++f) {
+    const auto before = out.rotations(f - 1), now = out.rotations(f);
+    for (std::size_t j = 0; j < now.size(); ++j) {
+      const double share = detail::one_euro_step(distance(before[j], now[j]), speeds[j], motion.fps, options);
+      now[j] = slerp(before[j], now[j], share);
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Edits of a clip's time, which come first.
@@ -11549,9 +11655,10 @@ Motion edit_time(Motion motion, const TimeEdits& edits);
 
 /// In this order.
 struct MotionEdits {
-  bool smpl = false;      // retarget to SMPL's 24 joints
-  bool mirror = false;    // exchange left and right
-  bool smooth = false;    // removes jitter
+  bool smpl = false;                         // retarget to SMPL's 24 joints
+  bool mirror = false;                       // exchange left and right
+  bool smooth = false;                       // removes jitter
+  std::optional<OneEuroOptions> one_euro{};  // removes jitter without looking ahead
   bool fix_feet = false;  // put it on the floor and keep standing feet from sliding; on SMPL's 24 joints
   bool in_place = false;  // keep the root over the origin
   double loop = 0;        // blend this many seconds at the end into the start; 0: no loop
@@ -11680,6 +11787,7 @@ MOTIONLANG_BODY Motion edit_motion(Motion m, const MotionEdits& edits, RetargetR
   if (edits.smpl) m = on_smpl(m, report);
   if (edits.mirror) m = mirror(m);
   if (edits.smooth) m = smooth_motion(m);
+  if (edits.one_euro) m = one_euro_filter(m, *edits.one_euro);
   if (edits.fix_feet) {
     place_on_floor(m);
     m = motionlang::fix_feet(m);
@@ -12577,8 +12685,8 @@ struct TreadmillOptions {
   double spot = 0.15;     // m; a root that ends farther from where it began walks already
 };
 
-/// Metres per second at which the floor slides under the body: the mean velocity of the joint that is nearest to it,
-/// over all frames in which one touches it. y is 0, and so are the others where nothing touches it.
+/// Metres per second at which the floor slides under the body. It is the mean velocity of the joint that is nearest to
+/// the floor, over all frames in which one touches it. y is 0. So are x and z if nothing touches the floor.
 /// Throws config_error 103 if the skeleton does not have the feet of SMPL.
 Vec3<double> floor_speed(const Motion& motion, const TreadmillOptions& options = {});
 
@@ -21848,6 +21956,9 @@ inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseSca
 std::string_view to_string(SamplingOptions::Sampler sampler);
 /// "ddpm" or "ddim". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
+/// "paper": posterior_std, as thesis eq. 6.2 has it; "published": that of published_stmc_sampling. Throws config_error
+/// 103.
+NoiseScale parse_noise_scale(std::string_view name, std::string_view where = "noise scale");
 
 /// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.
 template <Backend B, int R>
@@ -22033,6 +22144,12 @@ MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, st
   if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
   if (name == "ddim") return SamplingOptions::Sampler::ddim;
   raise<config_error>(103, where, " '", name, "' is neither ddpm nor ddim");
+}
+
+MOTIONLANG_BODY NoiseScale parse_noise_scale(std::string_view name, std::string_view where) {
+  if (name == "paper") return NoiseScale::posterior_std;
+  if (name == "published") return published_stmc_sampling.noise_scale;
+  raise<config_error>(103, where, " '", name, "' is neither paper nor published");
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -26303,11 +26420,12 @@ class TextTable {
   TextTable(std::vector<std::string> texts, std::vector<std::int8_t> codes, std::vector<float> mean, TextVectors encode,
             WordVectors words = {}, std::string_view source = "TextTable");
   /// Encodes the texts now. words: vectors of words, which tell how alike two words are; none: only the same are.
-  /// Throws what `encode` throws.
+  /// Throws shape_error 205 for vectors of different widths, numeric_error 301 for a value that is not finite, and what
+  /// `encode` throws.
   static TextTable encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words = {});
 
   /// The table with more texts at its end, which are encoded now. The mean stays. An empty table stays empty. Throws
-  /// what `encode` throws.
+  /// what `encoded` throws.
   TextTable with(const std::vector<std::string>& more) const;
   /// The first texts alone. Throws shape_error 203 if there are fewer.
   TextTable first(Index count) const;
@@ -26421,12 +26539,22 @@ MOTIONLANG_BODY TextTable::TextTable(std::vector<std::string> texts, std::vector
 
 namespace detail {
 
-/// The vectors of texts, some at a time.
-inline std::vector<float> vectors_in_parts(std::span<const std::string> texts, const TextVectors& encode) {
+/// The vectors of texts, some at a time. width: of a vector; 0: that of the first one.
+inline std::vector<float> vectors_in_parts(std::span<const std::string> texts, const TextVectors& encode,
+                                           std::size_t width = 0) {
   constexpr std::size_t at_once = 256;
   std::vector<float> out;
   for (std::size_t first = 0; first < texts.size(); first += at_once) {
-    const auto some = encode(texts.subspan(first, std::min(at_once, texts.size() - first)));
+    const auto part = texts.subspan(first, std::min(at_once, texts.size() - first));
+    const auto some = encode(part);
+    if (width == 0) width = std::max<std::size_t>(1, some.size() / part.size());
+    if (some.size() != part.size() * width)
+      raise<shape_error>(205, "TextTable: the encoder gives ", counted(some.size(), "number"), " for ",
+                         counted(part.size(), "text"), " of ", width);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      if (!std::isfinite(some[i]))
+        raise<numeric_error>(301, "TextTable: the encoder gives ", some[i], " for '", part[i / width], "'");
+    }
     out.insert(out.end(), some.begin(), some.end());
   }
   return out;
@@ -26452,6 +26580,7 @@ MOTIONLANG_BODY TextTable TextTable::encoded(std::vector<std::string> texts, Tex
   std::vector<double> sum(texts.empty() ? 0 : vectors.size() / texts.size());
   for (std::size_t i = 0; i < vectors.size(); ++i) sum[i % sum.size()] += static_cast<double>(vectors[i]);
   std::vector<float> mean;
+  mean.reserve(sum.size());
   for (const double s : sum) mean.push_back(static_cast<float>(s / static_cast<double>(texts.size())));
   auto codes = detail::direction_codes(vectors, mean);
   return {std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words)};
@@ -26461,7 +26590,7 @@ MOTIONLANG_BODY TextTable TextTable::with(const std::vector<std::string>& more) 
   if (empty()) return {};
   Table all = table();
   all.texts.insert(all.texts.end(), more.begin(), more.end());
-  const auto codes = detail::direction_codes(detail::vectors_in_parts(more, all.encode), all.mean);
+  const auto codes = detail::direction_codes(detail::vectors_in_parts(more, all.encode, all.mean.size()), all.mean);
   all.codes.insert(all.codes.end(), codes.begin(), codes.end());
   return {std::move(all.texts), std::move(all.codes), std::move(all.mean), std::move(all.encode), std::move(all.words)};
 }
@@ -26511,7 +26640,7 @@ MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text,
       const double code = t.codes[i * width + k];
       product += code * static_cast<double>(vector[k] - t.mean[k]), length += code * code;
     }
-    if (product <= 0) continue;
+    if (!(product > 0)) continue;  // nor if it is not a number
     for (const auto& list : alike) {
       double best = 0;
       for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) best = std::max(best, list[said.said[w]]);
@@ -26580,10 +26709,11 @@ class KnownCaptions {
   KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness, std::vector<double> done = {},
                 std::string_view source = "KnownCaptions");
 
-  /// The same with other texts that were tried, and the shares of the motions that did what they say.
+  /// The same with other texts that were tried, and the shares of the motions that did what they say. No captions stay
+  /// none.
   KnownCaptions with_tried(const std::vector<std::string>& texts, std::vector<double> done) const;
 
-  bool empty() const { return table_.empty(); }
+  bool empty() const { return actions_.empty(); }
   const TextTable& table() const { return table_; }
   const std::vector<KnownAction>& actions() const { return actions_; }
   double nearness() const { return nearness_; }
@@ -26594,8 +26724,8 @@ class KnownCaptions {
   std::vector<NearText> nearest(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
-  /// The action of a text that is known, by the captions near it: most of them decide if it repeats, three quarters of
-  /// these take no longer, and what follows is that of the nearest.
+  /// The action of a text that is known, by the captions near it. Their majority decides if it repeats. It takes as
+  /// long as three quarters of these do at most. What follows is that of the nearest.
   std::optional<KnownAction> action(const std::string& text) const;
   /// The share of motions that do what the text says, by the texts nearly like it that were tried. Nothing if there are
   /// none.
@@ -26750,6 +26880,7 @@ MOTIONLANG_BODY KnownCaptions::KnownCaptions(TextTable table, std::vector<KnownA
 
 MOTIONLANG_BODY KnownCaptions KnownCaptions::with_tried(const std::vector<std::string>& texts,
                                                         std::vector<double> done) const {
+  if (empty()) return {};
   return {table_.first(std::ssize(actions_)).with(texts), actions_, nearness_, std::move(done)};
 }
 
@@ -30433,11 +30564,11 @@ std::optional<KnownAction> usual_action(const std::string& text, const KnownCapt
 double usual_seconds(const std::string& text, const KnownCaptions& captions);
 
 /// The whole body does what the text says. If it has at least a second more than its action takes, and the action ends,
-/// the text of what follows takes the rest. Several actions are made in turn also if they last longer than
-/// longest_whole_text and actions end, because a text that is cut would start again.
+/// the text of what follows takes the rest, unless no captions are known. Several actions are made in turn also if they
+/// last longer than longest_whole_text and actions end, because a text that is cut would start again.
 Timeline text_timeline(const std::string& text, const KnownCaptions& captions, const TextTimelineOptions& options = {});
 
-/// True if an interval lasts over twice as long as the action of its text, and two seconds more, but this ends.
+/// True if the action of the text ends, and the interval is more than twice as long and more than two seconds longer.
 bool outlasts_action(const Interval& interval, const KnownCaptions& captions, double fps);
 
 MOTIONLANG_NAMESPACE_END
@@ -30489,7 +30620,8 @@ MOTIONLANG_BODY Timeline text_timeline(const std::string& text, const KnownCapti
     out.intervals.push_back({texts[i], start, end, BodyParts::all()});
     const auto action = usual_action(texts[i], captions);
     // end_actions, which cut_texts calls, ends the natural lengths. It knows when the figure has to stand before them.
-    const bool ends = options.end_actions && action && !action->repeats && !natural_length(texts[i]);
+    const bool ends =
+        options.end_actions && !captions.empty() && action && !action->repeats && !natural_length(texts[i]);
     const Index over = action ? start + frame_at(usual_seconds(texts[i], captions), options.fps) : end;
     if (ends && end >= over + frame_at(1, options.fps)) {
       out.intervals.back().end = over;
@@ -34218,13 +34350,13 @@ struct SimilarityScale {
 /// unlike     cosines of texts with motions that do not show them
 /// own        cosines of texts with their motions
 /// strangers  for each of some texts that no motion shows: the cosine of the nearest motion
-/// `least` is where both errors are equal; -1 if there are no strangers or no texts. Throws config_error 101 if
-/// `unlike` is empty, numeric_error 301 for a cosine that is not finite.
+/// `least` is where the larger of both errors is smallest; -1 if there are no strangers or no texts.
+/// Throws  config_error 101 if `unlike` is empty, numeric_error 301 for a cosine that is not finite
 SimilarityScale similarity_scale(std::span<const float> unlike, std::span<const float> own,
                                  std::span<const float> strangers);
 
-/// The share of unlike pairs below this cosine, from 0 to 0.9999: rarer pairs are not told apart. Throws config_error
-/// 101 for an empty scale.
+/// The share of unlike pairs below this cosine, from 0 to 0.9999. It never says more than that one of the pairs is
+/// above. Throws config_error 101 for an empty scale, numeric_error 301 for a cosine that is not finite.
 double share_below(const SimilarityScale& scale, double cosine);
 
 /// False if texts that no motion shows also reach this cosine. Always true for an empty scale.
@@ -34285,11 +34417,13 @@ MOTIONLANG_BODY SimilarityScale similarity_scale(std::span<const float> unlike, 
 MOTIONLANG_BODY double share_below(const SimilarityScale& scale, double cosine) {
   const auto &x = scale.cosines, &y = scale.shares;
   if (x.empty() || x.size() != y.size()) raise<config_error>(101, "share_below: the scale has no cosines");
+  if (!std::isfinite(cosine)) raise<numeric_error>(301, "share_below: the cosine is ", cosine);
   const auto above = std::upper_bound(x.begin(), x.end(), cosine);
   if (above == x.begin()) return 0;
   const auto i = static_cast<std::size_t>(above - x.begin());
-  if (i == x.size()) return y.back();
-  return y[i - 1] + (y[i] - y[i - 1]) * (cosine - x[i - 1]) / (x[i] - x[i - 1]);
+  const double most = scale.pairs > 0 ? 1 - 1 / static_cast<double>(scale.pairs) : 1;
+  if (i == x.size()) return std::min(y.back(), most);
+  return std::min(most, y[i - 1] + (y[i] - y[i - 1]) * (cosine - x[i - 1]) / (x[i] - x[i - 1]));
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -34549,8 +34683,9 @@ struct Study {
   std::uint64_t fingerprint = 0;  // of the table and the kind
 };
 
-/// Throws io_error 403, with the name and the line, for a table without systems, an unknown role, a line with the wrong
-/// number of cells or fewer choices than the kind compares, and a catch trial whose right system has no choice.
+/// Throws io_error 403, with the name and the line, for a table without systems, an unknown role, and a line with more
+/// cells than columns. Also for a line with fewer choices than the kind compares, and for a catch trial whose right
+/// system has no choice.
 Study parse_study(std::string_view table, StudyKind kind, std::string_view name = "study");
 
 /// The choices of an item that are shown together, from left to right.
@@ -34580,7 +34715,7 @@ struct StudyAnswers {
 /// Reads what a page saves: lines "study", "kind", "seed" and "rater" with their values, then "trial answer seconds",
 /// separated by tabs. An answer has places separated by commas, "-" without a preference, or a rating. If a trial is
 /// answered again, the last answer counts. Throws io_error 403, with name and line, for another form, for answers to
-/// another study, and for an answer that its trial does not have.
+/// another study, and for an answer that its trial does not have. Seconds are finite and not negative.
 StudyAnswers parse_study_answers(std::string_view text, const Study& study, std::string_view name = "answers");
 
 MOTIONLANG_NAMESPACE_END
@@ -34720,6 +34855,12 @@ inline std::vector<StudyTrial> trials_of_item(const Study& study, std::size_t nu
   return out;
 }
 
+/// A finite number that is not negative. False if the text is none.
+inline bool read_seconds(std::string_view text, double& out) {
+  const auto end = detail::from_chars(text.data(), text.data() + text.size(), out);
+  return end.ec == std::errc{} && end.ptr == text.data() + text.size() && std::isfinite(out) && out >= 0;
+}
+
 /// An answer as a file has it. False if the trial does not have it.
 inline bool read_answer(std::string_view text, StudyKind kind, std::size_t shown, StudyAnswer& out) {
   if (kind == StudyKind::rating) return parse_whole(text, out.rating) && out.rating >= 1 && out.rating <= 5;
@@ -34788,7 +34929,7 @@ MOTIONLANG_BODY StudyAnswers parse_study_answers(std::string_view text, const St
     StudyAnswer answer;
     if (cells.size() != 3 || !detail::parse_whole(cells[0], answer.trial) || answer.trial >= trials.size())
       fail("a line has a trial below ", trials.size(), ", an answer and seconds");
-    answer.seconds = std::strtod(cells[2].c_str(), nullptr);
+    if (!detail::read_seconds(cells[2], answer.seconds)) fail("'", cells[2], "' is not a number of seconds");
     if (!detail::read_answer(cells[1], study.kind, trials[answer.trial].shown.size(), answer))
       fail("'", cells[1], "' does not answer this trial of ", to_string(study.kind));
     std::erase_if(out.answers, [&](const StudyAnswer& a) { return a.trial == answer.trial; });
@@ -34909,6 +35050,7 @@ struct RankCount {
   int system = 0;
   std::vector<std::size_t> places{};  // how often it has each rank
   MeanInterval rank{};                // over the items, of each the mean over its raters
+  /// The share of a rank. Place 0 is rank 1. Throws shape_error 203 for a place behind the last rank.
   double share(std::size_t place) const;
 };
 struct RatingCount {
@@ -35039,6 +35181,8 @@ MOTIONLANG_BODY StudyShare wilson_share(double part, double total) {
 }
 
 MOTIONLANG_BODY double RankCount::share(std::size_t place) const {
+  if (place >= places.size())
+    raise<shape_error>(203, "RankCount::share: place ", place, " of ", counted(places.size(), "rank"));
   const double all = std::accumulate(places.begin(), places.end(), 0.0);
   return all > 0 ? static_cast<double>(places[place]) / all : 0;
 }
@@ -39641,7 +39785,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SEARCH_QUERY_BENCH_HPP  // <motionlang/search/query_bench.hpp>
 #define MOTIONLANG_HAS_SEARCH_QUERY_BENCH_HPP
-/// Measures a search by queries in everybody's words: how often the first result is right by its captions.
+/// Measures a search by queries in everyday words: how often the first result is right by its captions.
 ///
 ///     const auto answers = answer_queries(index, tmr, read_queries("examples/training/queries.tsv"));
 ///     for (const QueryAnswer& a : answers) use(a.query.text, a.found, a.right);
@@ -41984,7 +42128,7 @@ struct TextAnswer {
   std::vector<double> scores{};
   bool calibrated = false;             // true if the scores are such shares
   std::vector<UnknownWord> unheard{};  // words that the model knows nothing about
-  /// False if no clip shows the text: nothing is as near as a text of the training is to its motion, or the model knows
+  /// False if no clip shows the text: no clip reaches the cosine from which a motion shows a text, or the model knows
   /// no word of the text. Always true for captions, and for models that cannot tell unless no word is known.
   bool shown = true;
 };

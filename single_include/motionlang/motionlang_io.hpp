@@ -3581,7 +3581,7 @@ class TorchArchive {
   void end() { pickle_ += 's'; }
   void number(std::string_view key, std::int32_t value);
   void text(std::string_view key, std::string_view value);
-  /// Throws config_error 101 for another type than F16, F32 and F64.
+  /// Throws config_error 101 for another type than F16, F32 and F64, and for a size above 2^31 - 1.
   void tensor(std::string_view key, const TensorView& view);
   /// The whole file. Throws io_error 405 if it would need ZIP64.
   std::vector<std::byte> finish();
@@ -3591,7 +3591,7 @@ class TorchArchive {
 
  private:
   std::vector<std::byte> archive() const;
-  void put_integer(std::int64_t value);
+  void put_integer(std::int32_t value);
   void put_text(std::string_view value);
   void put_tensor(const TensorView& view);
 
@@ -3650,7 +3650,7 @@ MOTIONLANG_BODY std::vector<std::byte> TorchArchive::archive() const {
   return zip.finish();
 }
 
-MOTIONLANG_BODY void TorchArchive::put_integer(std::int64_t value) {
+MOTIONLANG_BODY void TorchArchive::put_integer(std::int32_t value) {
   const auto n = static_cast<std::uint32_t>(value);
   pickle_ += 'J';
   for (int shift = 0; shift < 32; shift += 8) pickle_ += static_cast<char>(n >> shift & 0xff);
@@ -3669,21 +3669,27 @@ MOTIONLANG_BODY void TorchArchive::put_tensor(const TensorView& view) {
                      : view.dtype == DType::F16 ? "HalfStorage"
                                                 : nullptr;
   if (type == nullptr) raise<config_error>(101, "TorchArchive: '", view.name, "' of type ", to_string(view.dtype));
+  const auto put_size = [&](Index size) {
+    constexpr Index largest = std::numeric_limits<std::int32_t>::max();
+    if (size > largest)
+      raise<config_error>(101, "TorchArchive: '", view.name, "' has the size ", size, ", above ", largest);
+    put_integer(static_cast<std::int32_t>(size));
+  };
   pickle_ += "ctorch._utils\n_rebuild_tensor_v2\n((";
   put_text("storage");
   pickle_.append("ctorch\n").append(type).append("\n");
   put_text(std::to_string(storages_.size()));
   put_text("cpu");
-  put_integer(view.shape.count());
+  put_size(view.shape.count());
   pickle_ += "tQ";
   put_integer(0);
   pickle_ += '(';
-  for (int axis = 0; axis < view.shape.rank(); ++axis) put_integer(view.shape[axis]);
+  for (int axis = 0; axis < view.shape.rank(); ++axis) put_size(view.shape[axis]);
   pickle_ += "t(";
   for (int axis = 0; axis < view.shape.rank(); ++axis) {
     Index stride = 1;
     for (int k = axis + 1; k < view.shape.rank(); ++k) stride *= view.shape[k];
-    put_integer(stride);
+    put_size(stride);
   }
   pickle_ +=
       "t\x89"
@@ -14389,7 +14395,7 @@ MOTIONLANG_BODY std::string describe_card(const CaptionCard& card) {
                      card.verbs.size(), " verbs with the segments that show them:\n");
   std::vector<std::pair<std::size_t, std::string>> verbs;
   for (const auto& [verb, segments] : card.verbs) verbs.emplace_back(segments, verb);
-  std::sort(verbs.begin(), verbs.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(verbs.begin(), verbs.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::size_t column = 0;
   for (const auto& [segments, verb] : verbs) {
     const std::string next = concat_text(" ", printable(verb), " ", segments);
@@ -23614,7 +23620,7 @@ MOTIONLANG_BODY void MdmActionTrainingConfig::require_consistent() const {
                         "clips.camera = true");
   if (clips.num_frames < 2)
     raise<config_error>(102, "clips.num_frames = ", clips.num_frames, "; MDM's motions have one length, 2 or more");
-  if (network.arch != "trans_enc" && (network.mask_frames || network.emb_trans_dec))
+  if (network.mask_frames || network.emb_trans_dec)
     raise<config_error>(102, "network.mask_frames and network.emb_trans_dec are for texts");
   require_value("drop", drop, drop >= 0 && drop < 1, "0 or more, and less than 1");
   if (diffusion.schedule == "chen")
@@ -23821,14 +23827,14 @@ inline std::filesystem::path checkpoint_at(const std::filesystem::path& given, c
 }  // namespace detail
 
 MOTIONLANG_BODY std::filesystem::path movement_autoencoder_path(const std::filesystem::path& given) {
-  const auto found = detail::checkpoint_at(given, "latest.tar");
+  auto found = detail::checkpoint_at(given, "latest.tar");
   if (found.empty())
     raise<io_error>(401, given.string(), ": no latest.tar of a movement autoencoder, and none in its folder model");
   return found;
 }
 
 MOTIONLANG_BODY std::filesystem::path guo_evaluator_path(const std::filesystem::path& given) {
-  const auto found = detail::checkpoint_at(given, "finest.tar");
+  auto found = detail::checkpoint_at(given, "finest.tar");
   if (found.empty()) raise<io_error>(401, "`evaluator` ", given.string(), ": no finest.tar and no model/finest.tar");
   return found;
 }
@@ -23874,7 +23880,7 @@ KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors enc
 class StoredCaptions {
  public:
   /// Throws config_error 101 for more than 32,767 different texts of what follows.
-  explicit StoredCaptions(const KnownCaptions& captions);
+  explicit StoredCaptions(KnownCaptions captions);
   void add_to(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata) const;
 
  private:
@@ -23942,14 +23948,25 @@ MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file,
   const auto* tried = file.find(prefix + "done");
   const Index all = std::ssize(texts), last = tried == nullptr ? 0 : tried->shape.count();
   const Index count = all - last;
-  if (count < 0)
-    raise<io_error>(407, file.name(), ": tensor '", tried->name, "' is ", tried->shape, " for ", counted(all, "text"));
+  if (count < 1)
+    raise<io_error>(407, file.name(), ": tensor '", prefix, "done' has ", counted(last, "share"), " for ",
+                    counted(all, "text"));
   if (tried != nullptr) require(*tried, DType::F32, {last});
   if (mean.shape.rank() != 1) raise<io_error>(407, file.name(), ": tensor '", mean.name, "' is ", mean.shape);
   require(mean, DType::F32, {mean.shape[0]});
   require(codes, DType::I8, {all, mean.shape[0]});
   require(seconds, DType::F32, {count});
   require(then, DType::I16, {count});
+  const auto require_range = [&](const TensorView& view, double least, double most) {
+    for (const double x : values_of<double>(view)) {
+      if (!(x >= least && x <= most))
+        raise<config_error>(107, file.name(), ": tensor '", view.name, "' has a ", x, "; ", least, " ... ", most,
+                            " are allowed");
+    }
+  };
+  require_range(mean, std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max());
+  require_range(seconds, 0, 3600);
+  if (tried != nullptr) require_range(*tried, 0, 1);
   const auto lengths = values_of<float>(seconds);
   const auto numbers = values_of<std::int16_t>(then);
   std::vector<KnownAction> actions;
@@ -23967,13 +23984,21 @@ MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file,
           std::move(actions), detail::nearness_of(file), std::move(done), file.name()};
 }
 
-MOTIONLANG_BODY StoredCaptions::StoredCaptions(const KnownCaptions& captions) : captions_(captions) {
+MOTIONLANG_BODY StoredCaptions::StoredCaptions(KnownCaptions captions) : captions_(std::move(captions)) {
+  const auto refuse = [](const std::string& text) {
+    raise<config_error>(101, "known captions: '", text,
+                        "' cannot be stored; a text is one line with at least a letter");
+  };
+  for (const std::string& text : captions_.table().texts()) {
+    if (text.empty() || text.find_first_of("\r\n") != text.npos) refuse(text);
+  }
   for (const KnownAction& action : captions_.actions()) {
     seconds_.push_back(static_cast<float>(action.seconds));
     if (action.repeats) {
       then_.push_back(-1);
       continue;
     }
+    if (action.then.empty() || action.then.find_first_of("\r\n") != action.then.npos) refuse(action.then);
     auto found = std::find(following_.begin(), following_.end(), action.then);
     if (found == following_.end()) found = following_.insert(found, action.then);
     if (std::ssize(following_) > std::numeric_limits<std::int16_t>::max())
@@ -25161,7 +25186,8 @@ inline std::string label(double x, double y, const std::string& text, const char
 
 }  // namespace curves
 
-/// From 4 to 10 multiples of 1, 2 or 5 times a power of ten between two values.
+/// From 4 to 11 multiples of 1, 2 or 5 times a power of ten between two values. There are fewer if doubles so large are
+/// farther apart than the multiples.
 inline std::vector<double> plot_ticks(double low, double high) {
   std::vector<double> out;
   const double size = high - low;
@@ -25169,7 +25195,12 @@ inline std::vector<double> plot_ticks(double low, double high) {
   double step = std::pow(10, std::floor(std::log10(size)));
   step *= size / step < 2 ? 0.2 : size / step < 5 ? 0.5 : 1;
   const double slack = 1e-9 * step;
-  for (double k = std::ceil((low - slack) / step); k * step <= high + slack; ++k) out.push_back(k == 0 ? 0 : k * step);
+  const double first = std::ceil((low - slack) / step);
+  for (int i = 0; i <= 11; ++i) {
+    const double t = (first + i) * step;
+    if (t > high + slack) break;
+    if (out.empty() || t > out.back()) out.push_back(t == 0 ? 0 : t);
+  }
   return out;
 }
 
@@ -25344,6 +25375,10 @@ std::string body_viewer_page(std::span<const ViewerMotion> motions, const Skinne
 ///         throws; numeric_error 301 for a place that single precision cannot hold
 std::string viewer_html(const Motion& motion, std::span<const Track> tracks = {}, const ViewerOptions& options = {});
 std::string viewer_html(std::span<const ViewerMotion> motions, const ViewerOptions& options = {});
+
+/// The data of one motion, as JSON, which the program of such a page draws: its figure, its floor, and for every frame
+/// the root and the rotations. Throws as viewer_html.
+std::string viewer_data(const Motion& motion);
 
 /// Throws io_error 401, and what viewer_html throws.
 void write_viewer(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
@@ -25520,9 +25555,10 @@ class SharedMotions {
 };
 
 /// A page that loads nothing. Its program finds the data, as JSON, in the element "data".
+/// allowed  sources of scripts besides those in the page, and further rules of its security policy
 inline std::string self_contained_page(std::string_view title, std::string_view style, std::string_view body,
                                        const nlohmann::ordered_json& page,
-                                       std::initializer_list<std::string_view> scripts) {
+                                       std::initializer_list<std::string_view> scripts, std::string_view allowed = "") {
   std::string data, program;
   for (const char c : page.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
     data += c == '<' ? "\\u003c" : std::string(1, c);  // no tag can end the script; '<' only stands in texts
@@ -25532,8 +25568,8 @@ inline std::string self_contained_page(std::string_view title, std::string_view 
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
-      "script-src 'unsafe-inline'\">\n<title>",
-      escape_markup(title), "</title>\n<style>", style, "</style>\n</head>\n<body>", body,
+      "script-src 'unsafe-inline'",
+      allowed, "\">\n<title>", escape_markup(title), "</title>\n<style>", style, "</style>\n</head>\n<body>", body,
       "<script type=\"application/json\" id=\"data\">", data, "</script>\n<script>", program,
       "</script>\n</body>\n</html>\n");
 }
@@ -25594,7 +25630,7 @@ button:disabled { opacity: 0.45; }
 #scrub { display: block; width: 100%; margin: 10px 0 4px; accent-color: var(--accent); height: 20px; }
 #timeline { position: relative; max-height: 34vh; overflow-x: hidden; overflow-y: auto; cursor: pointer; }
 #axis { position: relative; height: 16px; color: var(--faint); font-size: 11px; margin: 0 8px; }
-#axis span { position: absolute; transform: translateX(-50%); }
+#axis span { position: absolute; transform: translateX(-50%); white-space: nowrap; }
 #tracks { position: relative; margin: 0 8px; }
 .track { position: relative; height: 28px; border-top: 1px solid var(--line); }
 .bar {
@@ -25612,14 +25648,19 @@ button:disabled { opacity: 0.45; }
 }
 )page";
 
-inline constexpr std::string_view viewer_body = R"page(
+inline constexpr std::string_view viewer_header = R"page(
 <header><h1 id="title"></h1><span id="info"></span></header>
+)page";
+
+/// The figure, and the buttons of the player.
+inline constexpr std::string_view viewer_stage = R"page(
 <main id="stage">
   <canvas id="view" tabindex="0" role="img" aria-label="Moving figure. Drag or use the arrow keys to turn it, plus and
 minus to zoom."></canvas>
   <span id="hint">drag: turn &middot; wheel: zoom &middot; shift+drag: move &middot; space: play</span>
 </main>
-<footer>
+)page";
+inline constexpr std::string_view viewer_controls = R"page(
   <div id="controls">
     <button id="play" type="button" aria-pressed="false">Play</button>
     <label id="choice" hidden>Motion <select id="motion"></select></label>
@@ -25633,8 +25674,10 @@ minus to zoom."></canvas>
     <span id="clock"></span>
   </div>
   <input id="scrub" type="range" min="0" step="any" value="0" aria-label="Time">
+)page";
+
+inline constexpr std::string_view viewer_timeline = R"page(
   <div id="timeline"><div id="axis" aria-hidden="true"></div><div id="tracks"><div id="cursor"></div></div></div>
-</footer>
 )page";
 
 /// Poses: decoding, interpolation, forward kinematics. The camera.
@@ -26169,13 +26212,13 @@ function turnByDragging(canvas, camera, moved) {
 const sharedClips = () => page.motions.map((m) => new Clip({ ...page.figures[m.figure], ...m }));
 )page";
 
-/// State, controls, timeline.
-inline constexpr std::string_view viewer_script_control = R"page(
-const clips = page.motions.map((m) => new Clip(m));
+/// The player: one clip, its time, the camera, and their buttons, keys, mouse and fingers. The page calls showClip. It
+/// has a function showMoment, which the player calls with every picture.
+inline constexpr std::string_view viewer_script_player = R"page(
 const camera = new Camera(), canvas = element("view");
 const hues = ["#2b78c5", "#d0621c", "#2f9157", "#8a58c2", "#c0436d", "#97801b"];
 const dark = matchMedia("(prefers-color-scheme: dark)");
-let clip = clips[0], time = 0, playing = false, looping = true, following = true, speed = 1;
+let clip = null, time = 0, playing = false, looping = true, following = true, speed = 1;
 let scheduled = false, before = 0;
 let pace = 16, quality = 1;  // milliseconds between frames, pixels drawn per pixel of the screen
 
@@ -26210,52 +26253,17 @@ function play(on) {
   before = performance.now();
   refresh();
 }
-function choose(number) {
-  clip = clips[number];
-  camera.reset(clip);
+function showClip(next) {
+  clip = next;
   element("scrub").max = clip.seconds || 1;
   element("play").disabled = element("scrub").disabled = clip.seconds === 0;
-  element("info").textContent = [page.info, clip.note, `${clip.parents.length} joints`, `${clip.frames} frames`,
-    `${+clip.fps.toFixed(3)} fps`].filter(Boolean).join(" \u00b7 ");
-  buildTimeline();
-  seek(0);
-  if (playing) play(true);
 }
-
-function buildTimeline() {
-  const axis = element("axis"), tracks = element("tracks"), length = clip.seconds || 1;
+function drawAxis(axis, length) {
+  const most = clamp(axis.clientWidth / 50, 3, 12);  // marks
+  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 300].find((s) => length / s <= most) || length / 10;
   axis.replaceChildren();
-  tracks.replaceChildren(element("cursor"));
-  element("timeline").hidden = clip.tracks.length === 0;
-  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 300].find((s) => length / s <= 12) || length / 10;
   for (let t = 0; t <= length + 1e-9; t += step) {
     text("span", +t.toFixed(1) + " s", axis).style.left = 100 * t / length + "%";
-  }
-  clip.tracks.forEach((track, i) => {
-    const row = text("div", "", tracks), bar = text("button", "", row), label = text("span", track.text, bar);
-    row.className = "track";
-    bar.className = "bar";
-    bar.type = "button";
-    const from = clamp(track.start, 0, length), to = clamp(track.end, from, length);
-    Object.assign(bar.style, { left: 100 * from / length + "%", width: 100 * (to - from) / length + "%" });
-    bar.style.setProperty("--hue", hues[i % hues.length]);
-    bar.title = [`${track.text}: ${shown(track.start)} to ${shown(track.end)}`, ...track.parts].join(", ");
-    bar.setAttribute("aria-label", bar.title);
-    if (track.parts.length) text("small", track.parts.join(" \u00b7 "), label);
-    bar.addEventListener("click", (event) => { if (event.detail === 0) seek(track.start); });  // by keyboard
-  });
-  placeLabels();
-}
-/** A text that would run out of the picture ends at the right end of its bar instead, or is cut. */
-function placeLabels() {
-  const { left, right } = element("tracks").getBoundingClientRect();
-  for (const bar of document.querySelectorAll(".bar")) {
-    const label = bar.firstChild;
-    bar.classList.remove("turned");
-    label.style.maxWidth = "";
-    const place = label.getBoundingClientRect(), overflows = place.right > right;
-    if (overflows && bar.getBoundingClientRect().right - place.width > left) bar.classList.add("turned");
-    else if (overflows) label.style.maxWidth = right - place.left + "px";
   }
 }
 
@@ -26271,9 +26279,7 @@ function render() {
   element("scrub").value = time;
   element("clock").textContent = `${shown(time)} / ${shown(clip.seconds)} \u00b7 frame ${Math.round(time * clip.fps)}`;
   element("scrub").setAttribute("aria-valuetext", shown(time));
-  element("cursor").style.left = 100 * time / (clip.seconds || 1) + "%";
-  document.querySelectorAll(".bar").forEach((bar, i) =>
-    bar.classList.toggle("now", clip.tracks[i].start <= time && time < clip.tracks[i].end));
+  showMoment();
 }
 /** Asks for one more frame; while the motion plays, every frame asks for the next. */
 function refresh() {
@@ -26306,16 +26312,18 @@ toggle("loop", (on) => { looping = on; });
 toggle("follow", (on) => { following = on; });
 element("reset").addEventListener("click", () => { camera.reset(clip); refresh(); });
 element("speed").addEventListener("change", (event) => { speed = +event.target.value; });
-element("motion").addEventListener("change", (event) => { choose(+event.target.value); });
 element("scrub").addEventListener("input", (event) => { seek(+event.target.value); });
-element("timeline").addEventListener("pointerdown", (event) => {
-  const area = element("tracks").getBoundingClientRect();
-  const go = (e) => { seek(clip.seconds * (e.clientX - area.left) / area.width); };
-  const stop = () => { removeEventListener("pointermove", go); removeEventListener("pointerup", stop); };
-  go(event);
-  addEventListener("pointermove", go);
-  addEventListener("pointerup", stop);
-});
+/** Pressing or dragging on a surface seeks. The width of `area` stands for length() seconds. */
+function seekByDragging(surface, area, length) {
+  surface.addEventListener("pointerdown", (event) => {
+    const place = area.getBoundingClientRect();
+    const go = (e) => { seek(length() * (e.clientX - place.left) / place.width); };
+    const stop = () => { removeEventListener("pointermove", go); removeEventListener("pointerup", stop); };
+    go(event);
+    addEventListener("pointermove", go);
+    addEventListener("pointerup", stop);
+  });
+}
 const step = (frames) => { play(false); seek((Math.round(time * clip.fps) + frames) / clip.fps); };
 const keys = {
   " ": () => play(!playing), ",": () => step(-1), ".": () => step(1),
@@ -26325,11 +26333,13 @@ const viewKeys = {
   ArrowLeft: () => camera.orbit(-20, 0), ArrowRight: () => camera.orbit(20, 0), ArrowUp: () => camera.orbit(0, 20),
   ArrowDown: () => camera.orbit(0, -20), "+": () => camera.zoom(0.9), "-": () => camera.zoom(1.1) };
 const frameKeys = { ArrowLeft: () => step(-1), ArrowRight: () => step(1) };
+/** True for fields in which a person writes. */
+const takesText = (e) => e.matches("textarea, input:not([type=range]):not([type=checkbox])");
 addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || takesText(event.target)) return;
   const tag = event.target.tagName;
   if (tag === "SELECT" || (tag === "BUTTON" && (event.key === " " || event.key === "Enter"))) return;
-  if (tag === "INPUT" && /^(Arrow|Home|End)/.test(event.key)) return;
+  if (tag === "INPUT" && /^( |Arrow|Home|End)/.test(event.key)) return;
   const action = (event.target === view ? viewKeys : frameKeys)[event.key] || keys[event.key];
   if (!action) return;
   event.preventDefault();
@@ -26367,15 +26377,71 @@ view.addEventListener("wheel", (event) => {
   refresh();
 }, { passive: false });
 dark.addEventListener("change", refresh);
+
+/** What is shown now, as a copy, for scripts that look at the page. */
+const playerState = () => ({
+  playing, time, seconds: clip.seconds, frame: Math.round(time * clip.fps), frames: clip.frames, fps: clip.fps, speed,
+  following, renderer: renderer.kind, joints: clip.pose(time).positions,
+  camera: { yaw: camera.yaw, pitch: camera.pitch, distance: camera.distance } });
+)page";
+
+/// The viewer's motions and their timelines.
+inline constexpr std::string_view viewer_script_control = R"page(
+const clips = page.motions.map((m) => new Clip(m));
+
+function choose(number) {
+  showClip(clips[number]);
+  camera.reset(clip);
+  element("info").textContent = [page.info, clip.note, `${clip.parents.length} joints`, `${clip.frames} frames`,
+    `${+clip.fps.toFixed(3)} fps`].filter(Boolean).join(" \u00b7 ");
+  buildTimeline();
+  seek(0);
+  if (playing) play(true);
+}
+
+function buildTimeline() {
+  const tracks = element("tracks"), length = clip.seconds || 1;
+  tracks.replaceChildren(element("cursor"));
+  element("timeline").hidden = clip.tracks.length === 0;
+  drawAxis(element("axis"), length);
+  clip.tracks.forEach((track, i) => {
+    const row = text("div", "", tracks), bar = text("button", "", row), label = text("span", track.text, bar);
+    row.className = "track";
+    bar.className = "bar";
+    bar.type = "button";
+    const from = clamp(track.start, 0, length), to = clamp(track.end, from, length);
+    Object.assign(bar.style, { left: 100 * from / length + "%", width: 100 * (to - from) / length + "%" });
+    bar.style.setProperty("--hue", hues[i % hues.length]);
+    bar.title = [`${track.text}: ${shown(track.start)} to ${shown(track.end)}`, ...track.parts].join(", ");
+    bar.setAttribute("aria-label", bar.title);
+    if (track.parts.length) text("small", track.parts.join(" \u00b7 "), label);
+    bar.addEventListener("click", (event) => { if (event.detail === 0) seek(track.start); });  // by keyboard
+  });
+  placeLabels();
+}
+/** A text that would run out of the picture ends at the right end of its bar instead, or is cut. */
+function placeLabels() {
+  const { left, right } = element("tracks").getBoundingClientRect();
+  for (const bar of document.querySelectorAll(".bar")) {
+    const label = bar.firstChild;
+    bar.classList.remove("turned");
+    label.style.maxWidth = "";
+    const place = label.getBoundingClientRect(), overflows = place.right > right;
+    if (overflows && bar.getBoundingClientRect().right - place.width > left) bar.classList.add("turned");
+    else if (overflows) label.style.maxWidth = right - place.left + "px";
+  }
+}
+function showMoment() {
+  element("cursor").style.left = 100 * time / (clip.seconds || 1) + "%";
+  document.querySelectorAll(".bar").forEach((bar, i) =>
+    bar.classList.toggle("now", clip.tracks[i].start <= time && time < clip.tracks[i].end));
+}
+element("motion").addEventListener("change", (event) => { choose(+event.target.value); });
+seekByDragging(element("timeline"), element("tracks"), () => clip.seconds);
 new ResizeObserver(() => { placeLabels(); refresh(); }).observe(element("stage"));
 
-/** For scripts that look at the page: what is shown now, as a copy. */
-window.motionlang = Object.freeze({
-  state: () => ({
-    name: clip.name, motion: clips.indexOf(clip), motions: clips.length, playing, time, seconds: clip.seconds,
-    frame: Math.round(time * clip.fps), frames: clip.frames, fps: clip.fps, speed, following,
-    renderer: renderer.kind, joints: clip.pose(time).positions,
-    camera: { yaw: camera.yaw, pitch: camera.pitch, distance: camera.distance } }) });
+window.motionlang = Object.freeze({ state: () => ({
+  name: clip.name, motion: clips.indexOf(clip), motions: clips.length, ...playerState() }) });
 
 element("title").textContent = page.title;
 clips.forEach((c, i) => { text("option", c.name || `motion ${i + 1}`, element("motion")).value = i; });
@@ -26400,24 +26466,30 @@ struct ViewerEntry {
   std::string note;
 };
 
+/// Throws config_error 101 without a frame, and what Motion::validate throws.
+inline nlohmann::ordered_json shown_motion(const Motion& motion, std::span<const Track> tracks,
+                                           const std::string& note) {
+  motion.validate();
+  if (motion.frames() == 0) raise<config_error>(101, "viewer: motion '", motion.name, "' has no frames");
+  require_finite_times("viewer", tracks);
+  return viewer_json(motion, tracks, note);
+}
+
 /// body  null: the figure of every motion's own skeleton
 inline std::string viewer_page(std::span<const ViewerEntry> entries, const ViewerOptions& options,
                                nlohmann::ordered_json body = {}) {
   if (entries.empty()) raise<config_error>(101, "viewer: no motion to show");
   nlohmann::ordered_json motions = nlohmann::ordered_json::array();
-  for (const ViewerEntry& e : entries) {
-    e.motion.validate();
-    if (e.motion.frames() == 0) raise<config_error>(101, "viewer: motion '", e.motion.name, "' has no frames");
-    require_finite_times("viewer", e.tracks);
-    motions.push_back(viewer_json(e.motion, e.tracks, e.note));
-  }
+  for (const ViewerEntry& e : entries) motions.push_back(shown_motion(e.motion, e.tracks, e.note));
   const std::string& name = entries.front().motion.name;
   const std::string title = !options.title.empty() ? options.title : name.empty() ? "Motion" : name;
   nlohmann::ordered_json page{
       {"title", title}, {"info", options.info}, {"autoplay", options.autoplay}, {"motions", std::move(motions)}};
   if (!body.is_null()) page["body"] = std::move(body);
-  return self_contained_page(title, concat_text(page_colours, viewer_style), viewer_body, page,
-                             {viewer_script_pose, viewer_script_draw, viewer_script_control});
+  return self_contained_page(
+      title, concat_text(page_colours, viewer_style),
+      concat_text(viewer_header, viewer_stage, "<footer>", viewer_controls, viewer_timeline, "</footer>\n"), page,
+      {viewer_script_pose, viewer_script_draw, viewer_script_player, viewer_script_control});
 }
 
 MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motions,
@@ -26435,6 +26507,10 @@ MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motio
 }
 
 }  // namespace detail
+
+MOTIONLANG_BODY std::string viewer_data(const Motion& motion) {
+  return detail::shown_motion(motion, {}, "").dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
 
 MOTIONLANG_BODY std::string viewer_html(const Motion& motion, std::span<const Track> tracks,
                                         const ViewerOptions& options) {
@@ -29021,7 +29097,7 @@ struct Curve {
   std::vector<double> steps, values;
 };
 /// Curves over the same steps. Heights of losses are logarithmic if no value is negative and the largest is more than
-/// ten times the smallest that is not 0; zeros then lie at the bottom.
+/// ten times the smallest that is not 0. Zeros then lie at the bottom.
 struct CurvePanel {
   std::string title;
   std::vector<Curve> curves;
@@ -29033,16 +29109,16 @@ struct CurvePanel {
 /// The values of the steps after the first `before` steps, as the means of at most 200 groups of neighbouring steps.
 Curve curve_of_steps(std::string name, std::span<const float> values, std::size_t before = 0);
 
-/// Panels below each other, as SVG. Beside each panel are the names of its curves, with their last values. Values that
-/// are not finite are left out.
+/// Panels below each other, as SVG. Beside each panel are the names of its curves, with their last values. Values and
+/// steps that are not finite are left out.
 std::string curves_svg(std::span<const CurvePanel> panels);
 
 /// The panels of a table of text. Cells are separated by tabs or by two or more blanks. The first line has the name of
-/// the axis and the names of the curves; each other line has a step and the values of the curves, "-" for none. A line
-/// that starts with # is the title of the next panel; an empty line ends a panel.
+/// the axis and the names of the curves. Each other line has a step and the values of the curves, "-" for none. A line
+/// that starts with # is the title of the next panel. An empty line ends a panel.
 /// rows     the first line has the name of the curves and the steps; each other line has the name and values of a curve
-/// Throws   io_error 403 with name and line for a line with another number of cells or a cell that is not a number;
-///          config_error 101 without any panel
+/// Throws   io_error 403 with name and line for another number of cells, a cell that is not a number, and a step that
+///          is not finite; config_error 101 without any panel
 std::vector<CurvePanel> parse_curves(std::string_view table, bool rows = false, std::string_view name = "table");
 
 MOTIONLANG_NAMESPACE_END
@@ -29086,8 +29162,10 @@ inline std::string grid_svg(const PanelScale& at, const Range& steps, const Rang
 inline std::string panel_svg(const CurvePanel& panel, double y0) {
   Range steps, values, positive;
   for (const Curve& c : panel.curves) {
-    for (const double s : c.steps) steps.add(s);
-    for (const double v : c.values) {
+    for (std::size_t k = 0; k < c.values.size(); ++k) {
+      if (!std::isfinite(c.steps[k])) continue;
+      const double v = c.values[k];
+      steps.add(c.steps[k]);
       values.add(v);
       if (v > 0) positive.add(v);
     }
@@ -29117,7 +29195,7 @@ inline std::string panel_svg(const CurvePanel& panel, double y0) {
     const Curve& c = panel.curves[i];
     std::string points;
     for (std::size_t k = 0; k < c.values.size(); ++k) {
-      if (!std::isfinite(c.values[k])) continue;
+      if (!std::isfinite(c.steps[k]) || !std::isfinite(c.values[k])) continue;
       points +=
           concat_text(x_of(c.steps[k]), ",", y0 + top + high * (shown.high - scaled(c.values[k])) / shown.size(), " ");
     }
@@ -29181,6 +29259,11 @@ class CurveTable {
       raise<io_error>(403, name_, ":", line, ": '", cell, "' is not a number");
     return x;
   }
+  double step(const std::string& cell, Index line) const {
+    const double x = value(cell, line);
+    if (!std::isfinite(x)) raise<io_error>(403, name_, ":", line, ": '", cell, "' is not a finite step");
+    return x;
+  }
   void start(std::vector<std::string> cells, Index line) {
     if (cells.size() < 2) raise<io_error>(403, name_, ":", line, ": one column, where curves need two");
     header_ = std::move(cells);
@@ -29188,7 +29271,7 @@ class CurveTable {
     steps_.clear();
     for (std::size_t i = 1; i < header_.size(); ++i) {
       if (rows_)
-        steps_.push_back(value(header_[i], line));
+        steps_.push_back(step(header_[i], line));
       else
         panel.curves.push_back({header_[i], {}, {}});
     }
@@ -29201,7 +29284,7 @@ class CurveTable {
     if (rows_) curves.push_back({cells[0], steps_, {}});
     for (std::size_t i = 1; i < cells.size(); ++i) {
       Curve& curve = rows_ ? curves.back() : curves[i - 1];
-      if (!rows_) curve.steps.push_back(value(cells[0], line));
+      if (!rows_) curve.steps.push_back(step(cells[0], line));
       curve.values.push_back(value(cells[i], line));
     }
   }
@@ -29449,7 +29532,7 @@ MOTIONLANG_BODY std::string search_text(std::span<const FoundMotion> found, cons
                                         std::string_view one) {
   std::string out;
   for (const UnknownWord& w : answer.unheard)
-    out += concat_text("nobody taught the model the word '", printable(w.word), "'",
+    out += concat_text("the model does not know the word '", printable(w.word), "'",
                        w.like.empty() ? "" : " (did you mean '" + w.like + "'?)", "\n");
   if (!answer.shown) out += concat_text("no ", one, " shows this", found.empty() ? "" : "; the nearest are:", "\n");
   int place = 0;
@@ -29533,6 +29616,953 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_VIEW_STUDIO_PAGE_HPP  // <motionlang/view/studio_page.hpp>
+#define MOTIONLANG_HAS_VIEW_STUDIO_PAGE_HPP
+/// The studio: one self-contained HTML page in which motion is made from texts on a timeline. It holds motionlang as
+/// WebAssembly (wasm/wasm.cmake) and the weights of a model, and it asks for nothing.
+///
+///     const auto code = MappedFile::open("motionlang_wasm.wasm.gz");
+///     const auto model = MappedFile::open("stmc_free.safetensors");
+///     write_file("studio.html", studio_html({.program = read_file("motionlang_wasm.js"),
+///                                            .code = code->bytes(), .model = model->bytes()}));
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A text that the model knows, which the page offers while somebody writes.
+struct StudioPrompt {
+  std::string text;
+  double seconds = 0;  // that its action takes
+};
+
+struct StudioParts {
+  std::string program;               // motionlang_wasm.js
+  std::span<const std::byte> code;   // motionlang_wasm.wasm, packed by gzip
+  std::span<const std::byte> model;  // weights of STMC, .safetensors
+  std::vector<StudioPrompt> prompts{};
+  std::string title = "motionlang studio";
+};
+
+/// Throws config_error 101 without program, code or model.
+std::string studio_html(const StudioParts& parts);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_STUDIO_PAGE_IPP  // <motionlang/view/studio_page.ipp>
+#define MOTIONLANG_HAS_VIEW_STUDIO_PAGE_IPP
+// Bodies of studio_page.hpp.
+
+#ifndef MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_SOURCE_HPP  // <motionlang/view/detail/studio_page_source.hpp>
+#define MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_SOURCE_HPP
+/// The source of the studio's page: style, elements, program. studio_page.hpp puts the parts between them. The program
+/// continues that of viewer_page.hpp: its player shows the motion.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// It follows viewer_style.
+inline constexpr std::string_view studio_style = R"page(
+[hidden] { display: none !important; }
+body { overflow: hidden; }
+header { align-items: center; padding: 7px 16px; background: var(--panel); border-bottom: 1px solid var(--line); }
+nav { display: flex; flex-wrap: wrap; gap: 6px; align-items: center; margin-left: auto; }
+button { cursor: pointer; }
+button:disabled { cursor: default; }
+input, textarea {
+  font: inherit; color: inherit; background: var(--back); border: 1px solid var(--line); border-radius: 7px;
+  padding: 4px 8px; min-height: 32px;
+}
+#work { flex: 1 1 auto; display: grid; grid-template-columns: minmax(0, 1fr) 372px; min-height: 0; }
+#stage { min-height: 0; }
+#says { position: absolute; left: 14px; top: 10px; right: 14px; pointer-events: none; font-weight: 600; }
+#panel { background: var(--panel); border-left: 1px solid var(--line); padding: 4px 14px 10px; overflow-y: auto; }
+h2 { font-size: 14px; margin: 2px 0; flex: 1; }
+.line { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; margin: 5px 0; }
+.line input[type=number] { width: 78px; }
+#words { width: 100%; }
+fieldset { border: 0; padding: 0; margin: 5px 0; display: flex; flex-wrap: wrap; gap: 0 12px; }
+legend { padding: 0; color: var(--faint); }
+fieldset label { white-space: nowrap; min-height: 24px; display: inline-flex; align-items: center; gap: 4px; }
+fieldset input { min-height: 0; width: 16px; height: 16px; accent-color: var(--accent); }
+.main { background: var(--accent); border-color: var(--accent); color: #fff; font-weight: 600; }
+@media (prefers-color-scheme: dark) { .main { color: #10141a; } }
+#generate { min-width: 110px; }
+progress { width: 100%; height: 10px; accent-color: var(--accent); }
+#status { margin: 2px 0; color: var(--faint); }
+#status.wrong { color: var(--warn); }
+#warnings { margin: 2px 0 0; padding-left: 18px; color: var(--warn); font-size: 13px; }
+:root { --warn: #9a4a00; }
+@media (prefers-color-scheme: dark) { :root { --warn: #f0b060; } }
+footer { padding: 6px 16px 8px; }
+#scrub { margin: 4px 0 2px; }
+#timeline {
+  display: grid; grid-template-columns: 126px minmax(0, 1fr); max-height: 36vh; cursor: default; padding-right: 18px;
+  overflow-x: clip;
+}
+#axis { margin: 0; cursor: pointer; min-height: 20px; touch-action: none; }
+#names div {
+  display: flex; align-items: center; gap: 4px; border-top: 1px solid var(--line); white-space: nowrap;
+  padding-right: 8px;
+}
+#names button, #add { min-height: 22px; padding: 0 7px; line-height: 1; }
+#names span { flex: 1; overflow: hidden; text-overflow: ellipsis; }
+#lanes { position: relative; touch-action: pan-y; }
+.lane { position: relative; border-top: 1px solid var(--line); }
+.lane .bar {
+  display: flex; align-items: center; overflow: hidden; padding: 0 9px 0 5px; touch-action: none; cursor: grab;
+  user-select: none;
+}
+.lane .bar > span { flex: 1 1 auto; min-width: 0; }
+.bar.chosen {
+  outline: 2px solid var(--accent); outline-offset: -1px; background: color-mix(in srgb, var(--hue) 40%, transparent);
+}
+.bar.warned > span::before { content: "\26a0\a0"; color: var(--warn); }
+.grip { position: absolute; top: 0; bottom: 0; width: 9px; cursor: ew-resize; }
+.grip.from { left: 0; }
+.grip.to { right: 0; border-right: 3px solid var(--hue); }
+dialog {
+  width: min(640px, 94vw); background: var(--panel); color: var(--text); border: 1px solid var(--line);
+  border-radius: 10px;
+}
+dialog textarea { width: 100%; height: 220px; font: 13px/1.5 ui-monospace, monospace; }
+dialog::backdrop { background: rgb(0 0 0 / 0.4); }
+@media (max-width: 760px) {
+  html, body { height: auto; }
+  body { overflow: auto; }
+  #work { display: contents; }
+  #stage { flex: none; height: 40vh; }
+  #panel { order: 1; border-left: 0; border-top: 1px solid var(--line); }
+  #timeline { grid-template-columns: 112px minmax(0, 1fr); max-height: none; }
+  #names { font-size: 13px; }
+  #names button { padding: 0 5px; }
+  #hint { display: none; }
+  nav { margin-left: 0; }
+}
+)page";
+
+inline constexpr std::string_view studio_header = R"page(
+<header><h1 id="title"></h1><span id="info"></span>
+  <nav aria-label="Project">
+    <button id="undo" type="button" title="Ctrl+Z">Undo</button>
+    <button id="redo" type="button" title="Ctrl+Shift+Z">Redo</button>
+    <button id="fresh" type="button">New</button>
+    <button id="write" type="button">Timeline text</button>
+    <button id="link" type="button">Copy link</button>
+    <select id="kind" aria-label="Kind of file">
+      <option value=".bvh">BVH</option><option value=".glb">GLB</option><option value=".vrma">VRMA</option>
+      <option value=".npz">AMASS .npz</option><option value=".npy">joints .npy</option>
+      <option value=".html">viewer page</option><option value=".svg">film strip</option>
+    </select>
+    <button id="save" type="button" disabled>Save motion</button>
+  </nav>
+</header>
+)page";
+
+inline constexpr std::string_view studio_panel = R"page(
+<aside id="panel" aria-label="Text and motion">
+  <section aria-labelledby="aboutText">
+    <div class="line"><h2 id="aboutText">Text</h2>
+      <button id="duplicate" type="button" title="Ctrl+D">Duplicate</button>
+      <button id="remove" type="button" title="Delete">Delete</button></div>
+    <p id="nothing">Choose a bar, or add a text.</p>
+    <div id="chosen">
+      <input id="words" list="prompts" autocomplete="off" maxlength="200" aria-label="What the person does">
+      <datalist id="prompts"></datalist>
+      <div class="line"><label>From <input id="from" type="number" min="0" step="0.05"></label>
+        <label>to <input id="to" type="number" min="0" step="0.05"></label> s</div>
+      <fieldset id="parts"><legend>Body parts</legend></fieldset>
+    </div>
+  </section>
+  <section aria-labelledby="aboutMotion">
+    <div class="line"><h2 id="aboutMotion">Motion</h2>
+      <label>Steps <select id="steps"><option value="usual">20</option><option value="fast">10, fast</option></select>
+      </label> <button id="dice" type="button">Next seed</button></div>
+    <div class="line"><label>Length <input id="length" type="number" min="0.5" max="60" step="0.5"></label> s
+      <label>Seed <input id="seed" type="number" min="0" max="9007199254740991" step="1"></label></div>
+    <div class="line"><button id="generate" class="main" type="button" title="Ctrl+Enter">Generate</button>
+      <button id="cancel" type="button" hidden>Cancel</button> <span id="left"></span></div>
+    <progress id="progress" max="1" value="0" aria-label="Steps that are done" hidden></progress>
+    <p id="status" role="status"></p>
+    <ul id="warnings" aria-label="Warnings"></ul>
+  </section>
+</aside>
+)page";
+
+inline constexpr std::string_view studio_timeline = R"page(
+<div id="timeline">
+  <div><button id="add" type="button">Add text</button></div><div id="axis" aria-hidden="true"></div>
+  <div id="names"></div><div id="lanes" role="group" aria-label="Texts by body part"><div id="cursor"></div></div>
+</div>
+<p id="help" hidden>Left and right move the text, with Shift its end, with Control its start. Up and down change the
+body part. Enter edits the words, Delete deletes, Control D duplicates.</p>
+)page";
+
+inline constexpr std::string_view studio_dialog = R"page(
+<dialog id="dialog" aria-labelledby="aboutDialog">
+  <h2 id="aboutDialog">Timeline text</h2>
+  <p>Each line is one text: text # start # end # body parts. <code>motionlang generate</code> reads it as well.</p>
+  <textarea id="lines" aria-label="Timeline text" spellcheck="false"></textarea>
+  <p id="fault" role="alert"></p>
+  <div class="line"><button id="apply" class="main" type="button">Apply</button>
+    <button id="openText" type="button">Open file</button><button id="saveText" type="button">Save file</button>
+    <button id="close" type="button">Close</button><input id="file" type="file" accept=".txt" hidden></div>
+</dialog>
+)page";
+
+/// The worker, behind the program of emscripten: loads the model and makes motions.
+inline constexpr std::string_view studio_worker = R"page(
+;"use strict";
+let wasm = null, loaded = 0, latest = 0;  // the module, and pointers to a model and a motion
+
+const decoded = (base64) => {
+  const raw = atob(base64), bytes = new Uint8Array(raw.length);
+  for (let i = 0; i < raw.length; ++i) bytes[i] = raw.charCodeAt(i);
+  return bytes;
+};
+/** Calls use(pointer) with a C string. */
+const withText = (words, use) => {
+  const size = wasm.lengthBytesUTF8(words) + 1, at = wasm._malloc(size);
+  try {
+    wasm.stringToUTF8(words, at, size);
+    return use(at);
+  } finally {
+    wasm._free(at);
+  }
+};
+/** The pointer that call(place) puts into a place. Throws the message of the library. */
+const made = (call) => {
+  const place = wasm._malloc(4);
+  try {
+    wasm.HEAP32[place >> 2] = 0;
+    if (call(place)) throw new Error(wasm.UTF8ToString(wasm._motionlang_message()));
+    return wasm.HEAP32[place >> 2];
+  } finally {
+    wasm._free(place);
+  }
+};
+/** A copy of the bytes, which are freed. */
+const taken = (bytes) => {
+  const at = wasm._motionlang_bytes_data(bytes), copy = wasm.HEAPU8.slice(at, at + wasm._motionlang_wasm_size(bytes));
+  wasm._motionlang_free_bytes(bytes);
+  return copy;
+};
+const takenJson = (bytes) => JSON.parse(new TextDecoder().decode(taken(bytes)));
+
+const answers = {
+  async load({ code, model }) {
+    const packed = new Blob([decoded(code)]).stream().pipeThrough(new DecompressionStream("gzip"));
+    wasm = await motionlangModule({
+      wasmBinary: await new Response(packed).arrayBuffer(),
+      progress: (done, total) => {
+        postMessage({ done, total });
+        return true;
+      } });
+    wasm.FS.writeFile("/model.safetensors", decoded(model));
+    wasm._motionlang_set_threads(1);
+    loaded = withText("/model.safetensors", (file) => made((place) => wasm._motionlang_load_model(file, place)));
+    return { fps: wasm._motionlang_model_fps(loaded) };
+  },
+  check: ({ timeline }) => takenJson(withText(timeline, (words) =>
+    made((place) => wasm._motionlang_check_timeline(loaded, words, place)))),
+  generate({ timeline, seed, fast }) {
+    const motion = withText(timeline, (words) => withText("ddim", (ddim) => made((place) =>
+      wasm._motionlang_wasm_generate(loaded, words, seed >>> 0, Math.floor(seed / 2 ** 32), fast ? 10 : 0,
+                                     fast ? ddim : 0, place))));
+    wasm._motionlang_free_motion(latest);
+    latest = motion;
+    return takenJson(made((place) => wasm._motionlang_viewer_data(latest, place)));
+  },
+  save: ({ format }) => taken(withText(format, (words) =>
+    made((place) => wasm._motionlang_motion_bytes(latest, words, place)))) };
+
+let turnOf = Promise.resolve();  // one request after the other
+onmessage = ({ data }) => {
+  turnOf = turnOf.then(async () => {
+    try {
+      postMessage({ id: data.id, value: await answers[data.kind](data) });
+    } catch (reason) {
+      postMessage({ id: data.id, error: String(reason && reason.message || reason) });
+    }
+  });
+};
+)page";
+
+/// The project: texts with their times and parts, undo and redo, storage, links.
+inline constexpr std::string_view studio_script_project = R"page(
+const parts = ["left arm", "right arm", "legs", "spine", "head"];  // as motionlang_check_timeline names them
+const rows = ["whole body", ...parts];
+const shortest = 0.25, longest = 60;  // seconds of a text, of a project
+const example = {
+  bars: [{ text: "walk forward", start: 0, end: 6, parts: ["legs"] },
+         { text: "raise both arms", start: 2, end: 5, parts: ["left arm", "right arm"] }],
+  seconds: 6, seed: 7, fast: false };
+
+let project = structuredClone(example), chosen = 0;
+const past = [], future = [];
+let lastKey = null;  // the key of the latest edit: edits with the same key are undone together
+
+const rounded = (seconds) => Math.round(1000 * seconds) / 1000;
+/** Keeps times in their limits and in order. */
+function tidied(p) {
+  p.seconds = clamp(rounded(+p.seconds) || 0.5, 0.5, longest);
+  p.seed = clamp(Math.floor(+p.seed) || 0, 0, Number.MAX_SAFE_INTEGER);
+  for (const bar of p.bars) {
+    bar.start = clamp(rounded(+bar.start) || 0, 0, p.seconds - shortest);
+    bar.end = clamp(rounded(+bar.end) || 0, bar.start + shortest, p.seconds);
+    bar.text = bar.text.replace(/[#\r\n]+/g, " ");
+    bar.parts = parts.filter((name) => bar.parts.includes(name));
+    if (bar.parts.length === parts.length) bar.parts = [];  // all: the whole body
+  }
+  return p;
+}
+/** Changes the project by a function. A key joins it with the edit before, if that has the same key. */
+function edit(change, key = null) {
+  const old = JSON.stringify({ project, chosen });
+  change(project);
+  tidied(project);
+  if (JSON.stringify({ project, chosen }) === old) return;
+  if (key === null || key !== lastKey) past.push(old);
+  lastKey = key;
+  future.length = 0;
+  edited();
+}
+function goBack(from, to) {
+  if (from.length === 0) return;
+  to.push(JSON.stringify({ project, chosen }));
+  ({ project, chosen } = JSON.parse(from.pop()));
+  lastKey = unfinished = null;
+  edited();
+}
+const undo = () => goBack(past, future), redo = () => goBack(future, past);
+
+/** The timeline of a project as text, and for each line the number of its bar, or -1. Somebody stands where no text is
+    at the start and at the end, because a timeline begins and ends with its texts. */
+function timelineOf(p) {
+  const lines = [], bars = [];
+  const line = (words, start, end, names, bar) => {
+    lines.push([words, rounded(start), rounded(end), ...names].join(" # "));
+    bars.push(bar);
+  };
+  const told = p.bars.map((bar, i) => [bar, i]).filter(([bar]) => bar.text.trim());
+  const first = Math.min(p.seconds, ...told.map(([bar]) => bar.start));
+  const last = Math.max(first, ...told.map(([bar]) => bar.end));
+  if (first > 0) line("stand still", 0, first, [], -1);
+  for (const [bar, i] of told) line(bar.text.trim(), bar.start, bar.end, bar.parts, i);
+  if (last < p.seconds) line("stand still", last, p.seconds, [], -1);
+  return { lines: lines.join("\n") + "\n", bars };
+}
+/** The bars and the length of what motionlang_check_timeline read. */
+const projectOf = ({ texts, seconds }, { seed, fast }) => tidied({
+  bars: texts.map((t) => ({ ...t, parts: t.parts.filter((name) => parts.includes(name)) })), seconds, seed, fast });
+
+const linkOf = (p) =>
+  "#" + new URLSearchParams({ timeline: timelineOf(p).lines, seed: p.seed, ...(p.fast && { fast: 1 }) });
+const place = "motionlang studio";  // in the browser's storage
+function store() {
+  const link = linkOf(project);
+  try {
+    history.replaceState(null, "", link);
+    localStorage.setItem(place, JSON.stringify({ project, link }));
+  } catch (reason) {
+    console.info("the browser keeps no project:", reason.message);
+  }
+}
+/** The project of the last visit, and the link that it had; nothing if there is none. */
+function stored() {
+  try {
+    const { project: kept, link } = JSON.parse(localStorage.getItem(place)) || {};
+    return kept && Array.isArray(kept.bars) ? { project: tidied(kept), link } : null;
+  } catch (reason) {
+    console.info("the browser has no project:", reason.message);
+    return null;
+  }
+}
+)page";
+
+/// The worker's side in the page.
+inline constexpr std::string_view studio_script_engine = R"page(
+class Engine {
+  constructor(onprogress) {
+    this.onprogress = onprogress;
+    this.source = URL.createObjectURL(new Blob([page.program], { type: "text/javascript" }));
+    this.start();
+  }
+  start() {
+    this.waiting = new Map();
+    this.count = 0;
+    this.worker = new Worker(this.source);
+    this.worker.onmessage = ({ data }) => {
+      if (!("id" in data)) return this.onprogress(data);
+      const asked = this.waiting.get(data.id);
+      this.waiting.delete(data.id);
+      if (asked) "error" in data ? asked.reject(new Error(data.error)) : asked.resolve(data.value);
+    };
+    this.worker.onerror = (event) => this.fail(new Error(event.message || "the worker did not start"));
+    const packed = (id) => element(id).textContent;
+    this.ready = this.ask("load", { code: packed("code"), model: packed("model") });
+    this.ready.catch(() => {});  // whoever asks for something hears it
+  }
+  ask(kind, about = {}) {
+    return new Promise((resolve, reject) => {
+      const id = ++this.count;
+      this.waiting.set(id, { resolve, reject });
+      this.worker.postMessage({ id, kind, ...about });
+    });
+  }
+  fail(reason) {
+    for (const { reject } of this.waiting.values()) reject(reason);
+    this.waiting.clear();
+  }
+  /** Ends all work at once, and begins anew with another worker. */
+  cancel() {
+    this.worker.terminate();
+    const stopped = new Error("cancelled");
+    stopped.cancelled = true;
+    this.fail(stopped);
+    this.start();
+  }
+}
+)page";
+
+/// Bars, fields, buttons.
+inline constexpr std::string_view studio_script_editor = R"page(
+let making = null;  // what is generated now: { key, began }
+let shownKey = null, motions = 0, warned = [];  // of the motion that is shown; number of motions so far
+let opened = 0, took = 0;  // seconds from opening to the first motion, and of the latest one
+const keyOf = (p) => linkOf(p);
+const bar = () => project.bars[chosen];
+const number = (id) => +element(id).value;
+const nameOf = (b) => b.parts.length ? b.parts.join(", ") : "whole body";
+
+function say(words, wrong = false) {
+  element("status").textContent = words;
+  element("status").classList.toggle("wrong", wrong);
+}
+const engine = new Engine(({ done, total }) => {
+  if (!making) return;
+  const spent = (performance.now() - making.began) / 1000, left = spent / done * (total - done);
+  element("progress").value = done / total;
+  element("left").textContent = `step ${done} of ${total}, ${left < 1 ? "less than 1" : Math.ceil(left)} s left`;
+});
+
+// ---- What the project looks like.
+
+/** Bars of a row that overlap lie below each other: the number of the line of each, and of lines. */
+function stacked(numbers) {
+  const ends = [], lineOf = new Map();
+  for (const i of [...numbers].sort((a, b) => project.bars[a].start - project.bars[b].start)) {
+    let line = ends.findIndex((end) => end <= project.bars[i].start + 1e-9);
+    if (line < 0) line = ends.length;
+    ends[line] = project.bars[i].end;
+    lineOf.set(i, line);
+  }
+  return { lineOf, lines: Math.max(1, ends.length) };
+}
+const isInRow = (b, row) => b.parts.length ? b.parts.includes(row) : row === rows[0];
+function drawBars() {
+  const names = element("names"), lanes = element("lanes"), held = lanes.contains(document.activeElement);
+  names.replaceChildren();
+  lanes.replaceChildren(element("cursor"));
+  const drawn = new Set();  // a bar of several rows is reached by the keyboard once
+  for (const row of rows) {
+    const numbers = project.bars.map((b, i) => i).filter((i) => isInRow(project.bars[i], row));
+    const { lineOf, lines } = stacked(numbers), name = text("div", "", names), lane = text("div", "", lanes);
+    text("span", row[0].toUpperCase() + row.slice(1), name);
+    const plus = text("button", "+", name);
+    plus.type = "button";
+    plus.setAttribute("aria-label", `Add a text: ${row}`);
+    plus.addEventListener("click", () => addBar(row, time));
+    name.style.height = lane.style.height = 27 * lines + 1 + "px";
+    lane.className = "lane";
+    lane.dataset.row = row;
+    for (const i of numbers) {
+      const b = project.bars[i], e = text("div", "", lane), words = b.text.trim() || "(no text)";
+      const warnings = warned.filter((w) => w.bars.includes(i)).map((w) => w.message);
+      e.className = "bar";
+      e.classList.toggle("chosen", i === chosen);
+      e.classList.toggle("warned", warnings.length > 0 || !b.text.trim());
+      e.dataset.bar = i;
+      text("span", words, e);
+      for (const side of ["from", "to"]) text("i", "", e).className = "grip " + side;
+      Object.assign(e.style, { left: 100 * b.start / project.seconds + "%", top: 2 + 27 * lineOf.get(i) + "px",
+                               width: 100 * (b.end - b.start) / project.seconds + "%" });
+      e.style.setProperty("--hue", hues[i % hues.length]);
+      e.title = [`${words}: ${shown(b.start)} to ${shown(b.end)}, ${nameOf(b)}`, ...warnings].join("\n");
+      if (drawn.has(i)) {
+        e.setAttribute("aria-hidden", "true");
+        continue;
+      }
+      drawn.add(i);
+      e.tabIndex = 0;
+      e.setAttribute("role", "button");
+      e.setAttribute("aria-pressed", i === chosen);
+      e.setAttribute("aria-label", e.title);
+      e.setAttribute("aria-describedby", "help");
+      if (held && i === chosen) e.focus({ preventScroll: true });
+    }
+  }
+  drawAxis(element("axis"), project.seconds);
+}
+let unfinished = null;  // the field in which a person writes a number
+function fill(id, value) {
+  const field = element(id);
+  if (field !== unfinished && field.value !== String(value)) field.value = value;
+}
+function drawFields() {
+  const b = bar();
+  element("chosen").hidden = !b;
+  element("nothing").hidden = !!b;
+  element("duplicate").disabled = element("remove").disabled = !b;
+  if (b) {
+    fill("words", b.text);
+    fill("from", b.start);
+    fill("to", b.end);
+    for (const box of document.querySelectorAll("#parts input"))
+      box.checked = b.parts.length === 0 || b.parts.includes(box.value);
+  }
+  fill("length", project.seconds);
+  fill("seed", project.seed);
+  element("steps").value = project.fast ? "fast" : "usual";
+  element("undo").disabled = past.length === 0;
+  element("redo").disabled = future.length === 0;
+  const stale = keyOf(project) !== shownKey;
+  element("generate").disabled = making !== null;
+  element("cancel").hidden = element("progress").hidden = making === null;
+  element("left").textContent = making ? element("left").textContent
+    : motions && stale ? "The timeline has changed." : "";
+  element("save").disabled = motions === 0;
+}
+function drawWarnings() {
+  const list = element("warnings");
+  list.replaceChildren();
+  for (const { message } of warned) text("li", message, list);
+}
+function draw() {
+  chosen = clamp(chosen, -1, project.bars.length - 1);
+  drawBars();
+  drawFields();
+  refresh();
+}
+let checking = 0;
+function edited() {
+  draw();
+  clearTimeout(checking);
+  checking = setTimeout(() => {
+    store();
+    check();
+  }, 250);
+}
+addEventListener("pagehide", store);
+/** Asks for warnings. While a motion is made they come after it. */
+async function check() {
+  const { lines, bars } = timelineOf(project);
+  let found;
+  try {
+    found = (await engine.ask("check", { timeline: lines })).warnings;
+  } catch (reason) {
+    if (reason.cancelled) return;
+    found = [{ texts: [], message: reason.message }];
+  }
+  if (lines !== timelineOf(project).lines) return;  // of a timeline that has changed
+  warned = found.map(({ texts, message }) => ({ message, bars: texts.map((i) => bars[i]) }));
+  drawWarnings();
+  draw();
+}
+
+// ---- The motion.
+
+function showMoment() {
+  element("cursor").style.left = 100 * Math.min(time, project.seconds) / project.seconds + "%";
+  const now = project.bars.filter((b) => b.start <= time && time < b.end && motions);
+  const words = now.map((b) => b.text.trim()).filter(Boolean).join(" \u00b7 ");
+  if (element("says").textContent !== words) element("says").textContent = words;
+  for (const e of document.querySelectorAll(".bar"))
+    e.classList.toggle("now", now.includes(project.bars[e.dataset.bar]));
+}
+async function generate() {
+  if (making) return;
+  const began = performance.now(), key = keyOf(project), { seed, fast } = project;
+  making = { key, began };
+  element("progress").value = 0;
+  element("left").textContent = "";
+  say("Generating.");
+  draw();
+  try {
+    const data = await engine.ask("generate", { timeline: timelineOf(project).lines, seed, fast });
+    const first = motions++ === 0;
+    showClip(new Clip(data));
+    shownKey = key;
+    if (first) camera.reset(clip);
+    seek(Math.min(time, clip.seconds));
+    if (first) play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+    took = (performance.now() - began) / 1000;
+    opened ||= performance.now() / 1000;
+    say(`${clip.frames} frames in ${took.toFixed(1)} s, seed ${seed}.`);
+  } catch (reason) {
+    if (reason.cancelled) motions = 0;  // the worker that had the motion is gone
+    say(reason.cancelled ? "Cancelled. Generate again before you save." : reason.message, !reason.cancelled);
+  }
+  making = null;
+  draw();
+}
+function offer(name, bytes, type) {
+  const link = document.createElement("a"), address = URL.createObjectURL(new Blob([bytes], { type }));
+  Object.assign(link, { href: address, download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(address), 10000);
+}
+function fileName() {
+  const words = project.bars.map((b) => b.text.trim()).filter(Boolean)[0] || "motion";
+  return words.replace(/[^a-z0-9]+/gi, "_");
+}
+
+// ---- Edits.
+
+function choose(i) {
+  if (i === chosen) return;
+  chosen = i;
+  lastKey = null;
+  draw();
+}
+function addBar(row, from) {
+  edit((p) => {
+    const start = Math.min(from, p.seconds - shortest);
+    const added = { text: "stand still", start, end: Math.min(start + 2, p.seconds), parts: [] };
+    setParts(added, row);
+    chosen = p.bars.push(added) - 1;
+  });
+  element("words").focus();
+  element("words").select();
+}
+function removeBar() {
+  if (!bar()) return;
+  edit((p) => {
+    p.bars.splice(chosen, 1);
+    chosen = Math.min(chosen, p.bars.length - 1);
+  });
+}
+function duplicateBar() {
+  if (!bar()) return;
+  edit((p) => {
+    const copy = structuredClone(bar()), length = copy.end - copy.start;
+    copy.start = Math.min(copy.end, p.seconds - length);
+    copy.end = copy.start + length;
+    p.bars.splice(++chosen, 0, copy);
+  });
+}
+/** Moves a bar without changing its length. */
+function moveTo(b, start) {
+  const length = b.end - b.start;
+  b.start = clamp(rounded(start), 0, project.seconds - length);
+  b.end = b.start + length;
+}
+/** A time near an edge of another bar, near the cursor or near the ends is that time; else a frame's. */
+function snapped(seconds, own) {
+  const reach = 7 * project.seconds / element("lanes").clientWidth;
+  const edges = [0, project.seconds, time, ...project.bars.flatMap((b, i) => i === own ? [] : [b.start, b.end])];
+  const near = edges.sort((a, b) => Math.abs(a - seconds) - Math.abs(b - seconds))[0];
+  return Math.abs(near - seconds) <= reach ? near : Math.round(20 * seconds) / 20;
+}
+function setParts(b, row) { b.parts = row === rows[0] ? [] : [row]; }
+
+const lanes = element("lanes");
+lanes.addEventListener("pointerdown", (event) => {
+  const e = event.target.closest(".bar");
+  if (!e) return;
+  event.preventDefault();
+  const i = +e.dataset.bar, from = structuredClone(project.bars[i]), side = event.target.classList;
+  const mode = side.contains("from") ? "from" : side.contains("to") ? "to" : "move", key = `drag ${performance.now()}`;
+  const firstRow = e.parentElement.dataset.row;
+  choose(i);
+  lanes.querySelector(`[data-bar="${i}"][tabindex]`).focus({ preventScroll: true });
+  lanes.setPointerCapture(event.pointerId);
+  const drag = (moved) => {
+    const way = (moved.clientX - event.clientX) * project.seconds / lanes.clientWidth;
+    if (Math.hypot(moved.clientX - event.clientX, moved.clientY - event.clientY) < 4 && lastKey !== key) return;
+    const row = [...lanes.querySelectorAll(".lane")].find((lane) => {
+      const place = lane.getBoundingClientRect();
+      return place.top <= moved.clientY && moved.clientY < place.bottom;
+    })?.dataset.row;
+    edit((p) => {
+      const b = p.bars[i] = structuredClone(from);
+      if (mode === "from") b.start = Math.min(snapped(from.start + way, i), from.end - shortest);
+      if (mode === "to") b.end = Math.max(snapped(from.end + way, i), from.start + shortest);
+      if (mode !== "move") return;
+      const start = snapped(from.start + way, i), end = snapped(from.end + way, i);
+      const plain = Math.round(20 * (from.start + way)) / 20;  // the end snaps if the start does not
+      moveTo(b, Math.abs(start - plain) > 1e-9 || Math.abs(end - (plain + from.end - from.start)) < 1e-9
+        ? start : end - (from.end - from.start));
+      if (row && row !== firstRow) setParts(b, row);
+    }, key);
+  };
+  const stop = () => {
+    lanes.removeEventListener("pointermove", drag);
+    lastKey = null;
+  };
+  lanes.addEventListener("pointermove", drag);
+  for (const end of ["pointerup", "pointercancel"]) lanes.addEventListener(end, stop, { once: true });
+});
+lanes.addEventListener("mousedown", (event) => {  // the focus stays where pointerdown put it
+  if (event.target.closest(".bar")) event.preventDefault();
+});
+lanes.addEventListener("click", (event) => {
+  if (event.target.closest(".lane") && !event.target.closest(".bar")) choose(-1);
+});
+lanes.addEventListener("dblclick", (event) => {
+  const lane = event.target.closest(".lane"), area = lanes.getBoundingClientRect();
+  if (lane && !event.target.closest(".bar")) {
+    addBar(lane.dataset.row, Math.round(20 * project.seconds * (event.clientX - area.left) / area.width) / 20);
+  } else if (bar()) {  // a bar captures the mouse
+    element("words").focus();
+    element("words").select();
+  }
+});
+lanes.addEventListener("focusin", (event) => {
+  const e = event.target.closest(".bar");
+  if (e) choose(+e.dataset.bar);
+});
+lanes.addEventListener("keydown", (event) => {
+  const e = event.target.closest(".bar");
+  if (!e || event.altKey || event.metaKey) return;
+  const i = +e.dataset.bar, way = { ArrowLeft: -0.1, ArrowRight: 0.1 }[event.key];
+  const turnRow = { ArrowUp: -1, ArrowDown: 1 }[event.key];
+  const actions = { Delete: removeBar, Backspace: removeBar, Enter: () => element("words").focus() };
+  if (way) {
+    edit((p) => {
+      const b = p.bars[i];
+      if (event.shiftKey) b.end = Math.max(b.end + way, b.start + shortest);
+      else if (event.ctrlKey) b.start = Math.min(b.start + way, b.end - shortest);
+      else moveTo(b, b.start + way);
+    }, `nudge ${i} ${event.shiftKey} ${event.ctrlKey}`);
+  } else if (turnRow && !event.ctrlKey) {
+    edit((p) => setParts(p.bars[i], rows[clamp(rows.findIndex((row) => isInRow(p.bars[i], row)) + turnRow, 0, 5)]));
+  } else if (actions[event.key] && !event.ctrlKey) {
+    actions[event.key]();
+  } else {
+    return;
+  }
+  event.preventDefault();
+});
+
+element("words").addEventListener("input", (event) => edit(() => { bar().text = event.target.value; }, "words"));
+element("words").addEventListener("keydown", (event) => {
+  if (event.key === "Enter" && !event.ctrlKey) generate();
+});
+/** A field of a number: takes effect when it is left or Enter is pressed. */
+function field(id, change) {
+  element(id).addEventListener("input", () => { unfinished = element(id); });
+  element(id).addEventListener("change", () => {
+    unfinished = null;
+    if (element(id).value !== "") edit(change);
+    lastKey = null;
+    draw();
+  });
+}
+field("from", () => { bar().start = Math.min(number("from"), bar().end - shortest); });
+field("to", () => { bar().end = Math.max(number("to"), bar().start + shortest); });
+field("length", (p) => { p.seconds = number("length"); });
+field("seed", (p) => { p.seed = number("seed"); });
+element("words").addEventListener("change", () => { lastKey = null; });
+element("steps").addEventListener("change", (event) => edit((p) => { p.fast = event.target.value === "fast"; }));
+for (const name of parts) {
+  const label = text("label", "", element("parts")), box = document.createElement("input");
+  Object.assign(box, { type: "checkbox", value: name });
+  label.append(box, name);
+  box.addEventListener("change", () => {
+    const on = [...document.querySelectorAll("#parts input:checked")].map((e) => e.value);
+    if (on.length) edit(() => { bar().parts = on; });
+    draw();  // a text moves at least one part
+  });
+}
+for (const { text: words } of page.prompts) element("prompts").append(new Option(words, words));
+
+const press = (id, action) => element(id).addEventListener("click", action);
+press("undo", undo);
+press("redo", redo);
+press("duplicate", duplicateBar);
+press("remove", removeBar);
+press("add", () => addBar(rows[0], time));
+press("generate", generate);
+press("cancel", () => {
+  engine.cancel();
+  check();
+});
+press("dice", () => { edit((p) => { ++p.seed; }); generate(); });
+press("fresh", () => edit((p) => {
+  Object.assign(p, { bars: [{ text: "walk forward", start: 0, end: 4, parts: [] }], seconds: 4 });
+  chosen = 0;
+}));
+press("save", async () => {
+  const format = element("kind").value;
+  try {
+    offer(fileName() + format, await engine.ask("save", { format }), "application/octet-stream");
+  } catch (reason) {
+    say(reason.message, true);
+  }
+});
+press("link", async () => {
+  try {
+    await navigator.clipboard.writeText(location.href);
+    say("The link is copied.");
+  } catch (reason) {
+    say("The link is in the address line.");
+  }
+});
+
+// ---- The timeline as text.
+
+async function readTimeline(lines) {
+  const read = projectOf(await engine.ask("check", { timeline: lines }), project);
+  edit((p) => {
+    Object.assign(p, read);
+    chosen = 0;
+  });
+}
+press("write", () => {
+  element("lines").value = timelineOf(project).lines;
+  element("fault").textContent = "";
+  element("dialog").showModal();
+});
+press("close", () => element("dialog").close());
+press("apply", async () => {
+  try {
+    await readTimeline(element("lines").value);
+    element("dialog").close();
+  } catch (reason) {
+    element("fault").textContent = reason.message;
+  }
+});
+press("saveText", () => offer(fileName() + ".txt", element("lines").value, "text/plain"));
+press("openText", () => element("file").click());
+element("file").addEventListener("change", async ({ target }) => {
+  if (target.files.length) element("lines").value = await target.files[0].text();
+  target.value = "";
+});
+
+addEventListener("dragover", (event) => {
+  if (event.dataTransfer.types.includes("Files")) event.preventDefault();
+});
+addEventListener("drop", async (event) => {
+  const file = event.dataTransfer.files[0];
+  if (!file) return;
+  event.preventDefault();  // the page stays
+  try {
+    if (file.size > 100000) throw new Error("it is too large for a timeline");
+    await readTimeline(await file.text());
+  } catch (reason) {
+    say(`${file.name}: ${reason.message}`, true);
+  }
+});
+
+addEventListener("keydown", (event) => {
+  if (!(event.ctrlKey || event.metaKey) || element("dialog").open) return;
+  const key = event.key.toLowerCase();
+  const action = key === "z" ? (event.shiftKey ? redo : undo) : { y: redo, d: duplicateBar, enter: generate }[key];
+  if (!action) return;
+  event.preventDefault();
+  action();
+});
+seekByDragging(element("axis"), lanes, () => project.seconds);
+new ResizeObserver(() => {
+  drawAxis(element("axis"), project.seconds);
+  refresh();
+}).observe(element("stage"));
+
+// ---- The start: a link, or the project of the last visit, or the example.
+
+async function openLink() {
+  const link = new URLSearchParams(location.hash.slice(1));
+  if (!link.has("timeline") || location.hash === linkOf(project)) return;
+  try {
+    const read = await engine.ask("check", { timeline: link.get("timeline") });
+    edit((p) => {
+      Object.assign(p, projectOf(read, { seed: link.get("seed"), fast: link.has("fast") }));
+      chosen = 0;
+    });
+  } catch (reason) {
+    say(`The link has no timeline that can be read: ${reason.message}`, true);
+  }
+}
+addEventListener("hashchange", async () => { await openLink(); generate(); });
+
+/** For scripts that look at the page: what it shows and has, as a copy. */
+window.motionlang = Object.freeze({ state: () => ({
+  ...playerState(), project: structuredClone(project), chosen, timeline: timelineOf(project).lines, motions,
+  opened, took, making: making !== null, stale: keyOf(project) !== shownKey, warnings: structuredClone(warned),
+  undos: past.length, redos: future.length }) });
+
+async function begin() {
+  element("title").textContent = page.title;
+  element("info").textContent = `motionlang ${page.version}`;
+  const says = text("span", "", element("stage"));
+  says.id = "says";
+  const kept = stored(), linked = location.hash.length > 1 && !(kept && kept.link === location.hash);
+  if (kept) project = kept.project;
+  showClip(new Clip(page.rest));
+  camera.reset(clip);
+  draw();
+  say("Loading the model.");
+  try {
+    await engine.ready;
+  } catch (reason) {
+    say(reason.message, true);
+    return;
+  }
+  if (!making) say("");
+  if (linked) await openLink();
+  store();
+  await generate();
+  check();
+}
+begin();
+)page";
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The rest pose, which the page shows until there is a motion.
+inline Motion rest_motion() {
+  Motion out{.skeleton = smpl24_skeleton(), .root = {{}}, .local = {}, .name = "rest"};
+  out.local.assign(static_cast<std::size_t>(out.skeleton.size()), Quaternion<double>::identity());
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string studio_html(const StudioParts& parts) {
+  using namespace detail;
+  if (parts.program.empty() || parts.code.empty() || parts.model.empty())
+    raise<config_error>(101, "studio: no ", parts.program.empty() ? "program" : parts.code.empty() ? "code" : "model");
+  nlohmann::ordered_json prompts = nlohmann::ordered_json::array();
+  for (const StudioPrompt& p : parts.prompts) prompts.push_back({{"text", p.text}, {"seconds", p.seconds}});
+  const nlohmann::ordered_json page{{"title", parts.title},
+                                    {"version", MOTIONLANG_VERSION},
+                                    {"rest", viewer_json(rest_motion(), {}, "")},
+                                    {"prompts", std::move(prompts)},
+                                    {"program", concat_text(parts.program, studio_worker)}};
+  const auto packed = [](std::string_view id, std::span<const std::byte> bytes) {
+    return concat_text("<script type=\"text/plain\" id=\"", id, "\">", to_base64(bytes), "</script>\n");
+  };
+  return self_contained_page(parts.title, concat_text(page_colours, viewer_style, studio_style),
+                             concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel,
+                                         "</div>\n<footer>", viewer_controls, studio_timeline, "</footer>\n",
+                                         studio_dialog, packed("code", parts.code), packed("model", parts.model)),
+                             page,
+                             {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project,
+                              studio_script_engine, studio_script_editor},
+                             " 'wasm-unsafe-eval'; worker-src blob:");
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_VIEW_STUDY_CHART_HPP  // <motionlang/view/study_chart.hpp>
 #define MOTIONLANG_HAS_VIEW_STUDY_CHART_HPP
 /// The counts of a perceptual study as bars: preferences, ranks or ratings.
@@ -29543,9 +30573,9 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Per cent. Pairs: a bar for each, with the items for the first system, ties, and those for the second; a line at 50
-/// and the interval of the preference. Rankings and ratings: a bar for each system, with the share of each rank or
-/// rating.
+/// Per cent. Pairs: a bar for each, with the items for the first system, ties, and those for the second. There is a
+/// line at 50, and each bar has the interval of the preference. Rankings and ratings: a bar for each system, with the
+/// share of each rank or rating.
 BarChart study_chart(const Study& study, const StudyCounts& counts);
 
 MOTIONLANG_NAMESPACE_END
@@ -29562,6 +30592,7 @@ template <class Counts>
 std::vector<double> per_cent(const Counts& counts) {
   const double all = std::accumulate(counts.begin(), counts.end(), 0.0);
   std::vector<double> out;
+  out.reserve(counts.size());
   for (const auto n : counts) out.push_back(all > 0 ? 100 * static_cast<double>(n) / all : 0);
   return out;
 }
@@ -30153,7 +31184,7 @@ MOTIONLANG_BODY WordCharts word_charts(std::span<const NamedTexts> sets, std::si
   std::vector<std::pair<std::size_t, std::string>> order;
   order.reserve(total.size());
   for (const auto& [verb, count] : total) order.emplace_back(count, verb);
-  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (std::size_t i = 0; i < std::min(order.size(), most); ++i) {
     BarGroup group{.name = order[i].second, .values = {}};
     for (auto& counts : of_set) group.values.push_back(static_cast<double>(counts[group.name]));

@@ -7230,6 +7230,9 @@ inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseSca
 std::string_view to_string(SamplingOptions::Sampler sampler);
 /// "ddpm" or "ddim". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
+/// "paper": posterior_std, as thesis eq. 6.2 has it; "published": that of published_stmc_sampling. Throws config_error
+/// 103.
+NoiseScale parse_noise_scale(std::string_view name, std::string_view where = "noise scale");
 
 /// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.
 template <Backend B, int R>
@@ -7415,6 +7418,12 @@ MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, st
   if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
   if (name == "ddim") return SamplingOptions::Sampler::ddim;
   raise<config_error>(103, where, " '", name, "' is neither ddpm nor ddim");
+}
+
+MOTIONLANG_BODY NoiseScale parse_noise_scale(std::string_view name, std::string_view where) {
+  if (name == "paper") return NoiseScale::posterior_std;
+  if (name == "published") return published_stmc_sampling.noise_scale;
+  raise<config_error>(103, where, " '", name, "' is neither paper nor published");
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -19836,11 +19845,12 @@ class TextTable {
   TextTable(std::vector<std::string> texts, std::vector<std::int8_t> codes, std::vector<float> mean, TextVectors encode,
             WordVectors words = {}, std::string_view source = "TextTable");
   /// Encodes the texts now. words: vectors of words, which tell how alike two words are; none: only the same are.
-  /// Throws what `encode` throws.
+  /// Throws shape_error 205 for vectors of different widths, numeric_error 301 for a value that is not finite, and what
+  /// `encode` throws.
   static TextTable encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words = {});
 
   /// The table with more texts at its end, which are encoded now. The mean stays. An empty table stays empty. Throws
-  /// what `encode` throws.
+  /// what `encoded` throws.
   TextTable with(const std::vector<std::string>& more) const;
   /// The first texts alone. Throws shape_error 203 if there are fewer.
   TextTable first(Index count) const;
@@ -19954,12 +19964,22 @@ MOTIONLANG_BODY TextTable::TextTable(std::vector<std::string> texts, std::vector
 
 namespace detail {
 
-/// The vectors of texts, some at a time.
-inline std::vector<float> vectors_in_parts(std::span<const std::string> texts, const TextVectors& encode) {
+/// The vectors of texts, some at a time. width: of a vector; 0: that of the first one.
+inline std::vector<float> vectors_in_parts(std::span<const std::string> texts, const TextVectors& encode,
+                                           std::size_t width = 0) {
   constexpr std::size_t at_once = 256;
   std::vector<float> out;
   for (std::size_t first = 0; first < texts.size(); first += at_once) {
-    const auto some = encode(texts.subspan(first, std::min(at_once, texts.size() - first)));
+    const auto part = texts.subspan(first, std::min(at_once, texts.size() - first));
+    const auto some = encode(part);
+    if (width == 0) width = std::max<std::size_t>(1, some.size() / part.size());
+    if (some.size() != part.size() * width)
+      raise<shape_error>(205, "TextTable: the encoder gives ", counted(some.size(), "number"), " for ",
+                         counted(part.size(), "text"), " of ", width);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      if (!std::isfinite(some[i]))
+        raise<numeric_error>(301, "TextTable: the encoder gives ", some[i], " for '", part[i / width], "'");
+    }
     out.insert(out.end(), some.begin(), some.end());
   }
   return out;
@@ -19985,6 +20005,7 @@ MOTIONLANG_BODY TextTable TextTable::encoded(std::vector<std::string> texts, Tex
   std::vector<double> sum(texts.empty() ? 0 : vectors.size() / texts.size());
   for (std::size_t i = 0; i < vectors.size(); ++i) sum[i % sum.size()] += static_cast<double>(vectors[i]);
   std::vector<float> mean;
+  mean.reserve(sum.size());
   for (const double s : sum) mean.push_back(static_cast<float>(s / static_cast<double>(texts.size())));
   auto codes = detail::direction_codes(vectors, mean);
   return {std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words)};
@@ -19994,7 +20015,7 @@ MOTIONLANG_BODY TextTable TextTable::with(const std::vector<std::string>& more) 
   if (empty()) return {};
   Table all = table();
   all.texts.insert(all.texts.end(), more.begin(), more.end());
-  const auto codes = detail::direction_codes(detail::vectors_in_parts(more, all.encode), all.mean);
+  const auto codes = detail::direction_codes(detail::vectors_in_parts(more, all.encode, all.mean.size()), all.mean);
   all.codes.insert(all.codes.end(), codes.begin(), codes.end());
   return {std::move(all.texts), std::move(all.codes), std::move(all.mean), std::move(all.encode), std::move(all.words)};
 }
@@ -20044,7 +20065,7 @@ MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text,
       const double code = t.codes[i * width + k];
       product += code * static_cast<double>(vector[k] - t.mean[k]), length += code * code;
     }
-    if (product <= 0) continue;
+    if (!(product > 0)) continue;  // nor if it is not a number
     for (const auto& list : alike) {
       double best = 0;
       for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) best = std::max(best, list[said.said[w]]);
@@ -20113,10 +20134,11 @@ class KnownCaptions {
   KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness, std::vector<double> done = {},
                 std::string_view source = "KnownCaptions");
 
-  /// The same with other texts that were tried, and the shares of the motions that did what they say.
+  /// The same with other texts that were tried, and the shares of the motions that did what they say. No captions stay
+  /// none.
   KnownCaptions with_tried(const std::vector<std::string>& texts, std::vector<double> done) const;
 
-  bool empty() const { return table_.empty(); }
+  bool empty() const { return actions_.empty(); }
   const TextTable& table() const { return table_; }
   const std::vector<KnownAction>& actions() const { return actions_; }
   double nearness() const { return nearness_; }
@@ -20127,8 +20149,8 @@ class KnownCaptions {
   std::vector<NearText> nearest(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
-  /// The action of a text that is known, by the captions near it: most of them decide if it repeats, three quarters of
-  /// these take no longer, and what follows is that of the nearest.
+  /// The action of a text that is known, by the captions near it. Their majority decides if it repeats. It takes as
+  /// long as three quarters of these do at most. What follows is that of the nearest.
   std::optional<KnownAction> action(const std::string& text) const;
   /// The share of motions that do what the text says, by the texts nearly like it that were tried. Nothing if there are
   /// none.
@@ -20283,6 +20305,7 @@ MOTIONLANG_BODY KnownCaptions::KnownCaptions(TextTable table, std::vector<KnownA
 
 MOTIONLANG_BODY KnownCaptions KnownCaptions::with_tried(const std::vector<std::string>& texts,
                                                         std::vector<double> done) const {
+  if (empty()) return {};
   return {table_.first(std::ssize(actions_)).with(texts), actions_, nearness_, std::move(done)};
 }
 
@@ -20401,7 +20424,7 @@ KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors enc
 class StoredCaptions {
  public:
   /// Throws config_error 101 for more than 32,767 different texts of what follows.
-  explicit StoredCaptions(const KnownCaptions& captions);
+  explicit StoredCaptions(KnownCaptions captions);
   void add_to(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata) const;
 
  private:
@@ -20469,14 +20492,25 @@ MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file,
   const auto* tried = file.find(prefix + "done");
   const Index all = std::ssize(texts), last = tried == nullptr ? 0 : tried->shape.count();
   const Index count = all - last;
-  if (count < 0)
-    raise<io_error>(407, file.name(), ": tensor '", tried->name, "' is ", tried->shape, " for ", counted(all, "text"));
+  if (count < 1)
+    raise<io_error>(407, file.name(), ": tensor '", prefix, "done' has ", counted(last, "share"), " for ",
+                    counted(all, "text"));
   if (tried != nullptr) require(*tried, DType::F32, {last});
   if (mean.shape.rank() != 1) raise<io_error>(407, file.name(), ": tensor '", mean.name, "' is ", mean.shape);
   require(mean, DType::F32, {mean.shape[0]});
   require(codes, DType::I8, {all, mean.shape[0]});
   require(seconds, DType::F32, {count});
   require(then, DType::I16, {count});
+  const auto require_range = [&](const TensorView& view, double least, double most) {
+    for (const double x : values_of<double>(view)) {
+      if (!(x >= least && x <= most))
+        raise<config_error>(107, file.name(), ": tensor '", view.name, "' has a ", x, "; ", least, " ... ", most,
+                            " are allowed");
+    }
+  };
+  require_range(mean, std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max());
+  require_range(seconds, 0, 3600);
+  if (tried != nullptr) require_range(*tried, 0, 1);
   const auto lengths = values_of<float>(seconds);
   const auto numbers = values_of<std::int16_t>(then);
   std::vector<KnownAction> actions;
@@ -20494,13 +20528,21 @@ MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file,
           std::move(actions), detail::nearness_of(file), std::move(done), file.name()};
 }
 
-MOTIONLANG_BODY StoredCaptions::StoredCaptions(const KnownCaptions& captions) : captions_(captions) {
+MOTIONLANG_BODY StoredCaptions::StoredCaptions(KnownCaptions captions) : captions_(std::move(captions)) {
+  const auto refuse = [](const std::string& text) {
+    raise<config_error>(101, "known captions: '", text,
+                        "' cannot be stored; a text is one line with at least a letter");
+  };
+  for (const std::string& text : captions_.table().texts()) {
+    if (text.empty() || text.find_first_of("\r\n") != text.npos) refuse(text);
+  }
   for (const KnownAction& action : captions_.actions()) {
     seconds_.push_back(static_cast<float>(action.seconds));
     if (action.repeats) {
       then_.push_back(-1);
       continue;
     }
+    if (action.then.empty() || action.then.find_first_of("\r\n") != action.then.npos) refuse(action.then);
     auto found = std::find(following_.begin(), following_.end(), action.then);
     if (found == following_.end()) found = following_.insert(found, action.then);
     if (std::ssize(following_) > std::numeric_limits<std::int16_t>::max())

@@ -3,7 +3,7 @@
 /// WebAssembly (wasm/wasm.cmake) and the weights of a model, and it asks for nothing.
 ///
 ///     const auto code = MappedFile::open("motionlang_wasm.wasm.gz");
-///     const auto model = MappedFile::open("stmc_free.safetensors");
+///     const auto model = MappedFile::open("stmc_free.safetensors.gz");
 ///     write_file("studio.html", studio_html({.program = read_file("motionlang_wasm.js"),
 ///                                            .code = code->bytes(), .model = model->bytes()}));
 #pragma once
@@ -26,10 +26,14 @@ struct StudioPrompt {
 struct StudioParts {
   std::string program;               // motionlang_wasm.js
   std::span<const std::byte> code;   // motionlang_wasm.wasm, packed by gzip
-  std::span<const std::byte> model;  // weights of STMC, .safetensors
+  std::span<const std::byte> model;  // weights of STMC, .safetensors, packed by gzip
   std::vector<StudioPrompt> prompts{};
   std::string title = "motionlang studio";
 };
+
+namespace detail {
+std::string seven_bit_text(std::span<const std::byte> bytes);
+}  // namespace detail
 
 /// Throws config_error 101 without program, code or model.
 std::string studio_html(const StudioParts& parts);

@@ -56,8 +56,10 @@ function(motionlang_wasm source models)
   set(page ${CMAKE_CURRENT_BINARY_DIR}/studio.html)
   set(model ${models}/stmc_free.safetensors)
   add_custom_command(OUTPUT ${page}
+                     COMMAND ${CMAKE_COMMAND} -E copy ${model} model.safetensors
                      COMMAND ${CMAKE_COMMAND} -D FILE=motionlang_wasm.wasm -P ${source}/wasm/gzip.cmake
-                     COMMAND motionlang_write_studio ${module} motionlang_wasm.wasm.gz ${model} ${models}/gallery.txt ${page}
+                     COMMAND ${CMAKE_COMMAND} -D FILE=model.safetensors -P ${source}/wasm/gzip.cmake
+                     COMMAND motionlang_write_studio ${module} motionlang_wasm.wasm.gz model.safetensors.gz ${models}/gallery.txt ${page}
                      DEPENDS ${module} motionlang_write_studio ${model} ${models}/gallery.txt ${source}/wasm/gzip.cmake
                      WORKING_DIRECTORY ${wasm} COMMENT "Writing studio.html" VERBATIM)
   add_custom_target(studio DEPENDS ${page})

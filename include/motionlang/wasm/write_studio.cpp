@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Writes the page of the studio:
-//     motionlang_write_studio <motionlang_wasm.js> <motionlang_wasm.wasm.gz> <weights> <prompts> <studio.html>
+//     motionlang_write_studio <motionlang_wasm.js> <motionlang_wasm.wasm.gz> <weights.gz> <prompts> <studio.html>
 #include <iostream>
 #include <span>
 #include <string>
@@ -13,7 +13,7 @@ namespace ml = motionlang;
 
 int main(int count, char** arguments) {
   if (count != 6) {
-    std::cerr << "motionlang_write_studio <module.js> <code.wasm.gz> <weights> <prompts> <studio.html>\n";
+    std::cerr << "motionlang_write_studio <module.js> <code.wasm.gz> <weights.gz> <prompts> <studio.html>\n";
     return 2;
   }
   try {

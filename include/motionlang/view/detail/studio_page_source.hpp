@@ -165,10 +165,16 @@ inline constexpr std::string_view studio_worker = R"page(
 ;"use strict";
 let wasm = null, loaded = 0, latest = 0;  // the module, and pointers to a model and a motion
 
-const decoded = (base64) => {
-  const raw = atob(base64), bytes = new Uint8Array(raw.length);
-  for (let i = 0; i < raw.length; ++i) bytes[i] = raw.charCodeAt(i);
-  return bytes;
+/** The bytes of a text with seven bits a character, unpacked. */
+const unpacked = (text) => {
+  const bytes = new Uint8Array(Math.floor(text.length / 8) * 7 + (text.length % 8 * 7 >> 3));
+  let held = 0, bits = 0, count = 0;
+  for (let i = 0; i < text.length; ++i) {
+    held = (held << 7 | text.charCodeAt(i) & 127) & 0x7fff;
+    bits += 7;
+    if (bits >= 8) bytes[count++] = held >> (bits -= 8);
+  }
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
 };
 /** Calls use(pointer) with a C string. */
 const withText = (words, use) => {
@@ -201,14 +207,13 @@ const takenJson = (bytes) => JSON.parse(new TextDecoder().decode(taken(bytes)));
 
 const answers = {
   async load({ code, model }) {
-    const packed = new Blob([decoded(code)]).stream().pipeThrough(new DecompressionStream("gzip"));
     wasm = await motionlangModule({
-      wasmBinary: await new Response(packed).arrayBuffer(),
+      wasmBinary: await unpacked(code),
       progress: (done, total) => {
         postMessage({ done, total });
         return true;
       } });
-    wasm.FS.writeFile("/model.safetensors", decoded(model));
+    wasm.FS.writeFile("/model.safetensors", new Uint8Array(await unpacked(model)));
     wasm._motionlang_set_threads(1);
     loaded = withText("/model.safetensors", (file) => made((place) => wasm._motionlang_load_model(file, place)));
     return { fps: wasm._motionlang_model_fps(loaded) };
