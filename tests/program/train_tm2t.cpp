@@ -11,6 +11,7 @@
 #include <motionlang/file/safetensors.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
+#include <motionlang/train/temos_evaluation.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
 
 #include "../support/glove_files.hpp"
@@ -38,7 +39,7 @@ TEST_CASE("errors of TEMOS on MMM's joints: KIT's units as millimetres, the head
   const auto joints = [&](const std::string& id) {  // in KIT's units
     const auto read = ml::HumanMl3dFolder(kit, ml::kit_ml_form).load(id).features;
     const std::vector<double> rows(read.begin(), read.end());
-    return ml::guoh3d_joints(std::span<const double>(rows), 21);
+    return ml::joints_at_rate(ml::guoh3d_joints(std::span<const double>(rows), 21), 21, 12.5, ml::temos_rate);
   };
   const auto errors = [&](const ml::RifkeVariant& variant) {
     ml::ApeAveMetric<double> metric(variant, 0.001);
