@@ -95,7 +95,8 @@ TEST_CASE("files whose parts do not fit are refused") {
   };
   refused("tensor 'captions.seconds' has a nan; 0 ... 3600 are allowed",
           [&](Contents& c) { replace(c, "captions.seconds", nan); });
-  refused("tensor 'captions.seconds' has a 1000000; 0 ... 3600", [&](Contents& c) { replace(c, "captions.seconds", long_time); });
+  refused("tensor 'captions.seconds' has a 1000000; 0 ... 3600",
+          [&](Contents& c) { replace(c, "captions.seconds", long_time); });
   // All texts are tried, and none is a caption.
   refused("tensor 'captions.done' has 3 shares for 3 texts", [&](Contents& c) { replace(c, "captions.done", three); });
   const std::vector<float> mean(8, nan[0]);
