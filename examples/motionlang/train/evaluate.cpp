@@ -172,9 +172,11 @@ void add_evaluate(CLI::App& app) {
       "TMR: also print the share of negatives that the contrastive loss leaves out, by threshold and by size of "
       "the batch (table 5.5)");
   checked_option(*c, "--samples", o->samples, in_range(1, 1000), "TEMOS, SINC, TEACH: number of motions for each text");
-  checked_option(*c, "--rate", o->rate, in_range(1, 1000),
-                 "TEMOS: frames per second at which joints are compared, a multiple of the model's. Joints that it "
-                 "generates are interpolated linearly; recorded ones, too, if the data are ready-made features");
+  c->add_option("--rate", o->rate,
+                "TEMOS: frames per second at which joints are compared, a multiple of the model's. Joints that it "
+                "generates are interpolated linearly; recorded ones, too, if the data are ready-made features. The "
+                "default is 100, or the model's rate if 100 is not a multiple of that")
+      ->check(in_range(1, 1000));
   c->add_option("--joints", o->joints,
                 "TEMOS of SMPL's features: compare MMM's 21 joints (table 4.11). mmm: scaled by 0.64, in the units of "
                 "KIT; mmmns: in metres. The default is SMPL's 22 joints")

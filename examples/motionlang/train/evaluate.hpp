@@ -41,10 +41,10 @@ struct EvaluationOptions {
   ml::Conjunction conjunction = ml::Conjunction::same_time;  // of the labels, of SINC
   ml::Alignment alignment = ml::Alignment::full;             // for the second action of TEACH
   ml::Index slerp_window = 8;                                // interpolated frames between both actions
-  double rate = 100;                                         // of the joints that TEMOS compares, frames per second
-  std::string joints;                                        // of TEMOS: mmm, mmmns; "": those of its features
-  std::string bert_baseline = "none";                        // none, tm2t or random
-  ml::Index bert_layer = 0;                                  // of BERTScore; 0: the last one
+  double rate = 0;                     // of the joints that TEMOS compares; 0: 100, or the data's if 100 is not a multiple
+  std::string joints;                  // of TEMOS: mmm, mmmns; "": those of its features
+  std::string bert_baseline = "none";  // none, tm2t or random
+  ml::Index bert_layer = 0;            // of BERTScore; 0: the last one
   // These belong to STMC:
   std::optional<ml::Index> first{};  // timelines that are measured, from the first on
   std::vector<std::string> modes{};  // rows of methods; none: all

@@ -1,6 +1,7 @@
 // motionlang evaluate of TMR and TEMOS: the tables of the papers, compared with chance and simple guesses.
 #include "evaluate.hpp"
 
+#include <cmath>
 #include <cstdio>
 
 #include <motionlang/datasets/described_motions.hpp>
@@ -145,10 +146,12 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
   const auto& features = ml::motion_features(file.config.features);
   const ml::TemosJoints joints =
       o.joints.empty() ? ml::TemosJoints(features) : ml::mmm_joints<B>(features, o.joints, o.body);
+  const bool is_multiple = std::abs(std::remainder(ml::temos_rate, m.data.fps)) < 1e-9;
+  const double rate = o.rate > 0 ? o.rate : is_multiple ? ml::temos_rate : m.data.fps;
   std::vector<ml::DescribedMotion> at_rate;
-  if (o.rate != m.data.fps) {
+  if (rate != m.data.fps) {
     ProgressBar bar("reading motions again");
-    at_rate = ml::recorded_at(m.sources, m.config, features, o.part, o.rate, bar);
+    at_rate = ml::recorded_at(m.sources, m.config, features, o.part, rate, bar);
   }
   ProgressBar bar("generating");
   std::string best;  // by the number of samples
@@ -165,7 +168,7 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
        .samples = o.samples,
        .seed = o.seed,
        .joints = joints,
-       .rate = o.rate,
+       .rate = rate,
        .recorded = at_rate},
       bar);
   bar.finish();
@@ -176,8 +179,8 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
   if (joints.unit != 1)
     std::printf("as TEMOS measures MMM's joints: 640 units per metre, which count as millimetres\n");
   const char* which = at_rate.empty() ? "all" : "generated ones";
-  if (o.rate != m.data.fps)
-    std::printf("joints at %g frames per second; %s are interpolated from %g\n", o.rate, which, m.data.fps);
+  if (rate != m.data.fps)
+    std::printf("joints at %g frames per second; %s are interpolated from %g\n", rate, which, m.data.fps);
   print(ml::errors_table(errors));
   if (o.samples > 1) print(best);
 }

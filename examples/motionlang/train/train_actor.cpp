@@ -18,8 +18,8 @@ struct Options {
 
 void run(const Options& o) {
   auto config = named_preset([&] { return ml::actor_preset(o.common.preset); });
-  read_settings(config, o.common);
   ml::choose_points(config, o.files);
+  read_settings(config, o.common);
   if (!begin_training(o.common, ml::config_json(config))) return;
   config.losses.require_any();
   std::printf("points   %s\n", ml::points_text(config, o.files).c_str());

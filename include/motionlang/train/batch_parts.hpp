@@ -39,7 +39,7 @@ struct BatchPart {
 };
 
 /// The number of parts with `size` samples each.
-inline Index part_count(Index samples, Index size) { return (samples + size - 1) / size; }
+inline Index part_count(Index samples, Index size) { return samples / size + (samples % size != 0 ? 1 : 0); }
 /// Part number i.
 inline BatchPart batch_part(Index i, Index samples, Index size) {
   return {i * size, std::min(samples, (i + 1) * size)};

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>   // fill_n, max
+#include <array>       // a generator
 #include <cmath>       // pow, sqrt
 #include <filesystem>  // the model
 #include <map>         // settings
@@ -63,7 +64,8 @@ std::vector<TrainingSample> draw_batch(const TrainingSet& data, const StmcTraini
 inline constexpr Index root_features = 4;  // the first ones: they move the figure, and the others pose it
 
 /// Mean and deviation of every feature over samples as training sees them. A feature that never changes gets deviation
-/// 1. A feature of the pose gets at least `least`: a joint that moves in a few clips only would else weigh like a knee.
+/// 1. A feature of the pose gets at least `least`: a joint that moves in a few clips only would otherwise weigh as much
+/// as a knee.
 template <Backend B>
 Normalizer<B> measure(const TrainingSet& data, const StmcTrainingConfig& config) {
   constexpr double least = 0.03;
@@ -155,7 +157,7 @@ class StmcTraining {
   Learner<Stmc<A>, Stmc<B>> learner_;
   Linear<A> summary_;  // from a caption's vector to the summary of its motion; not part of the model
   AdamW<A> adam_summary_;
-  std::optional<std::uint64_t> drawn_{};  // the stream of the batch that was drawn last, for its next part
+  std::optional<std::array<std::uint64_t, 2>> drawn_{};  // seed and stream of the batch that was drawn last
   std::vector<TrainingSample> batch_{};
 };
 
@@ -223,8 +225,9 @@ void StmcTraining<A>::start_from(const std::filesystem::path& model) {
 
 template <AutodiffBackend A>
 LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part, const Context& context) {
-  if (drawn_ != rng.stream) batch_ = detail::draw_batch(*data_, config_, rng.split("samples"), config_.batch);
-  drawn_ = rng.stream;
+  const std::array<std::uint64_t, 2> wanted{rng.seed, rng.stream};
+  if (drawn_ != wanted) batch_ = detail::draw_batch(*data_, config_, rng.split("samples"), config_.batch);
+  drawn_ = wanted;
 
   // The clean frames x0 of the part, packed; one t for each sequence; the noise.
   std::vector<float> values;

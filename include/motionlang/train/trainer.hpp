@@ -135,9 +135,9 @@ class Trainer {
   const TrainingRecord& record() const { return record_; }
   Index steps_done() const { return record_.steps(); }
 
-  /// Batches are computed in parts of `micro_batch` samples (0: as one), which these processes share. Call it before
-  /// the first step. Throws option_error 101 for a negative number, 102 for several processes without parts, and for
-  /// parts of a loss that needs the whole batch.
+  /// For `step`: batches are computed in parts of `micro_batch` samples (0: as one), which these processes share. Call
+  /// it before the first step; `run` calls it with its options. Throws option_error 101 for a negative number, 102 for
+  /// several processes without parts, and for parts of a loss that needs the whole batch.
   void divide(Index micro_batch, const AnyCommunicator& communicator = {});
   /// One optimiser step; returns the loss. Throws numeric_error 301 if it is not finite.
   double step();

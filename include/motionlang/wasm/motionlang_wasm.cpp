@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Functions of motionlang::wasm beside those of motionlang_c.h, for what JavaScript cannot pass itself: 64-bit numbers,
+// Functions of motionlang_wasm beside those of motionlang_c.h, for what JavaScript cannot pass itself: 64-bit numbers,
 // structs and functions. After every step the module calls its member `progress(done, total)`, if it has one; a falsy
 // result stops the work.
 #include <emscripten.h>

@@ -1,4 +1,4 @@
-# motionlang::wasm: the functions of motionlang_c.h, compiled to WebAssembly by emscripten (target motionlang_wasm). The target
+# motionlang_wasm: the functions of motionlang_c.h, compiled to WebAssembly by emscripten (target motionlang_wasm). The target
 # `studio` writes studio.html into the build folder: one page in which motion is made. Without em++ (Debian: emscripten) there are no
 # such targets, and nothing builds them unless it is asked to.
 include_guard(GLOBAL)
@@ -69,4 +69,5 @@ endfunction()
 if(MOTIONLANG_EMXX AND TARGET Eigen3::Eigen AND TARGET nlohmann_json::nlohmann_json)
   get_filename_component(repository ${CMAKE_CURRENT_LIST_DIR}/../../.. ABSOLUTE)
   motionlang_wasm(${repository}/include/motionlang ${repository}/examples/models)
+  unset(repository)
 endif()
