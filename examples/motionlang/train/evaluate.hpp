@@ -41,7 +41,7 @@ struct EvaluationOptions {
   ml::Conjunction conjunction = ml::Conjunction::same_time;  // of the labels, of SINC
   ml::Alignment alignment = ml::Alignment::full;             // for the second action of TEACH
   ml::Index slerp_window = 8;                                // interpolated frames between both actions
-  double rate = 0;                     // of the joints that TEMOS compares; 0: 100, or the data's if 100 is not a multiple
+  double rate = 0;                     // of the joints that TEMOS compares; 0: 100, or the rate of the data
   std::string joints;                  // of TEMOS: mmm, mmmns; "": those of its features
   std::string bert_baseline = "none";  // none, tm2t or random
   ml::Index bert_layer = 0;            // of BERTScore; 0: the last one
