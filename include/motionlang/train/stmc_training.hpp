@@ -225,9 +225,9 @@ void StmcTraining<A>::start_from(const std::filesystem::path& model) {
 
 template <AutodiffBackend A>
 LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part, const Context& context) {
-  const std::array<std::uint64_t, 2> wanted{rng.seed, rng.stream};
-  if (drawn_ != wanted) batch_ = detail::draw_batch(*data_, config_, rng.split("samples"), config_.batch);
-  drawn_ = wanted;
+  const std::array<std::uint64_t, 2> generator{rng.seed, rng.stream};
+  if (drawn_ != generator) batch_ = detail::draw_batch(*data_, config_, rng.split("samples"), config_.batch);
+  drawn_ = generator;
 
   // The clean frames x0 of the part, packed; one t for each sequence; the noise.
   std::vector<float> values;
