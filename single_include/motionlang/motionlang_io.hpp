@@ -29961,8 +29961,11 @@ function timelineOf(p) {
   return { lines: lines.join("\n") + "\n", bars };
 }
 /** The bars and the length of what motionlang_check_timeline read. */
-const projectOf = ({ texts, seconds }, { seed, fast }) => tidied({
-  bars: texts.map((t) => ({ ...t, parts: t.parts.filter((name) => parts.includes(name)) })), seconds, seed, fast });
+const projectOf = ({ texts, seconds }, { seed, fast }) => {
+  if (seconds > longest) throw new Error(`it has ${seconds} s, and the studio makes at most ${longest}`);
+  return tidied({
+    bars: texts.map((t) => ({ ...t, parts: t.parts.filter((name) => parts.includes(name)) })), seconds, seed, fast });
+};
 
 const linkOf = (p) =>
   "#" + new URLSearchParams({ timeline: timelineOf(p).lines, seed: p.seed, ...(p.fast && { fast: 1 }) });
