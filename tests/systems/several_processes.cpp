@@ -12,6 +12,8 @@
 #include <motionlang/train/stmc_training.hpp>
 
 #include "../support/check_error.hpp"
+#include "../support/motions_of_noise.hpp"
+#include "../support/small_stmc_training.hpp"
 #include "../support/temporary_folder.hpp"
 #include "../support/thread_processes.hpp"
 #include "../support/threads.hpp"
@@ -26,17 +28,11 @@ namespace {
 
 /// Seven motions of 45 and more random frames, and two for validation. Their texts are labels, too.
 ml::DescribedMotions random_motions(Index width) {
-  ml::DescribedMotions out{width, 20, {}, {}, {}};
-  for (int i = 0; i < 9; ++i) {
-    auto rng = ml::Philox{.seed = 5}.split(static_cast<std::uint64_t>(i));
-    const Index frames = 45 + 3 * i;
-    ml::DescribedMotion m{"m" + std::to_string(i), "m" + std::to_string(i), {}, {}};
-    m.rows.resize(static_cast<std::size_t>(frames * width));
-    rng.normal(std::span<float>(m.rows));
-    m.texts = {{i % 2 == 0 ? "walk" : "turn", {0, frames}}};
-    (i < 7 ? out.training : out.validation).push_back(std::move(m));
-  }
-  return out;
+  return motions_of_noise(
+      width, 7, 9, [](int i) { return Index{45 + 3 * i}; },
+      [](int i, Index frames) {
+        return std::vector<ml::DescribedText>{{i % 2 == 0 ? "walk" : "turn", {0, frames}}};
+      });
 }
 
 /// Networks of a few numbers, batches of five, and four epochs.
@@ -191,15 +187,8 @@ TEST_CASE("ACTOR, with windows of any length") {
 }
 
 TEST_CASE("the bundled model, with the summary of motions that belongs to its training only") {
-  const ml::StmcTrainingConfig config{
-      .model = {.denoiser = {.latent_dim = 16, .ff_size = 24, .num_layers = 1, .num_heads = 2},
-                .text = {.width = 8, .heads = 2, .d_ff = 12, .layers = 1, .out = 8},
-                .diffusion_steps = 20},
-      .vocabulary = 40,
-      .steps = 6,
-      .batch = 5,
-      .warmup = 2,
-      .samples = {.longest = 40}};
+  ml::StmcTrainingConfig config = small::stmc_training();
+  config.steps = 6, config.batch = 5;
   const auto make = [&] { return ml::StmcTraining<A>(config, captioned::training_set()); };
   check_parts(make());
   check_processes(make);

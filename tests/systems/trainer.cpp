@@ -5,6 +5,7 @@
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/train/stmc_training.hpp>
 
+#include "../support/small_stmc_training.hpp"
 #include "../support/threads.hpp"
 #include "../support/training_set.hpp"
 
@@ -15,16 +16,7 @@ namespace {
 
 const ml::TrainingSet& data() { return captioned::training_set(); }
 
-ml::StmcTrainingConfig config() {
-  return {.model = {.denoiser = {.latent_dim = 16, .ff_size = 24, .num_layers = 1, .num_heads = 2},
-                    .text = {.width = 8, .heads = 2, .d_ff = 12, .layers = 1, .out = 8},
-                    .diffusion_steps = 20},
-          .vocabulary = 40,
-          .steps = 8,
-          .batch = 3,
-          .warmup = 2,
-          .samples = {.longest = 40}};
-}
+ml::StmcTrainingConfig config() { return small::stmc_training(); }
 
 struct Run {
   TemporaryFolder folder;

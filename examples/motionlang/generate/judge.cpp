@@ -65,18 +65,13 @@ std::vector<ml::JudgedBench> benches_of(const JudgeOptions& o) {
   if (!o.prompts.empty()) {
     const std::string text = ml::read_file(o.prompts);
     const auto prompts = [=](double seconds) { return ml::parse_judged_prompts(text, seconds, o.prompts); };
-    return {{"prompts", "prompts of " + o.prompts, prompts}};
+    return {{"prompts", "prompts of " + o.prompts, prompts, 0}};
   }
   std::vector<ml::JudgedBench> out;
   for (const ml::JudgedBench& bench : ml::judged_benches()) {
     if (o.bench == "all" || o.bench == bench.name) out.push_back(bench);
   }
   return out;
-}
-
-std::vector<double> seconds_of(const JudgeOptions& o, const ml::JudgedBench& bench) {
-  if (!o.seconds.empty()) return o.seconds;
-  return {bench.name == "own" || bench.name == "prompts" ? 0.0 : 4.0};
 }
 
 ml::Judgement judged(const ml::MotionModel& generator, const JudgeOptions& o, const ml::JudgedBench& bench,
@@ -124,7 +119,7 @@ void run(const JudgeOptions& o) {
   std::string summary;
   std::vector<ml::Judgement> judgements;
   for (const ml::JudgedBench& bench : benches_of(o)) {
-    for (const double seconds : seconds_of(o, bench)) {
+    for (const double seconds : o.seconds.empty() ? std::vector<double>{bench.seconds} : o.seconds) {
       const ml::Judgement& j = judgements.emplace_back(judged(*generator, o, bench, seconds));
       if (!o.strips.empty()) ml::write_judged_strips(o.strips, ml::concat_text(bench.name, "_", seconds), j);
       summary += ml::judgement_row(j, bench.about, seconds);

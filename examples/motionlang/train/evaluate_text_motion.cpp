@@ -1,7 +1,6 @@
 // motionlang evaluate of TMR and TEMOS: the tables of the papers, compared with chance and simple guesses.
 #include "evaluate.hpp"
 
-#include <cmath>
 #include <cstdio>
 
 #include <motionlang/datasets/described_motions.hpp>
@@ -146,8 +145,7 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
   const auto& features = ml::motion_features(file.config.features);
   const ml::TemosJoints joints =
       o.joints.empty() ? ml::TemosJoints(features) : ml::mmm_joints<B>(features, o.joints, o.body);
-  const bool is_multiple = std::abs(std::remainder(ml::temos_rate, m.data.fps)) < 1e-9;
-  const double rate = o.rate > 0 ? o.rate : is_multiple ? ml::temos_rate : m.data.fps;
+  const double rate = o.rate > 0 ? o.rate : ml::rate_of_errors(m.data.fps);
   std::vector<ml::DescribedMotion> at_rate;
   if (rate != m.data.fps) {
     ProgressBar bar("reading motions again");

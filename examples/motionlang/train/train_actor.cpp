@@ -19,8 +19,7 @@ struct Options {
 void run(const Options& o) {
   auto config = named_preset([&] { return ml::actor_preset(o.common.preset); });
   ml::choose_points(config, o.files);
-  read_settings(config, o.common);
-  if (!begin_training(o.common, ml::config_json(config))) return;
+  if (!configure(config, o.common)) return;
   config.losses.require_any();
   std::printf("points   %s\n", ml::points_text(config, o.files).c_str());
   const auto data = read_data(o.labels.sources(o.common), config.data, ml::actor_row_maker(config.clips));

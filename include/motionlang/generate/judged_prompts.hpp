@@ -60,6 +60,7 @@ std::vector<JudgedPrompt> parse_judged_prompts(std::string_view file, double sec
 struct JudgedBench {
   std::string name{}, about{};
   std::function<std::vector<JudgedPrompt>(double seconds)> prompts{};  // of each prompt; 0: its own, which `own` has
+  double seconds = 4;                                                  // that are judged unless others are asked for
 };
 /// All of them: own, newcomers, arms, trunk, paraphrases.
 const std::vector<JudgedBench>& judged_benches();

@@ -401,7 +401,8 @@ MOTIONLANG_BODY const std::vector<JudgedBench>& judged_benches() {
                                                for (JudgedPrompt& p : prompts)
                                                  p.seconds = seconds > 0 ? seconds : p.seconds;
                                                return prompts;
-                                             }},
+                                             },
+                                             0},
                                             {"newcomers", "what newcomers type", newcomers_prompts},
                                             {"arms", "an arm, the other, both over ten base movements", arm_prompts},
                                             {"trunk", "the head, the spine over ten base movements", trunk_prompts},

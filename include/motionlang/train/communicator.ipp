@@ -6,6 +6,7 @@
 #include <cstdint>    // sizes of texts
 
 #include <motionlang/core/instruction_set.hpp>
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/train/communicator.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -31,13 +32,9 @@ MOTIONLANG_BODY std::string text_of_first(const AnyCommunicator& c, std::string 
 MOTIONLANG_BODY std::vector<std::string> lines_of_first(const AnyCommunicator& c,
                                                         const std::vector<std::string>& lines) {
   if (c.size() == 1) return lines;
-  const std::string text = text_of_first(c, join_text(lines, "\n"));
   std::vector<std::string> out;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    out.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
+  detail::for_each_line(text_of_first(c, join_text(lines, "\n")),
+                        [&](std::string_view line, Index) { out.emplace_back(line); });
   return out;
 }
 

@@ -70,6 +70,9 @@ TemosJoints mmm_joints(const MotionFeatures& features, const std::string& set, c
   return out;
 }
 
+/// The rate at which motions of `fps` are measured: temos_rate, or fps if temos_rate is not a multiple of it.
+double rate_of_errors(double fps);
+
 /// Joints at another rate, by linear interpolation between frames.
 /// joints  (frames, per_frame)
 /// Throws  config_error 101 unless the new rate is a multiple of the old one

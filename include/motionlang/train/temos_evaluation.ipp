@@ -32,6 +32,10 @@ inline std::span<const float> rows_between(const DescribedMotion& motion, const 
       .subspan(static_cast<std::size_t>(frames.first * width), static_cast<std::size_t>(frames.length * width));
 }
 
+inline bool is_multiple(double rate, double of) {
+  return of > 0 && rate >= of && std::abs(std::remainder(rate, of)) < 1e-9 * rate;
+}
+
 MOTIONLANG_BODY TemosJoints joints_as_mmm(const MotionFeatures& features, const std::string& set) {
   if (!features.name.starts_with("smplvelp"))
     raise<config_error>(102, "MMM's joints of SMPL need a model of smplvelp, this one has '", features.name, "'");
@@ -57,9 +61,11 @@ MOTIONLANG_BODY std::span<const float> rows_of_text(const DescribedMotion& motio
   return detail::rows_between(motion, found->frames, width);
 }
 
+MOTIONLANG_BODY double rate_of_errors(double fps) { return detail::is_multiple(temos_rate, fps) ? temos_rate : fps; }
+
 MOTIONLANG_BODY JointFrames joints_at_rate(const JointFrames& joints, Index per_frame, double from, double to) {
   if (from == to) return joints;
-  if (!(from > 0 && to > from && std::abs(std::remainder(to, from)) < 1e-9 * to))
+  if (!detail::is_multiple(to, from))
     raise<config_error>(101, "joints of ", from, " frames per second cannot be interpolated to ", to,
                         ", which is not a multiple");
   std::vector<double> values;

@@ -26,7 +26,7 @@ KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors enc
 /// Known captions as tensors and metadata, for a file that is about to be written. Views point into it.
 class StoredCaptions {
  public:
-  /// Throws config_error 101 for more than 32,767 different texts of what follows.
+  /// Throws config_error 101 for more than 32,767 different texts of what follows, and for a text that is not a line.
   explicit StoredCaptions(KnownCaptions captions);
   void add_to(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata) const;
 

@@ -89,20 +89,19 @@ MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file,
 }
 
 MOTIONLANG_BODY StoredCaptions::StoredCaptions(KnownCaptions captions) : captions_(std::move(captions)) {
-  const auto refuse = [](const std::string& text) {
-    raise<config_error>(101, "known captions: '", text,
-                        "' cannot be stored; a text is one line with at least a letter");
+  const auto require_line = [](const std::string& text) {
+    if (text.empty() || text.find_first_of("\r\n") != text.npos)
+      raise<config_error>(101, "known captions: '", text,
+                          "' cannot be stored; a text is one line with at least a letter");
   };
-  for (const std::string& text : captions_.table().texts()) {
-    if (text.empty() || text.find_first_of("\r\n") != text.npos) refuse(text);
-  }
+  for (const std::string& text : captions_.table().texts()) require_line(text);
   for (const KnownAction& action : captions_.actions()) {
     seconds_.push_back(static_cast<float>(action.seconds));
     if (action.repeats) {
       then_.push_back(-1);
       continue;
     }
-    if (action.then.empty() || action.then.find_first_of("\r\n") != action.then.npos) refuse(action.then);
+    require_line(action.then);
     auto found = std::find(following_.begin(), following_.end(), action.then);
     if (found == following_.end()) found = following_.insert(found, action.then);
     if (std::ssize(following_) > std::numeric_limits<std::int16_t>::max())

@@ -52,6 +52,9 @@ TEST_CASE("joints at another rate are interpolated linearly") {
     CHECK(dense[2 * t + 1] == ml::Vec3<double>{5, 5, 5});
   }
   CHECK(ml::joints_at_rate(two, 2, 30, 30) == two);
+  CHECK(ml::rate_of_errors(12.5) == 100);
+  CHECK(ml::rate_of_errors(30) == 30);
+  CHECK(ml::rate_of_errors(120) == 120);
   CHECK_ERROR(ml::joints_at_rate(two, 2, 30, 100),
               "[motionlang.config.101] joints of 30 frames per second cannot be interpolated to 100");
   CHECK_ERROR(ml::joints_at_rate(two, 2, 100, 12.5), "[motionlang.config.101]");

@@ -17,6 +17,7 @@
 #include <motionlang/weights/own_text_encoder.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/motions_of_noise.hpp"
 #include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
@@ -28,16 +29,12 @@ namespace {
 
 /// Six motions of 45 random frames with two texts each, and two for validation.
 ml::DescribedMotions random_motions(Index width) {
-  ml::DescribedMotions out{width, 20, {}, {}, {}};
-  for (int i = 0; i < 8; ++i) {
-    auto rng = ml::Philox{.seed = 5}.split(static_cast<std::uint64_t>(i));
-    ml::DescribedMotion m{"m" + std::to_string(i), "m" + std::to_string(i), {}, {}};
-    m.rows.resize(static_cast<std::size_t>(45 * width));
-    rng.normal(std::span<float>(m.rows));
-    m.texts = {{i % 2 == 0 ? "a person walks." : "a person turns left.", {0, 45}}, {"someone moves", {5, 30}}};
-    (i < 6 ? out.training : out.validation).push_back(std::move(m));
-  }
-  return out;
+  return motions_of_noise(
+      width, 6, 8, [](int) { return Index{45}; },
+      [](int i, Index) {
+        return std::vector<ml::DescribedText>{{i % 2 == 0 ? "a person walks." : "a person turns left.", {0, 45}},
+                                              {"someone moves", {5, 30}}};
+      });
 }
 
 /// Networks of a few numbers, four steps.
