@@ -24042,6 +24042,39 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_WEIGHTS_METADATA_NUMBER_HPP  // <motionlang/weights/metadata_number.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_METADATA_NUMBER_HPP
+/// Numbers in the metadata of a file of weights.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+using Metadata = std::map<std::string, std::string>;
+
+/// Throws config_error 107, with the key and the file, if the text is not a number.
+template <class N>
+N number_in_metadata(std::string_view text, const std::string& key, const std::string& file) {
+  N value{};
+  const auto [end, error] = detail::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    raise<config_error>(107, file, ": metadata '", key, "' = '", text, "' is not a number");
+  }
+  return value;
+}
+/// The same of an entry. Throws config_error 107 also if it is missing.
+template <class N>
+N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
+  return number_in_metadata<N>(found->second, key, file);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_WEIGHTS_MODEL_SYSTEM_HPP  // <motionlang/weights/model_system.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_MODEL_SYSTEM_HPP
 /// The system of a model: of a folder or a file that was trained here, or of a published folder.
@@ -24302,23 +24335,6 @@ struct StmcModelConfig {
 
 namespace detail {
 
-using Metadata = std::map<std::string, std::string>;
-
-template <class N>
-N number_in_metadata(std::string_view text, const std::string& key, const std::string& file) {
-  N value{};
-  const auto [end, error] = detail::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) {
-    raise<config_error>(107, file, ": metadata '", key, "' = '", text, "' is not a number");
-  }
-  return value;
-}
-template <class N>
-N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
-  const auto found = metadata.find(key);
-  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
-  return number_in_metadata<N>(found->second, key, file);
-}
 std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise);
 /// A size from a file. It is limited, so that a hostile file cannot make us allocate too much memory.
 Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,

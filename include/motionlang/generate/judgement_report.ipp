@@ -6,10 +6,10 @@
 
 #include <motionlang/core/formatted.hpp>
 #include <motionlang/core/quantile.hpp>
-#include <motionlang/core/standard_library.hpp>
 #include <motionlang/file/png.hpp>
 #include <motionlang/generate/judgement_report.hpp>
 #include <motionlang/view/film_strip.hpp>
+#include <motionlang/weights/metadata_number.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -79,14 +79,7 @@ MOTIONLANG_BODY std::string describe_recordings(const RecordedFigures& f, bool d
 
 MOTIONLANG_BODY std::string recordings_line(const std::map<std::string, std::string>& metadata,
                                             const std::string& name) {
-  const auto value = [&](const char* entry) {
-    const std::string& text = metadata.at(entry);
-    double out = 0;
-    const auto [end, error] = detail::from_chars(text.data(), text.data() + text.size(), out);
-    if (error != std::errc{} || end != text.data() + text.size())
-      raise<config_error>(107, name, ": metadata '", entry, "' = '", text, "' is not a number");
-    return out;
-  };
+  const auto value = [&](const char* entry) { return detail::metadata_number<double>(metadata, entry, name); };
   if (!metadata.contains("real.skate") || !metadata.contains("real.jitter")) return "";
   return formatted("recordings: foot skate %.3f m/s, jitter %.1f m/s^3\n", value("real.skate"), value("real.jitter"));
 }

@@ -8,9 +8,9 @@
 ///             weights/known_caption_file.hpp
 #pragma once
 
-#include <motionlang/core/standard_library.hpp>  // numbers in the metadata
 #include <motionlang/systems/stmc.ipp>
 #include <motionlang/weights/known_caption_file.hpp>
+#include <motionlang/weights/metadata_number.hpp>
 #include <motionlang/weights/module_file.hpp>
 #include <motionlang/weights/word_vector_file.hpp>
 
@@ -31,23 +31,6 @@ struct StmcModelConfig {
 
 namespace detail {
 
-using Metadata = std::map<std::string, std::string>;
-
-template <class N>
-N number_in_metadata(std::string_view text, const std::string& key, const std::string& file) {
-  N value{};
-  const auto [end, error] = detail::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) {
-    raise<config_error>(107, file, ": metadata '", key, "' = '", text, "' is not a number");
-  }
-  return value;
-}
-template <class N>
-N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
-  const auto found = metadata.find(key);
-  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
-  return number_in_metadata<N>(found->second, key, file);
-}
 std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise);
 /// A size from a file. It is limited, so that a hostile file cannot make us allocate too much memory.
 Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,

@@ -279,3 +279,11 @@ TEST_CASE("a film strip of each motion is named by prompt and seed") {
   CHECK(first.starts_with("\x89PNG"));
   CHECK(first != second);
 }
+
+TEST_CASE("the figures of recordings are in the metadata of weights") {
+  CHECK(ml::recordings_line({{"real.skate", "0.1575"}, {"real.jitter", "90.26"}}, "weights") ==
+        "recordings: foot skate 0.158 m/s, jitter 90.3 m/s^3\n");
+  CHECK(ml::recordings_line({{"real.skate", "0.1575"}}, "weights").empty());
+  CHECK_ERROR(ml::recordings_line({{"real.skate", "abc"}, {"real.jitter", "90"}}, "weights"),
+              "[motionlang.config.107] weights: metadata 'real.skate' = 'abc' is not a number");
+}
