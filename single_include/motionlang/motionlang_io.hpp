@@ -15267,6 +15267,7 @@ struct CaptionedSegment {
   bool grounded = true;        // never in the air, so it may be played slower or faster
   std::optional<Loop> rest{};  // at the end of the motion: continues an action for any time
   Index action = 0;            // frames before that; all frames if nothing follows
+  Index verb = -1;             // in TrainingSet::verbs(): what most of its commands tell to do; -1: it has none
   double weight = 1;  // relative probability of drawing it; up to 4, if few segments show what its captions say
 
   /// The length of the segment, without what follows.
@@ -15278,6 +15279,7 @@ struct TrainingSample {
   std::vector<float> features;
   Index frames = 0;
   std::string caption;
+  Index verb = -1;  // in TrainingSet::verbs(): what the caption is about; -1: nothing, two actions or no command
 };
 
 inline constexpr double training_fps = 20;
@@ -15309,6 +15311,8 @@ class TrainingSet {
   TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data, Progress progress);
 
   const std::vector<CaptionedSegment>& segments() const { return segments_; }
+  /// The actions that the captions command, each once: "walk", "do push-ups".
+  const std::vector<std::string>& verbs() const { return verbs_; }
   double seconds() const;
   /// 16 digits that change with any clip or caption.
   std::string fingerprint() const;
@@ -15346,6 +15350,7 @@ class TrainingSet {
   void weigh();
 
   std::vector<CaptionedSegment> segments_;
+  std::vector<std::string> verbs_{};
   Choice all_{}, bases_{}, still_{}, overlays_{};  // bases: nothing about the arms; overlays: only arms, head, spine
 };
 
@@ -15577,6 +15582,11 @@ MOTIONLANG_BODY void TrainingSet::weigh() {
   constexpr double common = 100, most = 4;
   for (CaptionedSegment& s : segments_) {
     const std::string action = detail::commonest_action(s.captions);
+    if (!action.empty()) {
+      const auto found = std::find(verbs_.begin(), verbs_.end(), action);
+      s.verb = found - verbs_.begin();
+      if (found == verbs_.end()) verbs_.push_back(action);
+    }
     s.weight = action.empty() ? 1 : std::clamp(std::sqrt(common / segments_about[action]), 1.0, most);
   }
 }
@@ -15710,9 +15720,11 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
                      : which < 0.7                      ? about_legs
                      : which < 0.85                     ? about_legs + " while " + about_arms
                                                         : about_arms + " and " + about_legs;
+    sample.verb = which < 0.45 || about_legs.empty() ? overlay.verb : which < 0.7 ? base.verb : -1;
   } else {
     const CaptionedSegment& s = pick(all_, rng);
     sample.caption = one_of(s.captions);
+    sample.verb = s.verb;
     double tempo = 1;
     if (s.grounded && rng.uniform() < options.tempo &&
         !detail::has_word(sample.caption, {"slow", "quick", "fast", "calm", "stand"})) {
@@ -15736,7 +15748,7 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
     }
   }
   if (motion.frames() < 4) return draw(rng.split("again"), options);
-  if (rng.uniform() < options.no_text) sample.caption.clear();
+  if (rng.uniform() < options.no_text) sample.caption.clear(), sample.verb = -1;
   const auto features = smplrifke_from_motion(motion);
   sample.features.assign(features.begin(), features.end());
   sample.frames = motion.frames();

@@ -4,6 +4,7 @@
 #include <motionlang/backend/usual.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/train/stmc_training.hpp>
+#include <motionlang/weights/stmc_file.hpp>
 
 #include "../support/small_stmc_training.hpp"
 #include "../support/threads.hpp"
@@ -77,6 +78,31 @@ TEST_CASE("texts are learnt first: the encoder alone changes, the same on one th
     const bool same = ml::values_of<float>(t) == ml::values_of<float>(after.tensor(t.name));
     CHECK_MESSAGE(same == !t.name.starts_with("text_encoder."), t.name);
   }
+}
+
+TEST_CASE("the verb of a caption tells actions apart whose poses are nearly the same") {
+  // Two segments of the same clip: no summary can tell them apart, only their verbs.
+  const TemporaryFolder folder;
+  ml::write_bvh(folder / "walk.bvh", synthetic::walk({.frames = 60}));
+  ml::write_file(folder / "captions.tsv", "walk\t0\t3\tlegs\twave hello\nwalk\t0\t3\tlegs\tnod gravely\n");
+  const ml::TrainingSet alike(folder / "captions.tsv", folder.path, {});
+  const auto likeness = [&](double verb_weight) {
+    auto c = config();
+    c.text_steps = 200;
+    c.verb_weight = verb_weight;
+    ml::Trainer trainer(Stmc(c, alike));
+    trainer.task().learn_texts();
+    trainer.task().export_model(folder / "model", {});
+    const auto model = ml::load_stmc<ml::EigenBackend<float>>(folder / "model");
+    const auto x = model.text_encoder(std::vector<std::string>{"wave hello", "nod gravely", "stand still"});
+    double xy = 0, xx = 0, yy = 0;
+    for (ml::Index j = 0; j < x.size(1); ++j) {
+      const double a = x.at(0, j) - x.at(2, j), b = x.at(1, j) - x.at(2, j);
+      xy += a * b, xx += a * a, yy += b * b;
+    }
+    return xy / std::sqrt(xx * yy);
+  };
+  CHECK(likeness(1) < likeness(0) - 0.2);
 }
 
 TEST_CASE("a training starts with what a model knows, although it has word vectors and other statistics") {

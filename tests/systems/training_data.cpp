@@ -262,7 +262,18 @@ TEST_CASE("what few segments show is drawn more often, and arms are laid over pe
     together += static_cast<int>(s.caption == "stand still while swing the left arm");
   }
   CHECK(together > 10);
-  options.still = 0;
+  // A sample says what its caption commands, and nothing for two actions or no words.
+  CHECK(set.verbs() == std::vector<std::string>{"stand", "walk", "swing"});
+  CHECK(segments[0].verb == 0);
+  CHECK(segments[1].verb == 1);
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const auto s = set.draw(ml::Philox{.seed = seed}, options);
+    const bool swing = s.caption == "swing the left arm", stands = s.caption == "stand still";
+    CHECK_MESSAGE(s.verb == (swing ? 2 : stands ? 0 : -1), s.caption);
+  }
+  options.no_text = 1;
+  CHECK(set.draw(ml::Philox{.seed = 1}, options).verb == -1);
+  options.no_text = options.still = 0;
   CHECK(std::abs(way_ahead(set.draw(ml::Philox{.seed = 1}, options))) > 0.5);
 }
 

@@ -42,9 +42,8 @@ void run(const TrainOptions& o) {
       o.config, data, o.vectors.empty() ? ml::WordVectors() : ml::read_word_vectors(o.vectors)));
   TrainingDisplay display;
   trainer.run(options, display.callbacks([&] {
-    if (!o.start.empty()) {
-      trainer.task().start_from(o.start);
-    } else if (o.config.text_steps > 0) {
+    if (!o.start.empty()) trainer.task().start_from(o.start);
+    if (o.config.text_steps > 0) {
       ProgressBar bar("learning texts");
       trainer.task().learn_texts(bar);
     }
@@ -91,10 +90,12 @@ void add_train(CLI::App& app) {
   checked_option(*c, "--foot-weight", o->config.foot_weight, not_negative(),
                  "Weight of the loss on the velocity of the feet");
   checked_option(*c, "--text-weight", o->config.text_weight, not_negative(),
-                 "Weight of the loss that predicts a summary of the motion from its caption");
+                 "Weight of the loss that predicts from a caption what happens: a summary of the motion, and its verb");
+  checked_option(*c, "--verb-weight", o->config.verb_weight, not_negative(),
+                 "Within it, the weight of the verb, against 1 for the summary");
   checked_option(*c, "--text-steps", o->config.text_steps, not_negative(),
                  "Number of first steps that train the text encoder alone. A training that is stopped during these "
-                 "starts them over");
+                 "starts them over. With --start, the default is 0");
   file_option(*c, "--start", o->start,
               "Start with the weights of this model, which has the same sizes. Its words and features may differ");
   checked_option(*c, "--seed", o->config.seed, seed_number(),
@@ -112,7 +113,10 @@ void add_train(CLI::App& app) {
   c->add_flag("--recompute", o->run.recompute, about_recompute);
   add_micro_batch_option(*c, o->run);
   o->machine.add_to(*c);
-  c->callback([o] { run(*o); });
+  c->callback([o, c] {
+    if (!o->start.empty() && c->count("--text-steps") == 0) o->config.text_steps = 0;
+    run(*o);
+  });
 }
 
 }  // namespace program

@@ -28,6 +28,7 @@ struct CaptionedSegment {
   bool grounded = true;        // never in the air, so it may be played slower or faster
   std::optional<Loop> rest{};  // at the end of the motion: continues an action for any time
   Index action = 0;            // frames before that; all frames if nothing follows
+  Index verb = -1;             // in TrainingSet::verbs(): what most of its commands tell to do; -1: it has none
   double weight = 1;  // relative probability of drawing it; up to 4, if few segments show what its captions say
 
   /// The length of the segment, without what follows.
@@ -39,6 +40,7 @@ struct TrainingSample {
   std::vector<float> features;
   Index frames = 0;
   std::string caption;
+  Index verb = -1;  // in TrainingSet::verbs(): what the caption is about; -1: nothing, two actions or no command
 };
 
 inline constexpr double training_fps = 20;
@@ -70,6 +72,8 @@ class TrainingSet {
   TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data, Progress progress);
 
   const std::vector<CaptionedSegment>& segments() const { return segments_; }
+  /// The actions that the captions command, each once: "walk", "do push-ups".
+  const std::vector<std::string>& verbs() const { return verbs_; }
   double seconds() const;
   /// 16 digits that change with any clip or caption.
   std::string fingerprint() const;
@@ -107,6 +111,7 @@ class TrainingSet {
   void weigh();
 
   std::vector<CaptionedSegment> segments_;
+  std::vector<std::string> verbs_{};
   Choice all_{}, bases_{}, still_{}, overlays_{};  // bases: nothing about the arms; overlays: only arms, head, spine
 };
 

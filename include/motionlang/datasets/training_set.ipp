@@ -229,6 +229,11 @@ MOTIONLANG_BODY void TrainingSet::weigh() {
   constexpr double common = 100, most = 4;
   for (CaptionedSegment& s : segments_) {
     const std::string action = detail::commonest_action(s.captions);
+    if (!action.empty()) {
+      const auto found = std::find(verbs_.begin(), verbs_.end(), action);
+      s.verb = found - verbs_.begin();
+      if (found == verbs_.end()) verbs_.push_back(action);
+    }
     s.weight = action.empty() ? 1 : std::clamp(std::sqrt(common / segments_about[action]), 1.0, most);
   }
 }
@@ -362,9 +367,11 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
                      : which < 0.7                      ? about_legs
                      : which < 0.85                     ? about_legs + " while " + about_arms
                                                         : about_arms + " and " + about_legs;
+    sample.verb = which < 0.45 || about_legs.empty() ? overlay.verb : which < 0.7 ? base.verb : -1;
   } else {
     const CaptionedSegment& s = pick(all_, rng);
     sample.caption = one_of(s.captions);
+    sample.verb = s.verb;
     double tempo = 1;
     if (s.grounded && rng.uniform() < options.tempo &&
         !detail::has_word(sample.caption, {"slow", "quick", "fast", "calm", "stand"})) {
@@ -388,7 +395,7 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
     }
   }
   if (motion.frames() < 4) return draw(rng.split("again"), options);
-  if (rng.uniform() < options.no_text) sample.caption.clear();
+  if (rng.uniform() < options.no_text) sample.caption.clear(), sample.verb = -1;
   const auto features = smplrifke_from_motion(motion);
   sample.features.assign(features.begin(), features.end());
   sample.frames = motion.frames();

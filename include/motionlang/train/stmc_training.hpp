@@ -21,6 +21,7 @@
 #include <motionlang/diffusion/schedule.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/features/statistics.hpp>
+#include <motionlang/loss/cross_entropy.hpp>
 #include <motionlang/loss/foot_velocity.hpp>
 #include <motionlang/loss/reconstruction.hpp>
 #include <motionlang/nn/linear.hpp>
@@ -50,6 +51,7 @@ struct StmcTrainingConfig {
   double root_weight = 8;      // of the four features that move the figure, against 1 for each of the others
   double foot_weight = 0.2;    // of the loss on the velocity of the feet, (m/s)^2
   double text_weight = 0.2;    // of the loss that predicts a summary of the motion from a caption's vector
+  double verb_weight = 0.25;   // within text_weight: of the loss that names the action, against 1 for the summary
   Index text_steps = 3000;     // of the text encoder alone, before the denoiser is trained
   std::uint64_t seed = 1;
   SampleOptions samples{};
@@ -127,10 +129,12 @@ class StmcTraining {
   StmcTraining(const StmcTrainingConfig& config, const TrainingSet& data, const WordVectors& vectors = {});
 
   /// Teaches the text encoder alone what captions mean: the mean of every feature of their motions over each quarter of
-  /// the time, and its deviation. Otherwise the denoiser learns to move long before it learns to follow the text. For a
-  /// new run, before the first step. Returns the last loss.
+  /// the time, and its deviation; and which action they are about. (Waving and nodding have nearly the same means.)
+  /// Otherwise the denoiser learns to move long before it learns to follow the text. For a new run, before the first
+  /// step. Returns the last loss.
   double learn_texts(Progress progress = {});
-  /// Starts with what a model of the same sizes knows (train/stmc_start.hpp). For a new run, instead of learn_texts.
+  /// Starts with what a model of the same sizes knows (train/stmc_start.hpp). For a new run, before learn_texts or
+  /// instead of it.
   void start_from(const std::filesystem::path& model);
   /// Writes the averaged weights in half precision, and the captions.
   void export_model(const std::filesystem::path& path, const std::map<std::string, std::string>& about) const;
@@ -151,12 +155,24 @@ class StmcTraining {
   void load(const SafetensorsFile& file, Index steps);
 
  private:
+  /// The loss of caption vectors (samples, text.out): what they tell about the summaries (samples, summary_size), plus
+  /// verb_weight times the cross-entropy of their verbs. A sample without a verb adds nothing to that.
+  Tensor<A, 0> text_loss(const Tensor<A, 2>& texts, const std::vector<float>& summaries,
+                         const std::vector<Index>& verbs) const;
+
   StmcTrainingConfig config_;
   const TrainingSet* data_;
   GaussianDiffusion diffusion_;
   Learner<Stmc<A>, Stmc<B>> learner_;
-  Linear<A> summary_;  // from a caption's vector to the summary of its motion; not part of the model
-  AdamW<A> adam_summary_;
+  /// These read a caption's vector during training; they are not part of the model.
+  struct Heads {
+    Linear<A> summary;  // of its motion
+    Linear<A> verbs;    // the logits of TrainingSet::verbs()
+
+    static constexpr auto fields() { return motionlang::fields("summary", &Heads::summary, "verbs", &Heads::verbs); }
+  };
+  Heads heads_;
+  AdamW<A> adam_heads_;
   std::optional<std::array<std::uint64_t, 2>> drawn_{};  // seed and stream of the batch that was drawn last
   std::vector<TrainingSample> batch_{};
 };
@@ -175,8 +191,24 @@ StmcTraining<A>::StmcTraining(const StmcTrainingConfig& config, const TrainingSe
   learner_.ema = config_.ema;
   learner_.clip_norm = config_.clip_norm;
   auto rng = Philox{.seed = config_.seed}.split("summary");
-  summary_ = convert<A>(Linear<B>(config_.model.text.out, detail::summary_size, rng));
-  learner_.adam.config.weight_decay = adam_summary_.config.weight_decay = config_.weight_decay;
+  heads_.summary = convert<A>(Linear<B>(config_.model.text.out, detail::summary_size, rng));
+  heads_.verbs = convert<A>(Linear<B>(config_.model.text.out, std::max<Index>(1, std::ssize(data.verbs())), rng));
+  learner_.adam.config.weight_decay = adam_heads_.config.weight_decay = config_.weight_decay;
+}
+
+template <AutodiffBackend A>
+Tensor<A, 0> StmcTraining<A>::text_loss(const Tensor<A, 2>& texts, const std::vector<float>& summaries,
+                                        const std::vector<Index>& verbs) const {
+  const auto said = heads_.summary(texts);
+  const auto loss = mse(said, Tensor<A, 2>::from(summaries, said.shape()));
+  std::vector<Index> with_verb, labels;
+  for (Index i = 0; i < std::ssize(verbs); ++i) {
+    const Index verb = verbs[static_cast<std::size_t>(i)];
+    if (verb >= 0) with_verb.push_back(i), labels.push_back(verb);
+  }
+  if (labels.empty() || config_.verb_weight == 0) return loss;
+  const auto named = sum(cross_entropies(heads_.verbs(gather(texts, with_verb)), labels));
+  return loss + named * (config_.verb_weight / static_cast<double>(verbs.size()));
 }
 
 template <AutodiffBackend A>
@@ -190,26 +222,27 @@ double StmcTraining<A>::learn_texts(Progress progress) {
         learner_.average.motion_normalizer.normalize(Tensor<B, 2>::from(s.features, {s.frames, smplrifke_size}));
     detail::append_summary(summaries, rows.span());
   }
-  AdamW<A> adam_text{{.weight_decay = config_.weight_decay}}, adam_summary = adam_text;
+  AdamW<A> adam_text{{.weight_decay = config_.weight_decay}}, adam_heads = adam_text;
   double value = 0;
   for (Index k = 0; k < config_.text_steps; ++k) {
     auto pick = rng.split("batch").split(static_cast<std::uint64_t>(k));
     std::vector<std::string> captions;
     std::vector<float> wanted;
+    std::vector<Index> verbs;
     for (int i = 0; i < 128; ++i) {
       const auto n = static_cast<std::ptrdiff_t>(pick.below(static_cast<std::uint32_t>(samples.size())));
       captions.push_back(samples[static_cast<std::size_t>(n)].caption);
+      verbs.push_back(samples[static_cast<std::size_t>(n)].verb);
       wanted.insert(wanted.end(), summaries.begin() + n * detail::summary_size,
                     summaries.begin() + (n + 1) * detail::summary_size);
     }
     const Context context{.dropout = pick.split("dropout")};
-    const auto said = summary_(learner_.model.text_encoder(captions, context));
-    const auto loss = mse(said, Tensor<A, 2>::from(wanted, said.shape()));
+    const auto loss = text_loss(learner_.model.text_encoder(captions, context), wanted, verbs);
     const auto gradients = backward(loss);
-    adam_text.config.lr = adam_summary.config.lr =
+    adam_text.config.lr = adam_heads.config.lr =
         WarmupCosine{.peak = 1e-3, .floor = 5e-5, .warmup = 100, .total = config_.text_steps}(k);
     adam_text.step(learner_.model.text_encoder, gradients);
-    adam_summary.step(summary_, gradients);
+    adam_heads.step(heads_, gradients);
     value = k == 0 ? static_cast<double>(loss.item()) : 0.98 * value + 0.02 * static_cast<double>(loss.item());
     progress(k + 1, config_.text_steps);
   }
@@ -231,7 +264,7 @@ LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part
 
   // The clean frames x0 of the part, packed; one t for each sequence; the noise.
   std::vector<float> values;
-  std::vector<Index> lengths, all_lengths, all_steps, t, t_of_row;
+  std::vector<Index> lengths, all_lengths, all_steps, t, t_of_row, verbs;
   std::vector<std::string> captions;
   auto t_rng = rng.split("t");
   Index rows_before = 0;
@@ -245,6 +278,7 @@ LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part
     values.insert(values.end(), s.features.begin(), s.features.end());
     lengths.push_back(s.frames);
     captions.push_back(s.caption);
+    verbs.push_back(s.verb);
     t.push_back(t_of_sample);
     t_of_row.insert(t_of_row.end(), static_cast<std::size_t>(s.frames), t_of_sample);
   }
@@ -279,8 +313,7 @@ LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part
     for (Index s = 0; s < offsets.count(); ++s)
       detail::append_summary(wanted, x0.span().subspan(static_cast<std::size_t>(offsets.begin(s)) * width,
                                                        static_cast<std::size_t>(offsets.length(s)) * width));
-    const auto said = summary_(text.tokens.rows);
-    loss.add("text", config_.text_weight * of_samples, mse(said, Tensor<A, 2>::from(wanted, said.shape())));
+    loss.add("text", config_.text_weight * of_samples, text_loss(text.tokens.rows, wanted, verbs));
   }
   return loss;
 }
@@ -288,7 +321,7 @@ LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part
 template <AutodiffBackend A>
 std::vector<ModuleTensor<A>> StmcTraining<A>::parameters() {
   auto out = tensors_of(learner_.model);
-  for (auto& t : tensors_of(summary_)) out.push_back(std::move(t));
+  for (auto& t : tensors_of(heads_)) out.push_back(std::move(t));
   return out;
 }
 
@@ -297,8 +330,8 @@ void StmcTraining<A>::update(const Gradients<A>& gradients, Index step) {
   const WarmupCosine rate{
       .peak = config_.lr, .floor = config_.lr * 0.02, .warmup = config_.warmup, .total = config_.steps};
   learner_.update(gradients, rate(step), step);
-  adam_summary_.config.lr = rate(step);
-  adam_summary_.step(summary_, gradients);
+  adam_heads_.config.lr = rate(step);
+  adam_heads_.step(heads_, gradients);
 }
 
 template <AutodiffBackend A>
@@ -315,15 +348,15 @@ std::map<std::string, std::string> StmcTraining<A>::settings() const {
 template <AutodiffBackend A>
 void StmcTraining<A>::add_to(TensorStore& store) const {
   learner_.add_to(store);
-  store.add_module(summary_, "summary.");
-  add_moments(store, "adam_summary.", adam_summary_);
+  store.add_module(heads_, "heads.");
+  add_moments(store, "adam_heads.", adam_heads_);
 }
 
 template <AutodiffBackend A>
 void StmcTraining<A>::load(const SafetensorsFile& file, Index steps) {
   learner_.load(file, steps);
-  load_module(summary_, file, "summary.");
-  restore_moments(adam_summary_, summary_, file, "adam_summary.", steps);
+  load_module(heads_, file, "heads.");
+  restore_moments(adam_heads_, heads_, file, "adam_heads.", steps);
 }
 
 template <AutodiffBackend A>

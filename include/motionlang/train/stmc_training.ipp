@@ -68,6 +68,7 @@ MOTIONLANG_BODY std::map<std::string, std::string> stmc_settings(const StmcTrain
   add("root_weight", config.root_weight);
   add("foot_weight", config.foot_weight);
   add("text_weight", config.text_weight);
+  add("verb_weight", config.verb_weight);
   add("text_steps", config.text_steps);
   add("dropout", config.model.denoiser.dropout);
   add("text_dropout", config.model.text.dropout);
