@@ -306,6 +306,8 @@
 #include <motionlang/systems/tm2t.hpp>
 #include <motionlang/systems/tmr.hpp>
 
+#include <motionlang/search/clip_store.hpp>
+#include <motionlang/search/index_tables.hpp>
 #include <motionlang/search/motion_index.hpp>
 #include <motionlang/search/motion_search.hpp>
 #include <motionlang/search/nearest.hpp>

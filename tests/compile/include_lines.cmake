@@ -109,7 +109,7 @@ endforeach()
 
 file(STRINGS ${INCLUDE}/motionlang/motionlang.hpp umbrella REGEX "^#include <motionlang/")
 foreach(header ${headers})
-  if(header MATCHES "^[a-z]+/[a-z0-9_]+\\.hpp$" AND NOT header MATCHES "^(backend|file|formats|datasets|weights|view|train|generate)/|^search/(index_folder|kept_index|motion_index_file|search|tmr_search_encoder|vector_graph)"
+  if(header MATCHES "^[a-z]+/[a-z0-9_]+\\.hpp$" AND NOT header MATCHES "^(backend|file|formats|datasets|weights|view|train|generate)/|^search/(index_folder|index_shards|kept_index|motion_index_file|search|tmr_search_encoder|vector_graph)"
      AND NOT "#include <motionlang/${header}>" IN_LIST umbrella)
     problem("motionlang.hpp lacks ${header}")
   endif()

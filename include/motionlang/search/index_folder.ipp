@@ -64,7 +64,7 @@ MOTIONLANG_BODY bool is_below(const std::filesystem::path& path, const std::file
   return end == folder.end();
 }
 
-MOTIONLANG_BODY Index remove_below(MotionIndex& index, const FilePath& path) {
+MOTIONLANG_BODY Index remove_below(ClipStore& index, const FilePath& path) {
   const std::filesystem::path whole = indexed_path(path);
   return index.remove_if([&](const IndexedClip& c) { return is_below(c.path, whole); });
 }
@@ -80,6 +80,17 @@ MOTIONLANG_BODY IndexModel index_model(const SearchEncoder& encoder, const Momen
 
 MOTIONLANG_BODY IndexUpdate::IndexUpdate(MotionIndex& index, const FilePath& folder, const SearchEncoder& encoder,
                                          IndexOptions options)
+    : own_(std::make_shared<StoreOfIndex>(index)),
+      index_(*own_),
+      encoder_(encoder),
+      folder_(indexed_path(folder)),
+      options_(std::move(options)) {
+  take_captions();
+  look_at_files();
+  find_changes();
+}
+MOTIONLANG_BODY IndexUpdate::IndexUpdate(ClipStore& index, const FilePath& folder, const SearchEncoder& encoder,
+                                         IndexOptions options)
     : index_(index), encoder_(encoder), folder_(indexed_path(folder)), options_(std::move(options)) {
   take_captions();
   look_at_files();
@@ -91,7 +102,7 @@ MOTIONLANG_BODY void IndexUpdate::look_at_files() {
   for (const fs::path& path : motion_files_below(folder_, "", &report_.folder_notes)) {
     const auto time =
         std::chrono::duration_cast<std::chrono::nanoseconds>(fs::last_write_time(path).time_since_epoch());
-    files_.push_back({path.lexically_normal(), time.count(), static_cast<std::int64_t>(fs::file_size(path))});
+    files_.push_back({path.lexically_normal(), time.count(), static_cast<std::int64_t>(fs::file_size(path)), {}});
   }
 }
 
@@ -119,13 +130,13 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
   std::map<std::string, IndexedClip> known;  // a clip of each file
   std::set<std::string> now;
   for (const IndexedClip& c : index_.clips()) known.emplace(c.path, c);
-  for (const FileState& f : files_) now.insert(f.path.string());
+  for (const FileToIndex& f : files_) now.insert(f.path.string());
   std::map<std::pair<std::int64_t, std::string>, IndexedClip> moved;  // missing from their old places: time, content
   for (const auto& [path, c] : known) {
     if (!c.content.empty() && is_below(path, folder_) && !now.contains(path)) moved[{c.modified, c.content}] = c;
   }
   std::set<std::string> outdated;
-  for (const FileState& f : files_) {
+  for (const FileToIndex& f : files_) {
     const std::string path = f.path.string();
     const auto before = known.find(path);
     auto from = moved.end();
@@ -147,7 +158,9 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
         outdated.insert(path);
         if (!options_.again && before->second.modified == f.modified) license_before_[path] = before->second.license;
       }
+      const auto lines = lines_of_.find(path);
       fresh_.push_back(f);
+      if (lines != lines_of_.end()) fresh_.back().lines = lines->second;
     }
   }
   report_.removed = index_.remove_if([&](const IndexedClip& c) {
@@ -188,92 +201,119 @@ MOTIONLANG_BODY const std::string& IndexUpdate::license_beside(const std::filesy
   return licenses_[folder] = std::move(text);
 }
 
-MOTIONLANG_BODY void IndexUpdate::run(Progress progress) {
-  // A few files at a time: here threads share the reading, and inside the model the encoding.
-  const auto at_once = static_cast<std::size_t>(8 * thread_count());
-  const std::vector<FileState> fresh = std::exchange(fresh_, {});
+MOTIONLANG_BODY void IndexUpdate::run(Progress progress, FileEncoder* others) {
+  const auto at_once = static_cast<std::size_t>(others != nullptr ? others->at_once() : 8 * thread_count());
+  const std::vector<FileToIndex> fresh = std::exchange(fresh_, {});
   for (std::size_t begin = 0; begin < fresh.size(); begin += at_once) {
     const auto some = std::span(fresh).subspan(begin, std::min(at_once, fresh.size() - begin));
-    add(some);
+    auto clips = others != nullptr ? others->encode(some) : encode_files(some, encoder_, index_.model(), options_.read);
+    for (std::size_t f = 0; f < some.size(); ++f) take(some[f], std::move(clips[f]));
     progress(static_cast<Index>(begin + some.size()), std::ssize(fresh));
   }
 }
 
-MOTIONLANG_BODY void IndexUpdate::add(std::span<const FileState> files) {
-  std::vector<std::vector<Prepared>> prepared(files.size());
-  parallel_for(std::ssize(files), [&](Index i) {
-    const auto f = static_cast<std::size_t>(i);
-    const auto fail = [&](const error& e) {
-      prepared[f] = {{{.path = files[f].path.string()}, {}, e.what()}};
-      return true;
-    };
-    detail::guard<error>([&] { prepared[f] = prepare(files[f]); }, fail);
-  });
-  for (std::size_t f = 0; f < files.size(); ++f) {
-    for (Prepared& p : prepared[f]) {
-      const auto before = license_before_.find(files[f].path.string());
-      p.clip.license = license_of(files[f].path, before != license_before_.end() ? before->second : "");
-      encode(std::move(p));
-    }
-  }
-}
+namespace detail {
+
+/// A clip that was read: its rows, or the reason why there are none.
+struct ReadClip {
+  IndexedClip clip;
+  std::vector<float> rows;
+  std::string problem;
+};
 
 /// The whole motions of a file, or the parts of its motion that the captions name.
-MOTIONLANG_BODY std::vector<IndexUpdate::Prepared> IndexUpdate::prepare(const FileState& file) const {
-  std::vector<Prepared> out;
+inline std::vector<ReadClip> read_clips(const FileToIndex& file, const SearchEncoder& encoder,
+                                        const MotionReadOptions& read) {
+  std::vector<ReadClip> out;
   if (!is_utf8(file.path.string())) raise<io_error>(404, "the path is not UTF-8; an index keeps only such paths");
-  const auto motions = read_motions(file.path, options_for_file(options_.read, file.path));
-  const auto found = lines_of_.find(file.path.string());
-  const std::string content = detail::checksum_of_file(file.path),
-                    lines = found != lines_of_.end() ? detail::checksum_of_lines(found->second) : "";
+  const auto motions = read_motions(file.path, options_for_file(read, file.path));
+  const std::string content = checksum_of_file(file.path), lines = file.lines ? checksum_of_lines(*file.lines) : "";
   const auto take = [&](const Motion& m, const ClipLine* line) {
-    Prepared& p = out.emplace_back();
+    ReadClip& p = out.emplace_back();
     p.clip.path = file.path.string(), p.clip.modified = file.modified, p.clip.bytes = file.bytes;
     p.clip.content = content, p.clip.lines = lines;
     if (motions.size() > 1) p.clip.name = m.name;
     if (line != nullptr) p.clip.start = line->start, p.clip.captions = line->texts;
-    const auto read = [&] {
+    const auto rows = [&] {
       const Motion part = line != nullptr ? segment_of(m, *line, 2) : m;
       part.validate();
       p.clip.end = p.clip.start + part.seconds(), p.clip.fps = part.fps, p.clip.frames = part.frames();
-      p.rows = encoder_.rows_of(part);
+      p.rows = encoder.rows_of(part);
     };
-    detail::guard<error>(read, [&](const error& e) {
+    guard<error>(rows, [&](const error& e) {
       p.problem = e.what();
       return true;
     });
   };
   for (const Motion& m : motions) {
-    if (found == lines_of_.end())
+    if (!file.lines)
       take(m, nullptr);
     else
-      for (const ClipLine& line : found->second) {
+      for (const ClipLine& line : *file.lines) {
         if (line.animation.empty() || line.animation == m.name) take(m, &line);
       }
   }
   return out;
 }
 
-MOTIONLANG_BODY void IndexUpdate::encode(Prepared p) {
-  const std::string name = p.clip.path + (p.clip.name.empty() ? "" : "#" + p.clip.name);
-  const auto put_in = [&] {
-    EncodedClip c{.clip = std::move(p.clip), .vector = encode_clip(encoder_, p.rows)};
-    c.moments = indexed_moments(encoder_.frames(p.rows), index_.model());
-    c.moment_vectors = encoder_.encode_windows(p.rows, c.moments);
-    for (const std::string& text : c.clip.captions) {
-      const auto& v = vector_of_.at(text);
-      c.caption_vectors.insert(c.caption_vectors.end(), v.begin(), v.end());
-    }
-    index_.add(std::move(c));
-    ++report_.added;
-  };
-  if (p.problem.empty()) {
-    detail::guard<numeric_error>(put_in, [&](const numeric_error& e) {  // vectors of length 0
-      p.problem = e.what();
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<std::vector<ClipToIndex>> encode_files(std::span<const FileToIndex> files,
+                                                                   const SearchEncoder& encoder,
+                                                                   const IndexModel& model,
+                                                                   const MotionReadOptions& read) {
+  std::vector<std::vector<detail::ReadClip>> read_clips(files.size());
+  parallel_for(std::ssize(files), [&](Index i) {
+    const auto f = static_cast<std::size_t>(i);
+    const auto fail = [&](const error& e) {
+      read_clips[f] = {{{.path = files[f].path.string()}, {}, e.what()}};
       return true;
-    });
+    };
+    detail::guard<error>([&] { read_clips[f] = detail::read_clips(files[f], encoder, read); }, fail);
+  });
+  std::vector<std::vector<ClipToIndex>> out(files.size());
+  for (std::size_t f = 0; f < files.size(); ++f) {
+    for (detail::ReadClip& p : read_clips[f]) {
+      ClipToIndex& c = out[f].emplace_back();
+      c.clip.clip = std::move(p.clip), c.problem = std::move(p.problem);
+      if (!c.problem.empty()) continue;
+      const auto encode = [&] {
+        c.clip.vector = encode_clip(encoder, p.rows);
+        c.clip.moments = indexed_moments(encoder.frames(p.rows), model);
+        c.clip.moment_vectors = encoder.encode_windows(p.rows, c.clip.moments);
+      };
+      detail::guard<numeric_error>(encode, [&](const numeric_error& e) {  // vectors of length 0
+        c.problem = e.what();
+        return true;
+      });
+      p.rows = {};
+    }
   }
-  if (!p.problem.empty()) report_.skipped.push_back(name + ": " + p.problem);
+  return out;
+}
+
+MOTIONLANG_BODY void IndexUpdate::take(const FileToIndex& file, std::vector<ClipToIndex> clips) {
+  const auto before = license_before_.find(file.path.string());
+  for (ClipToIndex& c : clips) {
+    IndexedClip& clip = c.clip.clip;
+    clip.license = license_of(file.path, before != license_before_.end() ? before->second : "");
+    const std::string name = clip.path + (clip.name.empty() ? "" : "#" + clip.name);
+    const auto put_in = [&] {
+      for (const std::string& text : clip.captions) {
+        const auto& v = vector_of_.at(text);
+        c.clip.caption_vectors.insert(c.clip.caption_vectors.end(), v.begin(), v.end());
+      }
+      index_.add(std::move(c.clip));
+      ++report_.added;
+    };
+    if (c.problem.empty()) {
+      detail::guard<numeric_error>(put_in, [&](const numeric_error& e) {  // vectors of length 0
+        c.problem = e.what();
+        return true;
+      });
+    }
+    if (!c.problem.empty()) report_.skipped.push_back(name + ": " + c.problem);
+  }
 }
 
 MOTIONLANG_BODY IndexReport update_index(MotionIndex& index, const FilePath& folder, const SearchEncoder& encoder,
@@ -283,9 +323,9 @@ MOTIONLANG_BODY IndexReport update_index(MotionIndex& index, const FilePath& fol
   return update.report();
 }
 
-MOTIONLANG_BODY std::string listed_clips(const MotionIndex& index) {
+MOTIONLANG_BODY std::string listed_clips(std::span<const IndexedClip> clips) {
   std::string out;
-  for (const IndexedClip& c : index.clips()) {
+  for (const IndexedClip& c : clips) {
     out += printable(c.path + (c.name.empty() ? "" : "#" + c.name));
     out += formatted("\t%.2f\t%.2f\t%g\t%td\t", c.start, c.end, c.fps, c.frames);
     out += printable(join_text(c.captions, " | ")) + "\t" + printable(c.license) + "\n";
@@ -293,9 +333,9 @@ MOTIONLANG_BODY std::string listed_clips(const MotionIndex& index) {
   return out;
 }
 
-MOTIONLANG_BODY std::string describe_update(const MotionIndex& index, const IndexReport& report) {
-  std::string out = concat_text(counted(index.count(), "clip"), ", ", counted(index.moments().size(), "moment"), " (",
-                                report.added, " added, ", report.removed, " removed, ", report.renamed, " renamed, ",
+MOTIONLANG_BODY std::string describe_update(Index clips, Index moments, const IndexReport& report) {
+  std::string out = concat_text(counted(clips, "clip"), ", ", counted(moments, "moment"), " (", report.added,
+                                " added, ", report.removed, " removed, ", report.renamed, " renamed, ",
                                 report.unchanged, " unchanged, ", report.skipped.size(), " skipped)\n");
   if (report.relicensed > 0) out += counted(report.relicensed, "file has", "files have") + " another license now\n";
   return out;

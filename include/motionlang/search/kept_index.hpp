@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// An index file that is made, updated by folders, and written with its graphs only where something has changed.
+/// An index, one file or a folder of shards, that is made, updated by folders, and written only where something has
+/// changed.
 ///
 ///     KeptIndex kept("clips.index");
 ///     const TmrSearchEncoder<B> tmr(load_tmr<B>(kept.model_path("", "examples/models/tmr_free")));
 ///     kept.take_model(tmr);
-///     IndexUpdate update(kept.index(), "clips", tmr);
+///     IndexUpdate update(kept.store(), "clips", tmr);
 ///     update.run();
 ///     if (kept.needs_writing(update.report())) kept.write();
 #pragma once
@@ -15,19 +16,26 @@
 
 #include <motionlang/core/lifetime.hpp>
 #include <motionlang/search/index_folder.hpp>
+#include <motionlang/search/index_shards.hpp>
 #include <motionlang/search/vector_graph.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 class KeptIndex {
  public:
-  /// Opens the file if it is there. From `graph_from` clips or moments on, searches follow a graph.
-  explicit KeptIndex(std::filesystem::path file, Index graph_from = 100'000);
+  /// Opens the file or the folder of shards if it is there. From `graph_from` clips or moments on, searches of a file
+  /// follow a graph; a folder has none.
+  /// shard_bytes  above 0: a new index is a folder of files of at most this size
+  /// Throws       option_error 102 if there is a file already and shard_bytes is above 0
+  explicit KeptIndex(std::filesystem::path file, Index graph_from = 100'000, Index shard_bytes = 0);
 
   /// False until there is a file, or a model was taken.
-  bool has_index() const { return index_.has_value(); }
+  bool has_index() const { return index_.has_value() || shards_ != nullptr; }
+  /// The index of one file.
   MotionIndex& index() MOTIONLANG_LIFETIMEBOUND { return *index_; }
   const MotionIndex& index() const MOTIONLANG_LIFETIMEBOUND { return *index_; }
+  /// The clips of a file or of a folder.
+  ClipStore& store() MOTIONLANG_LIFETIMEBOUND;
 
   /// Where the model is: `given`, else that of the index, else `otherwise`. An absolute path.
   std::filesystem::path model_path(const FilePath& given, const FilePath& otherwise) const;
@@ -51,10 +59,15 @@ class KeptIndex {
   void write_without_graphs();
 
  private:
+  const IndexModel& model() const { return shards_ ? shards_->model() : index_->model(); }
+
   std::filesystem::path file_;
-  Index graph_from_;
+  Index graph_from_, shard_bytes_;
   std::optional<MotionIndexFile> before_;
   std::optional<MotionIndex> index_;
+  std::optional<StoreOfIndex> store_;   // of that
+  std::unique_ptr<ShardStore> shards_;  // instead
+  bool is_new_ = true;
   bool model_moved_ = false;
 };
 

@@ -2,6 +2,8 @@
 // Bodies of motion_index_file.hpp.
 #pragma once
 
+#include <utility>  // exchange
+
 #include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/json.hpp>
 #include <motionlang/search/motion_index_file.hpp>
@@ -10,28 +12,39 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-inline nlohmann::ordered_json index_about(const MotionIndex& index) {
-  const IndexModel& m = index.model();
-  nlohmann::ordered_json clips = nlohmann::ordered_json::array();
+inline nlohmann::ordered_json index_model_json(const IndexModel& m) {
+  return {{"id", m.id},        {"path", m.path}, {"text_encoder", m.text_encoder},
+          {"width", m.width},  {"fps", m.fps},   {"windows", m.windows},
+          {"stride", m.stride}};
+}
+
+inline nlohmann::ordered_json indexed_clip_json(const IndexedClip& c) {
+  nlohmann::ordered_json clip{{"path", c.path}, {"modified", c.modified}, {"bytes", c.bytes},  {"start", c.start},
+                              {"end", c.end},   {"fps", c.fps},           {"frames", c.frames}};
+  if (!c.content.empty()) clip["content"] = c.content;
+  if (!c.lines.empty()) clip["lines"] = c.lines;
+  if (!c.name.empty()) clip["name"] = c.name;
+  if (!c.captions.empty()) clip["captions"] = c.captions;
+  if (!c.license.empty()) clip["license"] = c.license;
+  return clip;
+}
+
+/// In one line; bytes that are not UTF-8 are replaced.
+inline std::string index_text(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// places  receives the first byte of each clip in the text, and the byte behind its last
+inline std::string index_about(const MotionIndex& index, std::vector<std::int64_t>* places = nullptr) {
+  std::string out = "{\"model\":" + index_text(index_model_json(index.model())) + ",\"clips\":[";
+  bool first = true;
   for (const IndexedClip& c : index.clips()) {
-    nlohmann::ordered_json clip{{"path", c.path}, {"modified", c.modified}, {"bytes", c.bytes},  {"start", c.start},
-                                {"end", c.end},   {"fps", c.fps},           {"frames", c.frames}};
-    if (!c.content.empty()) clip["content"] = c.content;
-    if (!c.lines.empty()) clip["lines"] = c.lines;
-    if (!c.name.empty()) clip["name"] = c.name;
-    if (!c.captions.empty()) clip["captions"] = c.captions;
-    if (!c.license.empty()) clip["license"] = c.license;
-    clips.push_back(std::move(clip));
+    if (!std::exchange(first, false)) out += ',';
+    const std::int64_t begin = std::ssize(out);
+    out += index_text(indexed_clip_json(c));
+    if (places != nullptr) places->insert(places->end(), {begin, std::ssize(out)});
   }
-  return {{"model",
-           {{"id", m.id},
-            {"path", m.path},
-            {"text_encoder", m.text_encoder},
-            {"width", m.width},
-            {"fps", m.fps},
-            {"windows", m.windows},
-            {"stride", m.stride}}},
-          {"clips", std::move(clips)}};
+  return out + "]}";
 }
 
 inline IndexModel index_model(const JsonView& v) {
@@ -125,9 +138,13 @@ MOTIONLANG_BODY MotionIndex MotionIndexFile::read(const SafetensorsFile& file) {
                      std::move(moment_rows), std::move(caption_rows));
 }
 
-MOTIONLANG_BODY std::vector<std::byte> motion_index_bytes(const MotionIndex& index, const IndexExtras& extras) {
+namespace detail {
+
+/// more, metadata  further tensors and entries of the file
+inline std::vector<std::byte> index_bytes(const MotionIndex& index, std::string_view about,
+                                          std::span<const TensorView> more,
+                                          std::map<std::string, std::string> metadata = {}) {
   const Index width = index.model().width;
-  const std::string about = detail::index_about(index).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   std::vector<std::int64_t> frames;
   for (const auto& m : index.moments()) frames.insert(frames.end(), {m.clip, m.frames.first, m.frames.length});
   const auto rows = [&](const char* name, std::span<const float> values) {
@@ -138,10 +155,18 @@ MOTIONLANG_BODY std::vector<std::byte> motion_index_bytes(const MotionIndex& ind
                                   rows("captions", index.caption_rows()),
                                   tensor_view<std::int64_t>("moment_frames", {std::ssize(index.moments()), 3}, frames),
                                   {"about", DType::U8, {std::ssize(about)}, std::as_bytes(std::span(about))}};
-  for (const auto& [name, bytes] : extras) tensors.push_back({name, DType::U8, {std::ssize(bytes)}, bytes});
-  return safetensors_bytes(
-      tensors,
-      {{"format", detail::index_format}, {"version", detail::index_version}, {"checksum", tensors_checksum(tensors)}});
+  tensors.insert(tensors.end(), more.begin(), more.end());
+  metadata["format"] = index_format, metadata["version"] = index_version;
+  metadata["checksum"] = tensors_checksum(tensors);
+  return safetensors_bytes(tensors, metadata);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<std::byte> motion_index_bytes(const MotionIndex& index, const IndexExtras& extras) {
+  std::vector<TensorView> more;
+  for (const auto& [name, bytes] : extras) more.push_back({name, DType::U8, {std::ssize(bytes)}, bytes});
+  return detail::index_bytes(index, detail::index_about(index), more);
 }
 
 MOTIONLANG_BODY void write_motion_index(const FilePath& path, const MotionIndex& index, const IndexExtras& extras) {

@@ -5,7 +5,7 @@
 ///     for (const MotionHit& hit : search.moments(vector_of("a person waves"), 10)) use(hit);
 #pragma once
 
-#include <motionlang/search/motion_index.hpp>
+#include <motionlang/search/index_tables.hpp>
 #include <motionlang/search/vector_scan.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -33,6 +33,14 @@ class MotionSearch {
   explicit MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips = {},
                         std::shared_ptr<const VectorSearch> moments = {}, ScanStorage storage = ScanStorage::float32);
 
+  /// Searches `clips`, `moments` and `captions`, whose vectors have the numbers of these tables.
+  MotionSearch(std::shared_ptr<const IndexTables> tables, std::shared_ptr<const VectorSearch> clips,
+               std::shared_ptr<const VectorSearch> moments, std::shared_ptr<const VectorSearch> captions)
+      : tables_(std::move(tables)),
+        clips_(std::move(clips)),
+        moments_(std::move(moments)),
+        captions_(std::move(captions)) {}
+
   /// The k nearest clips. Throws what VectorSearch throws.
   std::vector<MotionHit> clips(std::span<const float> query, Index k) const;
   /// The k nearest moments that are apart. Throws config_error 102 if the index has no moments.
@@ -41,9 +49,6 @@ class MotionSearch {
   std::vector<MotionHit> captions(std::span<const float> query, Index k) const;
 
  private:
-  std::shared_ptr<const VectorSearch> scan(std::span<const float> rows, ScanStorage storage) const {
-    return std::make_shared<VectorScan>(rows, index_.model().width, std::shared_ptr<const void>{}, storage);
-  }
   static std::vector<Neighbour> nearest(const VectorSearch& search, std::span<const float> query, Index k);
   /// `choose` takes the best results and drops some. Later results do not affect earlier choices. Asks for more results
   /// until k are left, or all have been seen.
@@ -58,7 +63,7 @@ class MotionSearch {
   }
   MotionHit whole(Index clip, float score) const;
 
-  const MotionIndex& index_;
+  std::shared_ptr<const IndexTables> tables_;
   std::shared_ptr<const VectorSearch> clips_, moments_, captions_;
 };
 

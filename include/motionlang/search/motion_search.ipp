@@ -24,28 +24,46 @@ MOTIONLANG_BODY std::vector<FrameSlice> indexed_moments(Index frames, const Inde
   return out;
 }
 
-MOTIONLANG_BODY std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
-                                                        std::span<const MotionIndex::Moment> moments, double most_iou,
-                                                        Index k) {
+namespace detail {
+
+/// moment_of  the moment with a number
+template <class F>
+std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first, const F& moment_of, double most_iou,
+                                        Index k) {
   std::vector<Neighbour> out;
+  std::vector<MotionIndex::Moment> kept;
   for (const Neighbour& n : best_first) {
     if (std::ssize(out) == k) break;
-    const auto& mine = moments[static_cast<std::size_t>(n.index)];
-    const bool overlaps = std::any_of(out.begin(), out.end(), [&](const Neighbour& better) {
-      const auto& other = moments[static_cast<std::size_t>(better.index)];
+    const MotionIndex::Moment mine = moment_of(n.index);
+    const bool overlaps = std::any_of(kept.begin(), kept.end(), [&](const MotionIndex::Moment& other) {
       return other.clip == mine.clip && temporal_iou(other.frames, mine.frames) > most_iou;
     });
-    if (!overlaps) out.push_back(n);
+    if (overlaps) continue;
+    out.push_back(n);
+    kept.push_back(mine);
   }
   return out;
 }
 
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
+                                                        std::span<const MotionIndex::Moment> moments, double most_iou,
+                                                        Index k) {
+  return detail::separate_moments(
+      best_first, [&](Index i) { return moments[static_cast<std::size_t>(i)]; }, most_iou, k);
+}
+
 MOTIONLANG_BODY MotionSearch::MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips,
                                            std::shared_ptr<const VectorSearch> moments, ScanStorage storage)
-    : index_(index),
-      clips_(clips ? std::move(clips) : scan(index.clip_rows(), storage)),
-      moments_(moments ? std::move(moments) : scan(index.moment_rows(), storage)),
-      captions_(scan(index.caption_rows(), storage)) {}
+    : tables_(std::make_shared<TablesOfIndex>(index)), clips_(std::move(clips)), moments_(std::move(moments)) {
+  const auto scan = [&](std::span<const float> rows) {
+    return std::make_shared<VectorScan>(rows, index.model().width, std::shared_ptr<const void>{}, storage);
+  };
+  if (!clips_) clips_ = scan(index.clip_rows());
+  if (!moments_) moments_ = scan(index.moment_rows());
+  captions_ = scan(index.caption_rows());
+}
 
 MOTIONLANG_BODY std::vector<MotionHit> MotionSearch::clips(std::span<const float> query, Index k) const {
   std::vector<MotionHit> out;
@@ -55,16 +73,17 @@ MOTIONLANG_BODY std::vector<MotionHit> MotionSearch::clips(std::span<const float
 
 MOTIONLANG_BODY std::vector<MotionHit> MotionSearch::moments(std::span<const float> query, Index k,
                                                              double most_iou) const {
-  if (index_.model().windows.empty())
+  if (tables_->model().windows.empty())
     raise<config_error>(102, "MotionSearch: this index has no moments, only whole clips");
   std::vector<MotionHit> out;
   const auto apart = enough(*moments_, query, k, [&](std::span<const Neighbour> best) {
-    return separate_moments(best, index_.moments(), most_iou, k);
+    return detail::separate_moments(
+        best, [&](Index i) { return tables_->moment(i); }, most_iou, k);
   });
   for (const Neighbour& n : apart) {
-    const auto& m = index_.moments()[static_cast<std::size_t>(n.index)];
+    const MotionIndex::Moment m = tables_->moment(n.index);
     MotionHit hit = whole(m.clip, n.score);
-    const double fps = index_.model().fps, begin = hit.start;
+    const double fps = tables_->model().fps, begin = hit.start;
     hit.start = begin + static_cast<double>(m.frames.first) / fps;
     hit.end = std::min(hit.end, begin + static_cast<double>(m.frames.first + m.frames.length) / fps);
     out.push_back(hit);
@@ -77,7 +96,7 @@ MOTIONLANG_BODY std::vector<MotionHit> MotionSearch::captions(std::span<const fl
   const auto first_of_clips = [&](std::span<const Neighbour> best) {
     std::vector<Neighbour> kept;
     for (const Neighbour& n : best) {
-      const Index clip = index_.caption_clips()[static_cast<std::size_t>(n.index)];
+      const Index clip = tables_->clip_of_caption(n.index);
       const bool known =
           std::any_of(kept.begin(), kept.end(), [&](const Neighbour& other) { return other.index == clip; });
       if (!known && std::ssize(kept) < k) kept.push_back({clip, n.score});
@@ -97,7 +116,7 @@ MOTIONLANG_BODY std::vector<Neighbour> MotionSearch::nearest(const VectorSearch&
 }
 
 MOTIONLANG_BODY MotionHit MotionSearch::whole(Index clip, float score) const {
-  const IndexedClip& c = index_.clips()[static_cast<std::size_t>(clip)];
+  const IndexedClip c = tables_->clip(clip);
   return {clip, c.start, c.end, score};
 }
 

@@ -42,7 +42,8 @@ inline const IndexedClip& clip_of(const MotionIndex& index, const MotionHit& hit
 /// The cosine of a hit as a score from 0 to 1.
 inline double score_of(const MotionHit& hit) { return (static_cast<double>(hit.score) + 1) / 2; }
 /// The number of clips, moments or captions that are compared with a query.
-Index gallery_size(const MotionIndex& index, SearchFor what);
+Index gallery_size(const IndexTables& index, SearchFor what);
+inline Index gallery_size(const MotionIndex& index, SearchFor what) { return gallery_size(TablesOfIndex(index), what); }
 
 MOTIONLANG_NAMESPACE_END
 

@@ -24,16 +24,16 @@ MOTIONLANG_BODY std::vector<MotionHit> search(const MotionIndexFile& index, std:
   return search(open_motion_search(index, options.exact, options.storage), query, options);
 }
 
-MOTIONLANG_BODY Index gallery_size(const MotionIndex& index, SearchFor what) {
+MOTIONLANG_BODY Index gallery_size(const IndexTables& index, SearchFor what) {
   switch (what) {
     case SearchFor::moments:
-      return std::ssize(index.moments());
+      return index.moment_count();
     case SearchFor::captions:
-      return std::ssize(index.caption_clips());
+      return index.caption_count();
     case SearchFor::clips:
       break;
   }
-  return index.count();
+  return index.clip_count();
 }
 
 MOTIONLANG_NAMESPACE_END

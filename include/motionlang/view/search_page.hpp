@@ -23,7 +23,10 @@ struct FoundMotion {
 };
 
 /// The hits of an answer with their clips.
-std::vector<FoundMotion> found_motions(const MotionIndex& index, const TextAnswer& answer);
+std::vector<FoundMotion> found_motions(const IndexTables& index, const TextAnswer& answer);
+inline std::vector<FoundMotion> found_motions(const MotionIndex& index, const TextAnswer& answer) {
+  return found_motions(TablesOfIndex(index), answer);
+}
 
 /// Lines: the words that the model does not know, if nothing shows the query (`one`: "clip" or "moment"), and the hits.
 std::string search_text(std::span<const FoundMotion> found, const TextAnswer& answer, std::string_view one);

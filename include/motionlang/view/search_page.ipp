@@ -28,11 +28,11 @@ inline Motion found_motion(const FoundMotion& f, const MotionReadOptions& read) 
 
 }  // namespace detail
 
-MOTIONLANG_BODY std::vector<FoundMotion> found_motions(const MotionIndex& index, const TextAnswer& answer) {
+MOTIONLANG_BODY std::vector<FoundMotion> found_motions(const IndexTables& index, const TextAnswer& answer) {
   std::vector<FoundMotion> out;
   for (std::size_t i = 0; i < answer.hits.size(); ++i) {
     const MotionHit& h = answer.hits[i];
-    out.push_back({clip_of(index, h), h.start, h.end, answer.scores[i], {}, {}});
+    out.push_back({index.clip(h.clip), h.start, h.end, answer.scores[i], {}, {}});
   }
   return out;
 }

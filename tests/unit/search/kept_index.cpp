@@ -83,3 +83,31 @@ TEST_CASE("an index of another model is refused, one that has moved is noted") {
   kept.write_without_graphs();
   CHECK(ml::read_motion_index(file).model().path == "models/speed");
 }
+
+TEST_CASE("an index in shards is made, taken up, and written only where it lacks something") {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "clips.shards", clips = folder / "clips";
+  fs::create_directories(clips);
+  ml::write_motion(clips / "slow.bvh", synthetic::walk({.frames = 60, .fps = 20, .steps_per_second = 1}));
+  const SpeedEncoder encoder;
+  const auto updated = [&](ml::Index shard_bytes, bool written) {
+    ml::KeptIndex kept(file, 100'000, shard_bytes);
+    const bool was_there = kept.has_index();
+    kept.take_model(encoder);
+    ml::IndexUpdate update(kept.store(), clips, encoder);
+    update.run();
+    CHECK(kept.needs_writing(update.report()) == written);
+    if (written) CHECK_FALSE(kept.write());
+    CHECK_FALSE(kept.lacks_hnswlib());
+    return was_there;
+  };
+  CHECK_FALSE(updated(1 << 20, true));
+  CHECK(updated(0, false));
+  ml::write_motion(clips / "fast.bvh", synthetic::walk({.frames = 60, .fps = 20, .steps_per_second = 3}));
+  CHECK(updated(0, true));
+  CHECK(ml::IndexShards::open(file)->clip_count() == 2);
+  CHECK(ml::read_shard_list(file).shard_bytes == 1 << 20);
+
+  ml::write_motion_index(folder / "one.index", ml::MotionIndex(ml::index_model(encoder)));
+  CHECK_ERROR(ml::KeptIndex(folder / "one.index", 100'000, 1 << 20), "[motionlang.config.102]");
+}

@@ -84,6 +84,64 @@ TEST_CASE("VectorScan: the k nearest, for many sizes, few and many queries, both
   });
 }
 
+TEST_CASE("RowScan: codes of eight bits bound the cosines, and find the k nearest of the rows with every kernel") {
+  with_every_kernel([] {
+    for (const Index width : {1, 3, 16, 31, 64, 100, 256, 300}) {
+      for (const Index count : {1, 13, 113, 700}) {
+        auto values = random_rows(count, width, 1);
+        for (std::size_t i = 0; i < values.size(); i += 7) values[i] *= 20;  // peaks, which make large units
+        const auto rows = ml::unit_rows(values, width);
+        std::vector<std::int8_t> codes(rows.size());
+        std::vector<float> bounds(2 * static_cast<std::size_t>(count));
+        ml::detail::RowScan<float>::to_codes(rows, width, codes.data(), bounds.data());
+        for (Index r = 0; r < count; ++r) {
+          double square = 0;
+          for (auto i = static_cast<std::size_t>(r * width); i < static_cast<std::size_t>((r + 1) * width); ++i)
+            square +=
+                std::pow(static_cast<double>(rows[i]) - static_cast<double>(bounds[static_cast<std::size_t>(2 * r)]) *
+                                                            static_cast<double>(codes[i]),
+                         2);
+          const double allowed = static_cast<double>(bounds[static_cast<std::size_t>(2 * r + 1)]);
+          CHECK(std::sqrt(square) <= allowed);
+          CHECK(allowed <= 0.004 * std::sqrt(static_cast<double>(width)));
+        }
+        const ml::detail::RowScan<float> scan{
+            .rows = rows, .halves = {}, .count = count, .width = width, .codes = codes, .bounds = bounds, .name = "x"};
+        for (const Index queries : {1, 8, 9, 40}) {
+          const auto q = random_rows(queries, width, 2);
+          for (const Index k : {1, 5, 200}) {
+            const auto found = scan.nearest(ml::unit_rows(q, width), k);
+            for (Index i = 0; i < queries; ++i)
+              CHECK(found[static_cast<std::size_t>(i)] ==
+                    sorted_by_cosine(
+                        rows,
+                        std::span(q).subspan(static_cast<std::size_t>(i * width), static_cast<std::size_t>(width)), k));
+          }
+        }
+      }
+    }
+  });
+}
+
+TEST_CASE("RowScan: a bound that a row exceeds is damage, and vectors below a wanted score are left out") {
+  constexpr Index width = 64, count = 500;
+  const auto rows = ml::unit_rows(random_rows(count, width, 1), width),
+             q = ml::unit_rows(random_rows(1, width, 2), width);
+  std::vector<std::int8_t> codes(rows.size());
+  std::vector<float> bounds(2 * static_cast<std::size_t>(count));
+  ml::detail::RowScan<float>::to_codes(rows, width, codes.data(), bounds.data());
+  ml::detail::RowScan<float> scan{
+      .rows = rows, .halves = {}, .count = count, .width = width, .codes = codes, .bounds = bounds, .name = "a shard"};
+  const auto all = scan.nearest(q, count)[0];
+  const std::vector<float> least{all[20].score};
+  const auto above = scan.nearest(q, 50, least)[0];
+  REQUIRE(above.size() >= 21);
+  CHECK(above.size() < 50);
+  CHECK(std::equal(above.begin(), above.end(), all.begin()));
+  bounds[static_cast<std::size_t>(2 * all[0].index)] *= 0.5f;
+  CHECK_ERROR(scan.nearest(q, count), "[motionlang.io.403] a shard: damaged: a cosine of ");
+}
+
 TEST_CASE("VectorScan: of equal vectors the one that stands first, and equal vectors have equal scores") {
   constexpr Index width = 24, different = 20, copies = 40;
   const auto base = ml::unit_rows(random_rows(different, width, 3), width);

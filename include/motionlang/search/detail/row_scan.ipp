@@ -20,20 +20,28 @@ namespace detail {
 template <class S>
 class Candidates {
  public:
-  Candidates(const RowScan<S>& scan, std::span<const S> queries, Index k, double error)
+  Candidates(const RowScan<S>& scan, std::span<const S> queries, Index k, double error, std::span<const S> least)
       : scan_(scan),
         queries_(queries),
         error_(error),
         best_(queries.size() / static_cast<std::size_t>(scan.width), NearestK(k)),
-        limits_(best_.size(), -std::numeric_limits<S>::infinity()) {}
+        least_(least.begin(), least.end()) {
+    least_.resize(best_.size(), -std::numeric_limits<S>::infinity());
+    for (const S wanted : least_) limits_.push_back(static_cast<S>(wanted - error_));
+  }
 
   /// A fast score that is not above the limit of its query does not need an exact one.
   S limit(Index query) const { return limits_[static_cast<std::size_t>(query)]; }
-  void compare(Index query, Index row) {
+  /// score  the fast one
+  void compare(Index query, Index row, S score) {
     const auto q = static_cast<std::size_t>(query);
-    best_[q].offer(
-        {row, exact_cosine(queries_.data() + query * scan_.width, scan_.rows.data() + row * scan_.width, scan_.width)});
-    limits_[q] = static_cast<S>(best_[q].least() - error_);
+    const S exact =
+        exact_cosine(queries_.data() + query * scan_.width, scan_.rows.data() + row * scan_.width, scan_.width);
+    if (!scan_.codes.empty() && !(exact <= score + error_))
+      raise<io_error>(403, scan_.name, ": damaged: a cosine of ", exact, " above the bound ", score,
+                      " of its code, at vector ", row, " of ", scan_.count);
+    best_[q].offer({row, exact});
+    limits_[q] = static_cast<S>(std::max(best_[q].least(), least_[q]) - error_);
   }
   void merge(const Candidates& other) {
     for (std::size_t q = 0; q < best_.size(); ++q) {
@@ -47,7 +55,7 @@ class Candidates {
   std::span<const S> queries_;
   double error_;
   std::vector<NearestK> best_;
-  std::vector<S> limits_;
+  std::vector<S> least_, limits_;
 };
 
 /// Few queries: the gallery is read once, and each row is compared with all of them.
@@ -60,12 +68,15 @@ void scan_with_few(const RowScan<S>& scan, const ScanKernels<S>& kernel, std::sp
   for (Index top = first; top < last; top += block) {
     const Index rows = std::min(block, last - top);
     for (Index q = 0; q < count; ++q) {
-      if (scan.halves.empty())
+      if (!scan.codes.empty())
+        kernel.dot_code_rows(scan.codes.data() + top * width, scan.bounds.data() + 2 * top, rows, width,
+                             queries.data() + q * width, scores);
+      else if (scan.halves.empty())
         kernel.dot_rows(scan.rows.data() + top * width, rows, width, queries.data() + q * width, scores);
       else
         kernel.dot_half_rows(scan.halves.data() + top * width, rows, width, queries.data() + q * width, scores);
       for (Index r = -1; (r = kernel.first_above(scores, r + 1, rows, candidates.limit(q))) < rows;)
-        candidates.compare(q, top + r);
+        candidates.compare(q, top + r, scores[r]);
     }
   }
 }
@@ -109,7 +120,9 @@ void scan_with_panels(const RowScan<S>& scan, const Panels<S>& queries, Index fi
   for (Index top = first; top < last; top += block.rows) {
     const Index rows = std::min(block.rows, last - top);
     for (Index r = 0; r < rows; ++r) {
-      if (scan.halves.empty())
+      if (!scan.codes.empty())
+        scanner.widen_codes(scan.codes.data() + (top + r) * width, width, gallery + r * pitch);
+      else if (scan.halves.empty())
         std::memcpy(gallery + r * pitch, scan.rows.data() + (top + r) * width,
                     static_cast<std::size_t>(width) * sizeof(S));
       else
@@ -124,12 +137,15 @@ void scan_with_panels(const RowScan<S>& scan, const Panels<S>& queries, Index fi
       } else {
         current_bf16_kernels()->gemm_block(product, queries.bf16(), 0, rows, 0, block.panels, scratch);
       }
+      if (!scan.codes.empty())
+        scanner.bound_rows(scores, scan.bounds.data() + 2 * top, rows, block.pitch(), block.columns());
       scanner.column_maxima(scores, rows, block.pitch(), block.columns(), maxima);
       for (Index c = 0; c < std::min(block.columns(), queries.n - j * w); ++c) {
         const Index query = j * w + c;
         if (!(maxima[c] > candidates.limit(query))) continue;
         for (Index r = 0; r < rows; ++r) {
-          if (scores[r * block.pitch() + c] > candidates.limit(query)) candidates.compare(query, top + r);
+          const S score = scores[r * block.pitch() + c];
+          if (score > candidates.limit(query)) candidates.compare(query, top + r, score);
         }
       }
     }
@@ -154,7 +170,8 @@ double rounding_of(std::span<const S> queries, Index width) {
 }
 
 template <std::same_as<float> S>
-std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queries, Index k) const {
+std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queries, Index k,
+                                                        std::span<const S> least) const {
   constexpr Index group = 1024, few = 8;  // queries: a group that shares a cache, and a number too small for a product
   const Kernels<S>& kernel = kernels<S>();
   const Index total = std::ssize(queries) / width, threads = thread_count();
@@ -165,12 +182,17 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
   for (Index begin = 0; begin < total; begin += group) {
     const Index n = std::min(group, total - begin);
     const auto mine = queries.subspan(static_cast<std::size_t>(begin * width), static_cast<std::size_t>(n * width));
-    const bool product = n > few, rounded = product && !halves.empty();
+    const bool product = n > few, rounded = product && (!halves.empty() || !codes.empty());
     // Errors of float sums, and 1 % for smaller effects: lengths of 1.001, the rounding of the exact score and of the
     // limit.
-    const double error =
-        1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error + (rounded ? rounding_of(mine, width) : 0));
-    std::vector<Candidates<S>> seen(static_cast<std::size_t>(threads), Candidates<S>(*this, mine, k, error));
+    // A rounded row is longer than its row by at most half a unit of every code.
+    const double longest = codes.empty() ? 1 : 1 + std::sqrt(static_cast<double>(width)) / 254;
+    const double error = 1.01 * longest *
+                         (static_cast<double>(width + (codes.empty() ? 2 : 4)) * 0x1p-24 + half_error +
+                          (rounded ? rounding_of(mine, width) : 0));
+    const auto limits =
+        least.empty() ? least : least.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(n));
+    std::vector<Candidates<S>> seen(static_cast<std::size_t>(threads), Candidates<S>(*this, mine, k, error, limits));
     const auto for_rows = [&](auto f) {
       parallel_for(tasks, [&](Index i) {
         f(blocks * i / tasks * block, std::min(count, blocks * (i + 1) / tasks * block),
@@ -215,6 +237,28 @@ double RowScan<S>::to_halves(std::span<const S> rows, Index width, std::uint16_t
     }
   });
   return worst.empty() ? 0 : *std::max_element(worst.begin(), worst.end());
+}
+
+template <std::same_as<float> S>
+void RowScan<S>::to_codes(std::span<const S> rows, Index width, std::int8_t* codes, S* bounds) {
+  constexpr Index at_once = 256;
+  const Index count = std::ssize(rows) / width;
+  parallel_for(parts(count, at_once), [&](Index part) {
+    for (Index r = part * at_once; r < std::min(count, (part + 1) * at_once); ++r) {
+      const S* x = rows.data() + r * width;
+      S largest = 0;
+      for (Index i = 0; i < width; ++i) largest = std::max(largest, std::abs(x[i]));
+      const S scale = largest > 0 ? largest / 127 : 1;
+      double square = 0;
+      for (Index i = 0; i < width; ++i) {
+        const auto code = static_cast<std::int8_t>(std::lround(std::clamp<S>(x[i] / scale, -127, 127)));
+        codes[r * width + i] = code;
+        const double d = static_cast<double>(x[i]) - static_cast<double>(scale) * static_cast<double>(code);
+        square += d * d;
+      }
+      bounds[2 * r] = scale, bounds[2 * r + 1] = static_cast<S>(std::sqrt(square) * 1.0001);  // and its own rounding
+    }
+  });
 }
 
 template <std::same_as<float> S>
