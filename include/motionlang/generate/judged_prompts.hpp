@@ -14,6 +14,7 @@
 
 #include <motionlang/generate/judged_verbs.hpp>
 #include <motionlang/generate/motion_model.hpp>
+#include <motionlang/train/communicator.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -98,8 +99,9 @@ struct Judgement {
 /// effect.
 /// Their progress counts the steps of all seeds. Throws option_error 101 unless seeds is 1 or more, and what
 /// generate_motions throws.
+/// all  processes that share the seeds: each calls this function, and gets the same judgement as one process alone
 Judgement judge(const MotionModel& model, std::vector<JudgedPrompt> prompts, const GenerateOptions& options, int seeds,
-                bool keep_motions = false);
+                bool keep_motions = false, const AnyCommunicator& all = AnyCommunicator());
 
 /// The captions with the texts of the judgements as tried texts, instead of those that they had. Only prompts of one
 /// text for the whole body count.

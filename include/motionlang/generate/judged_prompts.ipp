@@ -15,6 +15,7 @@
 #include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/kinematics/loops.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
+#include <motionlang/train/messages.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -305,8 +306,79 @@ MOTIONLANG_BODY double Judgement::statues() const {
   return detail::share_of(verdicts, [](const Verdict& v) { return v.still; });
 }
 
+namespace detail {
+
+/// A motion with what is measured on it.
+struct JudgedMotion {
+  Verdict verdict{};
+  std::vector<Vec3<double>> positions{};
+  double skate = 0, jitter = 0, bones = 0;
+  Motion motion{};  // if it is kept
+};
+
+inline void put_motion(MessageWriter& out, const Motion& m) {
+  out.text(m.name), out.value(m.fps);
+  out.value(std::uint64_t{m.skeleton.names.size()});
+  for (const std::string& name : m.skeleton.names) out.text(name);
+  out.list(std::span<const int>(m.skeleton.parents));
+  out.list(std::span<const Vec3<double>>(m.skeleton.offsets)), out.list(std::span<const Vec3<double>>(m.skeleton.ends));
+  out.list(std::span<const Vec3<double>>(m.root)), out.list(std::span<const Quaternion<double>>(m.local));
+}
+inline Motion take_motion(MessageReader& in) {
+  Motion m;
+  m.name = in.text(), m.fps = in.value<double>();
+  for (auto joints = in.value<std::uint64_t>(); joints > 0; --joints) m.skeleton.names.push_back(in.text());
+  m.skeleton.parents = in.list<int>();
+  m.skeleton.offsets = in.list<Vec3<double>>(), m.skeleton.ends = in.list<Vec3<double>>();
+  m.root = in.list<Vec3<double>>(), m.local = in.list<Quaternion<double>>();
+  return m;
+}
+
+inline void put_judged(MessageWriter& out, const JudgedMotion& j) {
+  const Verdict& v = j.verdict;
+  out.text(v.why_not);
+  for (const bool b : {v.hovers, v.sinks, v.still}) out.value(std::uint8_t{b});
+  for (const double d : {v.speed, v.air, v.turned, j.skate, j.jitter, j.bones}) out.value(d);
+  out.list(std::span<const Vec3<double>>(j.positions));
+  put_motion(out, j.motion);
+}
+inline JudgedMotion take_judged(MessageReader& in) {
+  JudgedMotion j;
+  Verdict& v = j.verdict;
+  v.why_not = in.text();
+  for (bool* b : {&v.hovers, &v.sinks, &v.still}) *b = in.value<std::uint8_t>() != 0;
+  for (double* d : {&v.speed, &v.air, &v.turned, &j.skate, &j.jitter, &j.bones}) *d = in.value<double>();
+  j.positions = in.list<Vec3<double>>();
+  j.motion = take_motion(in);
+  return j;
+}
+
+/// The motions of all prompts with one seed.
+inline std::vector<JudgedMotion> judge_seed(const MotionModel& model, const std::vector<JudgedPrompt>& prompts,
+                                            std::span<const Timeline> timelines, const GenerateOptions& options,
+                                            bool keep_motions) {
+  GenerateNotes notes;
+  GenerateOptions how = options;
+  how.notes = &notes;
+  auto motions = generate_motions(model, timelines, how);
+  std::vector<JudgedMotion> out(motions.size());
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const auto quality = motion_quality(motions[i]);
+    out[i] = {.verdict = verdict(prompts[i], motions[i]),
+              .positions = motions[i].positions(),
+              .skate = quality.feet.speed,
+              .jitter = quality.jitter,
+              .bones = notes.layout == "smplrifke" ? bone_change(notes.features[i]) : 0};
+    if (keep_motions) out[i].motion = std::move(motions[i]);
+  }
+  return out;
+}
+
+}  // namespace detail
+
 MOTIONLANG_BODY Judgement judge(const MotionModel& model, std::vector<JudgedPrompt> prompts,
-                                const GenerateOptions& options, int seeds, bool keep_motions) {
+                                const GenerateOptions& options, int seeds, bool keep_motions,
+                                const AnyCommunicator& all) {
   if (seeds < 1) raise<option_error>(101, "judge: ", seeds, " seeds");
   Judgement out;
   out.verdicts.resize(prompts.size());
@@ -316,24 +388,40 @@ MOTIONLANG_BODY Judgement judge(const MotionModel& model, std::vector<JudgedProm
     timelines.push_back(p.timeline(model, options));
     length += p.seconds;
   }
-  GenerateNotes notes;
-  GenerateOptions how = options;
-  how.notes = &notes;
-  for (int seed = 0; seed < seeds; ++seed) {
-    how.seed = options.seed + static_cast<std::uint64_t>(seed);
-    auto steps = [&](Index done, Index total) { return options.progress(seed * total + done, seeds * total), true; };
+  const auto take = [&](detail::JudgedMotion m, std::size_t prompt) {
+    out.verdicts[prompt].push_back(std::move(m.verdict));
+    out.positions.push_back(std::move(m.positions));
+    out.skate += m.skate, out.jitter += m.jitter, out.bones += m.bones;
+    if (keep_motions) out.made.push_back(std::move(m.motion));
+  };
+  // Each process has a seed of a round, and then all take the motions of the round in the order of seeds.
+  const int processes = static_cast<int>(all.size()), rank = static_cast<int>(all.rank());
+  for (int first = 0; first < seeds; first += processes) {
+    const int together = std::min(processes, seeds - first);
+    GenerateOptions how = options;
+    how.seed = options.seed + static_cast<std::uint64_t>(first + rank);
+    auto steps = [&](Index done, Index total) {
+      return options.progress(first * total + together * done, seeds * total), true;
+    };
     how.progress = steps;
     const std::clock_t start = std::clock();
-    auto motions = generate_motions(model, timelines, how);
-    out.seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / (length * seeds);
-    for (std::size_t i = 0; i < motions.size(); ++i) {
-      out.verdicts[i].push_back(verdict(prompts[i], motions[i]));
-      out.positions.push_back(motions[i].positions());
-      const auto quality = motion_quality(motions[i]);
-      out.skate += quality.feet.speed;
-      out.jitter += quality.jitter;
-      if (notes.layout == "smplrifke") out.bones += detail::bone_change(notes.features[i]);
-      if (keep_motions) out.made.push_back(std::move(motions[i]));
+    std::vector<detail::JudgedMotion> mine;
+    if (rank < together) mine = detail::judge_seed(model, prompts, timelines, how, keep_motions);
+    const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / (length * seeds);
+    if (processes == 1) {
+      out.seconds += seconds;
+      for (std::size_t i = 0; i < mine.size(); ++i) take(std::move(mine[i]), i);
+      continue;
+    }
+    MessageWriter message;
+    message.value(seconds);
+    message.value(std::uint64_t{mine.size()});
+    for (const detail::JudgedMotion& m : mine) detail::put_judged(message, m);
+    for (const std::string& of_rank : messages_of_all(all, message.bytes())) {
+      MessageReader in(of_rank);
+      out.seconds += in.value<double>();
+      const auto motions = static_cast<std::size_t>(in.value<std::uint64_t>());
+      for (std::size_t i = 0; i < motions; ++i) take(detail::take_judged(in), i);
     }
   }
   for (double* sum : {&out.skate, &out.jitter, &out.bones})

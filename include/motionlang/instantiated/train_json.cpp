@@ -24,6 +24,8 @@
 #include <motionlang/train/presets.ipp>
 #include <motionlang/train/recognition.ipp>
 #include <motionlang/train/retrieval_evaluation.ipp>
+#include <motionlang/train/shared_index.ipp>
+#include <motionlang/train/shared_search.ipp>
 #include <motionlang/train/sinc_training.ipp>
 #include <motionlang/train/temos_evaluation.ipp>
 #include <motionlang/train/temos_training.ipp>

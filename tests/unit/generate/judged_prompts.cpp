@@ -11,6 +11,7 @@
 #include "../../support/check_error.hpp"
 #include "../../support/synthetic_motion.hpp"
 #include "../../support/temporary_folder.hpp"
+#include "../../support/thread_processes.hpp"
 #include "../../support/word_count_encoder.hpp"
 #include "fake_models.hpp"
 
@@ -140,6 +141,57 @@ TEST_CASE("a model is judged by all prompts with several seeds") {
   }
   CHECK(std::abs(ml::mean_distance(j, moved) - 0.25) < 1e-12);
   CHECK_ERROR(ml::judge(model, ml::own_prompts(), {}, 0), "[motionlang.config.101] judge: 0 seeds");
+}
+
+namespace {
+
+/// Walks whose speed depends on the seed and on the place.
+class SeededWalks final : public ml::MotionModel {
+ public:
+  double fps() const override { return 20; }
+  std::string system() const override { return "walks"; }
+
+ private:
+  std::vector<ml::Motion> make(std::span<const ml::Timeline> timelines, const ml::GenerateOptions& o) const override {
+    std::vector<ml::Motion> out;
+    for (std::size_t i = 0; i < timelines.size(); ++i)
+      out.push_back(synthetic::walk({.frames = static_cast<int>(timelines[i].end()),
+                                     .fps = 20,
+                                     .steps_per_second = 0.2 * static_cast<double>(o.seed % 7 + i % 5)}));
+    o.progress(1, 2), o.progress(2, 2);
+    return out;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("several processes judge as one does, and the first one counts the steps of all") {
+  const SeededWalks model;
+  const ml::Judgement alone = ml::judge(model, ml::own_prompts(), {.seed = 3}, 5, true);
+  for (const ml::Index processes : {2, 3, 7}) {
+    run_processes(processes, [&](const ThreadProcess& process) {
+      std::vector<ml::Index> done;
+      auto progress = [&](ml::Index d, ml::Index total) {
+        CHECK(total == 10);
+        done.push_back(d);
+        return true;
+      };
+      const ml::GenerateOptions options{.seed = 3, .progress = progress};
+      const auto j = ml::judge(model, ml::own_prompts(), options, 5, true, ml::AnyCommunicator(process));
+      CHECK(ml::describe_judgement(j, true) == ml::describe_judgement(alone, true));
+      CHECK((j.skate == alone.skate && j.jitter == alone.jitter && j.bones == alone.bones));
+      REQUIRE(j.positions.size() == alone.positions.size());
+      for (std::size_t i = 0; i < j.positions.size(); ++i) {
+        CHECK(j.positions[i] == alone.positions[i]);
+        CHECK(j.made[i].local.size() == alone.made[i].local.size());
+        CHECK(j.made[i].positions() == alone.made[i].positions());
+        CHECK(j.made[i].skeleton == alone.made[i].skeleton);
+      }
+      if (process.rank() > 0) return;
+      CHECK(std::is_sorted(done.begin(), done.end()));
+      CHECK(done.back() == 10);
+    });
+  }
 }
 
 TEST_CASE("what fewer steps cost: a row for each number, compared with the first") {
