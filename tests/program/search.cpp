@@ -142,6 +142,73 @@ TEST_CASE("index and search: clips, moments, another motion, a page") {
   CHECK(contains(html, "Free as air"));
 }
 
+TEST_CASE(
+    "index and search: a folder of shards answers like one file, is updated and checked, and its damage is reported") {
+  const Gallery g;
+  ml::write_file(g / "captions.tsv", std::string_view("straight.bvh\ta person walks | walks\nleft\tturns left\n"));
+  const std::vector<std::string> captions{"--captions", "captions.tsv", "--stride", "0.1"};
+  REQUIRE(g.index(captions).code == 0);
+  const auto index_shards = [&](const std::string& out) {
+    std::vector<std::string> all{"index", "clips", "--model", "model", "-o", out, "--shard-mib", "0.015625"};
+    all.insert(all.end(), captions.begin(), captions.end());
+    return g.run(all);
+  };
+  check_contains(index_shards("moves"), 0,
+                 {"moves: 6 clips, ", "(6 added, 0 removed, 0 renamed, 0 unchanged, 1 skipped)"});
+  CHECK(fs::exists(g / "moves/shard-00001.index"));
+  const auto same = [&] {
+    for (const std::vector<std::string>& more :
+         std::vector<std::vector<std::string>>{{"a person walks"},
+                                               {"a person turns left", "--moments", "--top", "100"},
+                                               {"walks", "--captions", "--json"},
+                                               {"--like", "clips/left.bvh", "--moments", "--json"},
+                                               {"a person", "--threads", "1"}}) {
+      std::vector<std::string> file{"search", "moves.index"}, folder{"search", "moves"};
+      file.insert(file.end(), more.begin(), more.end()), folder.insert(folder.end(), more.begin(), more.end());
+      const Outcome one = g.run(file), all = g.run(folder);
+      REQUIRE_MESSAGE(one.code == 0, one.text);
+      CHECK(all.code == 0);
+      CHECK(all.text == one.text);
+    }
+    CHECK(g.run({"index", "-o", "moves", "--list"}).text == g.run({"index", "-o", "moves.index", "--list"}).text);
+  };
+  same();
+  check_contains(g.run({"index", "-o", "moves", "--check"}), 0, {"moves: all bytes are as they were written"});
+
+  ml::write_bvh(g / "clips/straight.bvh", walk("straight", 55, 0.5));
+  ml::write_bvh(g / "clips/new.bvh", walk("new", 35, 2));
+  fs::remove(g / "clips/two.glb");
+  fs::rename(g / "clips/sub/right.bvh", g / "clips/moved.bvh");
+  for (const char* out : {"moves", "moves.index"})
+    check_contains(g.run({"index", "clips", "-o", out, "--captions", "captions.tsv"}), 0,
+                   {"5 clips", "(2 added, 3 removed, 1 renamed, 2 unchanged, 1 skipped)"});
+  same();
+  for (const char* out : {"moves", "moves.index"})
+    check_contains(g.run({"index", "-o", out, "--remove", "clips/left.bvh"}), 0, {"1 clip removed, 4 left"});
+  same();
+
+  check_contains(g.run({"index", "clips", "-o", "moves.index", "--shard-mib", "1"}), 2,
+                 {"[motionlang.config.102] moves.index is one file"});
+  fs::path shard;
+  for (const auto& entry : fs::directory_iterator(g / "moves")) {
+    if (entry.path().extension() == ".index") shard = entry.path();
+  }
+  const std::string whole = ml::read_file(shard);
+  ml::write_file(shard, std::string_view(whole).substr(0, 3000));
+  check_contains(g.run({"search", "moves", "walks"}), 1,
+                 {"[motionlang.io.402] moves/shard-", ".index: 3000 bytes, the list shards.json says "});
+  std::string changed = whole;
+  changed[whole.size() - 200] = static_cast<char>(whole[whole.size() - 200] ^ 1);
+  ml::write_file(shard, changed);
+  check_contains(g.run({"index", "-o", "moves", "--check"}), 1, {"[motionlang.io.403] moves/shard-", "damaged"});
+  fs::remove(shard);
+  check_contains(g.run({"search", "moves", "walks"}), 1, {"[motionlang.io.401] moves/shard-", " is missing: shard "});
+  ml::write_file(shard, whole);
+  save_model(g / "other", 2);
+  check_contains(g.run({"search", "moves", "walks", "--model", "other"}), 1,
+                 {"[motionlang.config.102] this index was made with"});
+}
+
 TEST_CASE("search: a score on the scale of the model, unknown words, no clip shows this, a table of queries") {
   const Gallery g;
   const ml::WordVectors vectors({"person", "stroll", "walks"}, {1, 2, 3, 4, 5, 6}, {0.1f, 0.2f});

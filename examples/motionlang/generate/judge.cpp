@@ -15,6 +15,7 @@
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
+#include "../train/processes.hpp"
 #include "generation.hpp"
 
 namespace program {
@@ -80,7 +81,7 @@ ml::Judgement judged(const ml::MotionModel& generator, const JudgeOptions& o, co
   ml::GenerateOptions settings = o.settings;
   if (!o.sampler.empty()) settings.sampler = ml::parse_sampler(o.sampler);
   settings.progress = bar;
-  return ml::judge(generator, bench.prompts(seconds), settings, o.seeds, !o.strips.empty());
+  return ml::judge(generator, bench.prompts(seconds), settings, o.seeds, !o.strips.empty(), processes());
 }
 
 void print_warnings(const ml::MotionModel& model, const ml::Judgement& j) {
@@ -111,6 +112,9 @@ void remember(const ml::MotionModel& generator, const JudgeOptions& o, const std
 
 void run(const JudgeOptions& o) {
   o.machine.apply();
+  const bool first = processes().rank() == 0;
+  if (processes().size() > 1 && (!o.clips.empty() || !o.compare.empty()))
+    ml::raise<usage_error>(102, "judge: --clips and --compare run in one process, not in ", processes().size());
   if (!o.clips.empty()) return judge_clips(o);
   const auto generator = load_generator(o.backend, o.model);
   if (o.remember && generator->captions().empty())
@@ -121,7 +125,7 @@ void run(const JudgeOptions& o) {
   for (const ml::JudgedBench& bench : benches_of(o)) {
     for (const double seconds : o.seconds.empty() ? std::vector<double>{bench.seconds} : o.seconds) {
       const ml::Judgement& j = judgements.emplace_back(judged(*generator, o, bench, seconds));
-      if (!o.strips.empty()) ml::write_judged_strips(o.strips, ml::concat_text(bench.name, "_", seconds), j);
+      if (first && !o.strips.empty()) ml::write_judged_strips(o.strips, ml::concat_text(bench.name, "_", seconds), j);
       summary += ml::judgement_row(j, bench.about, seconds);
       if (seconds > 0)
         std::printf(o.prompts.empty() ? "%s, %g s each\n" : "%s, %g s where a line names none\n", bench.about.c_str(),
@@ -132,7 +136,7 @@ void run(const JudgeOptions& o) {
     }
   }
   if (o.bench == "all" || o.seconds.size() > 1) print(ml::judgement_header() + summary);
-  if (o.remember) remember(*generator, o, judgements);
+  if (first && o.remember) remember(*generator, o, judgements);
   if (!ml::find_motion_model(o.model).system.empty()) return;  // only weights of train have figures of recordings
   const auto file = ml::SafetensorsFile::open(ml::stmc_model_file(o.model));
   print(ml::recordings_line(file.metadata(), file.name()));

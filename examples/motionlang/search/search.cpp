@@ -1,8 +1,10 @@
 // motionlang search: finds the motions of an index that fit words or another motion.
 #include <cstdio>
+#include <optional>
 
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/search/query_bench.hpp>
+#include <motionlang/train/shared_search.hpp>
 #include <motionlang/view/search_page.hpp>
 
 #include "../commands.hpp"
@@ -10,6 +12,7 @@
 #include "../formatted.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
+#include "../train/processes.hpp"
 #include "search_model.hpp"
 
 namespace program {
@@ -39,12 +42,19 @@ struct SearchOptions {
 
 class Search {
  public:
-  explicit Search(const SearchOptions& options) : o_(options), file_(ml::MotionIndexFile::open(o_.index)) {}
+  explicit Search(const SearchOptions& options) : o_(options) {
+    processes();  // all but the first print nothing
+    if (std::filesystem::is_directory(o_.index))
+      shards_ = ml::IndexShards::open(o_.index), tables_ = shards_;
+    else
+      file_ = ml::MotionIndexFile::open(o_.index), tables_ = std::make_shared<ml::TablesOfIndex>(file_->index());
+  }
 
   void run() {
     if (!o_.queries.empty()) {
       if (!o_.text.empty()) ml::raise<usage_error>(102, "search: give either a text or --queries");
-      return print(ml::describe_query_answers(ml::answer_queries(index(), model(), ml::read_queries(o_.queries))));
+      const ml::MotionIndex all = shards_ ? shards_->whole() : file_->index();
+      return print(ml::describe_query_answers(ml::answer_queries(all, model(), ml::read_queries(o_.queries))));
     }
     if (o_.text.empty() == o_.like.empty())
       ml::raise<usage_error>(102, "search: give either a text or --like with a motion file");
@@ -53,26 +63,25 @@ class Search {
     if (!o_.html.empty()) require_folder_of(o_.html);
     ml::InputFiles{o_.index, o_.like}.refuse(o_.html);
     answer_ = answer();
-    found_ = ml::found_motions(index(), answer_);
+    found_ = ml::found_motions(*tables_, answer_);
     print(o_.json ? ml::search_json(found_, answer_, query_text(), kind()) : ml::search_text(found_, answer_, one()));
     if (!o_.json && found_.empty()) std::printf("no results: the index has %td %s\n", gallery(), kind());
-    if (!o_.html.empty()) write_page();
+    if (!o_.html.empty() && processes().rank() == 0) write_page();
   }
 
  private:
-  const ml::MotionIndex& index() const { return file_.index(); }
-
   SearchModel model() const {
-    const ml::IndexModel& made_with = index().model();
+    const ml::IndexModel& made_with = tables_->model();
     const std::string path = o_.model.empty() ? made_with.path : o_.model;
     SearchModel out = search_model(path, o_.text_encoder.empty() ? made_with.text_encoder : o_.text_encoder);
-    index().require_model(out.model().id, path);
+    ml::MotionIndex(made_with).require_model(out.model().id, path);
     return out;
   }
   ml::TextAnswer answer() const {
     const SearchModel model = this->model();
     const ml::SearchOptions how = o_.search();
-    const ml::MotionSearch moves = ml::open_motion_search(file_, how.exact, how.storage);
+    const ml::MotionSearch moves =
+        shards_ ? ml::open_shared_search(shards_, processes()) : ml::open_motion_search(*file_, how.exact, how.storage);
     if (!o_.text.empty()) return ml::answer_text(moves, model, o_.text, how);
     const ml::Motion like = ml::edit_time(read_motions(o_.like, o_.read).front(), {.from = o_.from, .to = o_.to});
     ml::TextAnswer out{.hits = ml::search(moves, ml::encode_motion(model, like), how)};
@@ -83,7 +92,7 @@ class Search {
   const char* one() const { return o_.moments ? "moment" : "clip"; }
   const char* kind() const { return o_.moments ? "moments" : o_.captions ? "captions" : "clips"; }
   /// The number of items to search.
-  Index gallery() const { return ml::gallery_size(index(), o_.search().what); }
+  Index gallery() const { return ml::gallery_size(*tables_, o_.search().what); }
   std::string query_text() const { return o_.text.empty() ? "like " + o_.like : o_.text; }
 
   void write_page() {
@@ -97,7 +106,9 @@ class Search {
   }
 
   const SearchOptions& o_;
-  ml::MotionIndexFile file_;
+  std::optional<ml::MotionIndexFile> file_;
+  std::shared_ptr<const ml::IndexShards> shards_;  // instead
+  std::shared_ptr<const ml::IndexTables> tables_;  // of either
   ml::TextAnswer answer_;
   std::vector<ml::FoundMotion> found_;
 };
@@ -107,7 +118,7 @@ class Search {
 void add_search(CLI::App& app) {
   const auto o = std::make_shared<SearchOptions>();
   CLI::App* c = app.add_subcommand("search", "Finds the motions of an index that fit a text or another motion");
-  file_option(*c, "index", o->index, "File written by motionlang index")->required();
+  path_option(*c, "index", o->index, "File or folder of shards written by motionlang index")->required();
   c->add_option("text", o->text, "Text to search for, such as \"a person waves with the left hand\"");
   CLI::Option* like =
       file_option(*c, "--like", o->like, "Motion to search for instead of a text: .bvh, .amc, .npz (AMASS) or .glb");
