@@ -44,7 +44,7 @@ struct Processes : Clips {
 
 TEST_CASE("one, two and four processes train the same model, and print once") {
   const Processes w;
-  for (const std::string name : {"train-mdm-smpl", "train-actor"}) {
+  for (const std::string name : {"train-mdm-smpl", "train-actor", "train-tmr"}) {
     CAPTURE(name);
     const std::string more = "--micro-batch 1 --set optimiser.epochs=3";
     const Outcome alone = w.shell(Processes::command(name, name + "0", more));
@@ -93,14 +93,18 @@ TEST_CASE("when a process is killed, all end, and one process goes on from the l
   CHECK(w.checkpoint_bytes("killed") == w.checkpoint_bytes("whole"));
 }
 
-TEST_CASE("several processes are refused without parts, and by trainings whose loss needs the whole batch") {
+TEST_CASE("several processes are refused without parts, and by networks that normalise whole batches") {
   const Processes w;
   const Outcome parts = w.shell(Processes::mpirun(2) + Processes::command("train-mdm-smpl", "out", ""));
   CHECK(parts.code == 2);
   CHECK_MESSAGE(contains(parts.text, "[motionlang.config.102] 2 processes share the parts of a batch: --micro-batch"),
                 parts.text);
-  const Outcome tmr = w.shell(Processes::mpirun(2) + Processes::command("train-tmr", "out", ""));
-  CHECK(tmr.code == 2);
-  CHECK_MESSAGE(contains(tmr.text, "[motionlang.config.102] this training needs its whole batch at once"), tmr.text);
+  const Outcome stgcn = w.shell(Processes::mpirun(2) + MOTIONLANG_TRAINED_PROGRAM
+                                " train-classifier --data . --labels labels.tsv --out out --preset small --threads 1 "
+                                "--micro-batch 1 --set kind=stgcn --set clips.translation=false --set width=4 --set "
+                                "data.min_seconds=0.5");
+  CHECK(stgcn.code == 2);
+  CHECK_MESSAGE(contains(stgcn.text, "[motionlang.config.102] ST-GCN normalises by the statistics of the whole batch"),
+                stgcn.text);
   CHECK_FALSE(std::filesystem::exists(w / "out/checkpoint.safetensors"));
 }

@@ -65,11 +65,8 @@ void add_micro_batch_option(CLI::App& command, ml::TrainingOptions& o) {
       ->check(positive());
 }
 
-const ml::AnyCommunicator& training_processes(bool divided, const ml::TrainingOptions& o) {
+const ml::AnyCommunicator& training_processes(const ml::TrainingOptions& o) {
   const ml::AnyCommunicator& all = processes();
-  if (all.size() > 1 && !divided)
-    ml::raise<usage_error>(102, "this training needs its whole batch at once: it runs in one process, not in ",
-                           all.size());
   if (all.size() > 1 && o.micro_batch == 0)
     ml::raise<usage_error>(102, all.size(), " processes share the parts of a batch: --micro-batch is missing");
   return all;

@@ -17,8 +17,7 @@ int end_processes(int code);
 /// The option --micro-batch.
 void add_micro_batch_option(CLI::App& command, motionlang::TrainingOptions& o);
 
-/// The processes for a training. Throws usage_error 102 if there are several and the training needs its whole batch at
-/// once (`divided` is false), or the option --micro-batch is missing.
-const motionlang::AnyCommunicator& training_processes(bool divided, const motionlang::TrainingOptions& o);
+/// The processes for a training. Throws usage_error 102 if there are several and the option --micro-batch is missing.
+const motionlang::AnyCommunicator& training_processes(const motionlang::TrainingOptions& o);
 
 }  // namespace program

@@ -30,7 +30,7 @@ struct TrainOptions {
 
 void run(const TrainOptions& o) {
   ml::TrainingOptions options = o.run;
-  options.communicator = training_processes(true, o.run);
+  options.communicator = training_processes(o.run);
   o.machine.apply();
   make_output_folder("--out", o.run.out);
   const auto data = [&] {

@@ -36,7 +36,6 @@ void add_train_actor(CLI::App& app) {
       "train-actor", "Trains ACTOR, which generates motions from actions. Ctrl-C saves; the same command continues");
   add_training_options(
       *c, o->common, {"actor-published", "actor-published-ntu13", "actor-published-uestc", "actor-variable", "small"});
-  add_divided_option(*c, o->common);
   o->labels.add_to(*c);
   folder_option(*c, "--from", o->from,
                 "Model to start with, trained here or published, to train on many lengths after those of 60 frames");

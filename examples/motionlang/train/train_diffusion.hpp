@@ -48,7 +48,6 @@ void add_diffusion(CLI::App& app, const char* name, const char* what, const std:
   const auto o = std::make_shared<DiffusionOptions>();
   CLI::App* c = app.add_subcommand(name, what);
   add_training_options(*c, o->common, presets);
-  add_divided_option(*c, o->common);
   o->texts.add_to(*c);
   path_option(*c, "--text-encoder", o->text_encoder, about_text_encoder);
   folder_option(*c, "--statistics", o->statistics,

@@ -27,7 +27,6 @@ void add_train_mdm_actions(CLI::App& app) {
   CLI::App* c = app.add_subcommand(
       "train-mdm-actions", "Trains MDM on motions of actions, as published. Ctrl-C saves; the same command continues");
   add_training_options(*c, o->common, {"mdm-actions-published", "small"});
-  add_divided_option(*c, o->common);
   o->labels.add_to(*c);
   c->callback([o] { run(*o); });
 }

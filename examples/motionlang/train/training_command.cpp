@@ -30,10 +30,6 @@ void add_training_options(CLI::App& command, TrainingOptions& o, const std::vect
   command.add_option("--provenance", o.provenance, "Origin of the data, for the metadata")->capture_default_str();
   command.add_option("--commit", o.commit, "Commit of the program, for the metadata");
   o.machine.add_to(command);
-}
-
-void add_divided_option(CLI::App& command, TrainingOptions& o) {
-  o.divided = true;
   add_micro_batch_option(command, o.run);
 }
 
@@ -59,7 +55,7 @@ bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& conf
     return false;
   }
   if (o.data.empty()) ml::raise<usage_error>(102, "--data is required");
-  training_processes(o.divided, o.run);
+  training_processes(o.run);
   o.machine.apply();
   make_output_folder("--out", o.run.out);
   return true;

@@ -34,7 +34,6 @@ struct TrainingOptions {
   ml::TrainingOptions run;
   std::string license = "not stated", provenance = "own training", commit;
   MachineOptions machine;
-  bool divided = false;  // several processes can share a batch
 };
 
 /// The source of the actions of train-actor, train-classifier and train-mdm-actions.
@@ -55,9 +54,6 @@ struct CaptionOptions {
 
 /// `presets` holds their names; the first is the default.
 void add_training_options(CLI::App& command, TrainingOptions& o, const std::vector<std::string>& presets);
-
-/// The option --micro-batch, for trainings whose batches can be divided (ml::DividedTask).
-void add_divided_option(CLI::App& command, TrainingOptions& o);
 
 /// Prints the number of motions in each part.
 void print_parts(const ml::DescribedMotions& data);

@@ -170,11 +170,11 @@ struct Seq2SeqGru {
 
   /// For each token, the logits of the next one, packed like `inputs`, of which there must be one for each text.
   /// `forced`: the decoder reads the inputs. Otherwise it reads their first token and then its own most probable
-  /// tokens.
-  Tensor<B, 2> logits(const Sequences<B>& words, const IdSequences& inputs, bool forced) const {
+  /// tokens. `longest`: as for start.
+  Tensor<B, 2> logits(const Sequences<B>& words, const IdSequences& inputs, bool forced, Index longest = 0) const {
     const Index n = inputs.count();
     if (words.count() != n) raise<shape_error>(204, "Seq2SeqGru: ", n, " sequences for ", words.count(), " texts");
-    auto state = start(words);
+    auto state = start(words, longest);
     std::vector<Tensor<B, 2>> steps;
     std::vector<Index> previous(static_cast<std::size_t>(n));
     for (Index t = 0; t < inputs.offsets.longest(); ++t) {

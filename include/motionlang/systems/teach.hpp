@@ -111,19 +111,20 @@ struct Teach {
       return latent_branch(std::move(g), eps, fact,
                            [&](const Tensor<B, 2>& z) { return decode(z, motion.offsets, context); });
     };
-    const auto& [first_text, second_text, first, second, transition] = pairs;
+    const auto &first = pairs.first_motion, &second = pairs.second_motion;
     TeachBranches<B> out;
     const auto& text = out.first.text =
-        branch(encode_text(first_text, {}, context), noise.first.text, noise.first.fact, first);
+        branch(encode_text(pairs.first_text, {}, context), noise.first.text, noise.first.fact, first);
     const auto past = past_of(teacher_forcing ? first : first.with(text.frames), text.z);
     out.past = *past.frames;
-    out.second.text = branch(encode_text(second_text, past, context), noise.second.text, noise.second.fact, second);
+    out.second.text =
+        branch(encode_text(pairs.second_text, past, context), noise.second.text, noise.second.fact, second);
     if (!motionencoder) return out;
-    auto encode = [&](const Sequences<B>& motion) {
-      return encode_motion(config.mask_padding ? motion : from_equal(to_padded(motion)), context);
+    auto encode = [&](const Sequences<B>& motion, Index longest) {
+      return encode_motion(config.mask_padding ? motion : from_equal(to_padded(motion, 0, longest)), context);
     };
-    out.first.motion = branch(encode(first), noise.first.motion, noise.first.fact, first);
-    out.second.motion = branch(encode(second), noise.second.motion, noise.second.fact, second);
+    out.first.motion = branch(encode(first, pairs.longest_first), noise.first.motion, noise.first.fact, first);
+    out.second.motion = branch(encode(second, pairs.longest_second), noise.second.motion, noise.second.fact, second);
     return out;
   }
 

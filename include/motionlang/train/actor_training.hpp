@@ -51,9 +51,8 @@ class ActorTraining : public ActionTask<ActorTrainingConfig, Actor<A>, Actor<typ
                 const ActorBodyFiles& files = {});
 
   LossTerms<A> loss(Philox rng, Index step, const Context& context) const {
-    return part_loss(rng, step, {0, samples(step)}, context);
+    return part_loss(rng, step, {0, this->samples(step)}, context);
   }
-  Index samples(Index step) const { return std::ssize(batches_(step, this->seed())); }
   LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const {
     return loss_of(learner_.model, this->batch(rng, step), part, rng, context);
   }

@@ -15,6 +15,7 @@
 #include <vector>     // sums
 
 #include <motionlang/core/rng.hpp>
+#include <motionlang/loss/loss_terms.hpp>
 #include <motionlang/tensor/gradient.hpp>
 #include <motionlang/tensor/module.hpp>
 #include <motionlang/tensor/sequences.hpp>
@@ -46,6 +47,13 @@ inline BatchPart batch_part(Index i, Index samples, Index size) {
 }
 /// The rank that computes part i. Ranks have equal numbers of parts, or one more than others; rank 0 has part 0.
 inline Index rank_of_part(Index i, Index parts, Index ranks) { return i * ranks / parts; }
+
+/// A loss with other weights: those of a part, for means over the samples of the part.
+template <Backend B>
+LossTerms<B> weighted(LossTerms<B> terms, double weight) {
+  for (auto& t : terms.terms) t.weight *= weight;
+  return terms;
+}
 
 /// The sequences of a part of a batch, and the rows of the batch before them.
 template <Backend B>
@@ -81,6 +89,10 @@ std::vector<S> sum_of_parts(const AnyCommunicator& c, Index parts, const F& comp
 template <AutodiffBackend A>
 void append_gradients(std::vector<typename A::scalar>& out, const std::vector<ModuleTensor<A>>& parameters,
                       const Gradients<A>& gradients);
+/// Adds gradients to such a list.
+template <AutodiffBackend A>
+void add_gradients(std::span<typename A::scalar> list, const std::vector<ModuleTensor<A>>& parameters,
+                   const Gradients<A>& gradients);
 /// The length of such a list.
 template <AutodiffBackend A>
 std::size_t gradient_list_size(const std::vector<ModuleTensor<A>>& parameters);
@@ -149,6 +161,22 @@ void append_gradients(std::vector<typename A::scalar>& out, const std::vector<Mo
     } else {
       out.resize(out.size() + static_cast<std::size_t>(t.shape().count()));
     }
+  }
+}
+
+template <AutodiffBackend A>
+void add_gradients(std::span<typename A::scalar> list, const std::vector<ModuleTensor<A>>& parameters,
+                   const Gradients<A>& gradients) {
+  std::size_t reached = 0;
+  auto at = static_cast<std::size_t>(std::count_if(parameters.begin(), parameters.end(), detail::is_variable<A>));
+  for (const auto& t : parameters) {
+    if (!detail::is_variable<A>(t)) continue;
+    if (const auto* g = gradients.find(*t.data)) {
+      list[reached] += 1;
+      const auto values = A::inner::to_span(*g);
+      for (std::size_t i = 0; i < values.size(); ++i) list[at + i] += values[i];
+    }
+    ++reached, at += static_cast<std::size_t>(t.shape().count());
   }
 }
 

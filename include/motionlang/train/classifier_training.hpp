@@ -5,6 +5,7 @@
 /// Source   ACTOR (Petrovich, Black, Varol, ICCV 2021), its evaluation; thesis 3.3.1
 #pragma once
 
+#include <cstdint>     // streams
 #include <functional>  // reading again
 #include <optional>    // a generator
 #include <span>        // numbers of motions
@@ -39,17 +40,28 @@ class ClassifierTraining : public ActionTask<ClassifierConfig, Classifier<A>, Cl
   ClassifierTraining(const ClassifierConfig& config, const DescribedMotions& data,
                      std::optional<ActorModel<B>> generator = {}, const Read& read = {});
 
-  LossTerms<A> loss(Philox rng, Index step, const Context&) {
-    const auto b = generator_ ? partly_generated(rng, step) : this->batch(rng, step);
+  LossTerms<A> loss(Philox rng, Index step, const Context& context) {
+    return part_loss(rng, step, {0, this->samples(step)}, context);
+  }
+  LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context&) {
+    const auto whole = generator_ ? partly_generated(rng, step) : this->batch(rng, step);
+    const auto b = part_of(whole, part);
+    const auto logits = learner_.model.train(b.x, config_.clips, rng, {part.first, whole.x.count()}).logits;
     LossTerms<A> out;
-    out.add("cross entropy", 1, cross_entropy(learner_.model.train(b.x, config_.clips, rng).logits, b.classes));
+    out.add("cross entropy", part.share(whole.x.count()), cross_entropy(logits, b.classes));
     return out;
+  }
+  /// Throws option_error 102 for ST-GCN, whose norms use the statistics of the whole batch.
+  void require_parts() const {
+    if (learner_.average.stgcn)
+      raise<option_error>(102, "ST-GCN normalises by the statistics of the whole batch: it has no `micro_batch`");
   }
   std::vector<Measure> validate();
 
  private:
-  /// The batch of a step. Generated motions replace some of its motions at random.
-  ActionBatch<A> partly_generated(const Philox& rng, Index step) const;
+  /// The batch of a step. Generated motions replace some of its motions at random. They are kept for the next part of
+  /// the batch.
+  const ActionBatch<A>& partly_generated(const Philox& rng, Index step);
   /// Motions of the generator in the places of recorded ones.
   ActionBatch<B> generated(std::span<const Index> which, const Philox& rng) const;
 
@@ -57,6 +69,13 @@ class ClassifierTraining : public ActionTask<ClassifierConfig, Classifier<A>, Cl
   std::optional<ActorModel<B>> generator_;
   ActorClipsConfig known_clips_;           // windows in the generator's form
   std::optional<DescribedMotions> known_;  // the data in its rows, if these differ
+  struct Made {
+    Made(Index s, std::uint64_t r, ActionBatch<A> b) : step(s), stream(r), batch(std::move(b)) {}
+    Index step;
+    std::uint64_t stream;
+    ActionBatch<A> batch;
+  };
+  std::optional<Made> made_;
 };
 
 template <AutodiffBackend A>
@@ -89,7 +108,8 @@ std::vector<Measure> ClassifierTraining<A>::validate() {
 }
 
 template <AutodiffBackend A>
-ActionBatch<A> ClassifierTraining<A>::partly_generated(const Philox& rng, Index step) const {
+const ActionBatch<A>& ClassifierTraining<A>::partly_generated(const Philox& rng, Index step) {
+  if (made_ && made_->step == step && made_->stream == rng.stream) return made_->batch;
   auto draw = rng.split("generated");
   std::vector<Index> kept, replaced;
   for (const Index i : batches_(step, this->seed()))
@@ -108,7 +128,7 @@ ActionBatch<A> ClassifierTraining<A>::partly_generated(const Philox& rng, Index 
   }
   const Offsets offsets{std::span<const Index>(lengths)};
   out.x = {Tensor<A, 2>::from(values, {offsets.rows(), config_.clips.width()}), offsets};
-  return out;
+  return made_.emplace(step, rng.stream, std::move(out)).batch;
 }
 
 template <AutodiffBackend A>

@@ -8,10 +8,12 @@
 
 #include <concepts>  // convertible_to
 #include <cstddef>   // bytes
+#include <cstdint>   // sizes of messages
 #include <span>      // messages
 #include <string>    // messages
 #include <vector>    // lines
 
+#include <motionlang/core/concepts.hpp>
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/shape.hpp>
 
@@ -98,10 +100,21 @@ static_assert(Communicator<AnyCommunicator>);
 std::string text_of_first(const AnyCommunicator& c, std::string text);
 /// The lines of rank 0, in all processes.
 std::vector<std::string> lines_of_first(const AnyCommunicator& c, const std::vector<std::string>& lines);
+/// The numbers of rank 0, in all processes. Others need not know how many there are.
+template <Scalar S>
+void numbers_of_first(const AnyCommunicator& c, std::vector<S>& numbers);
 /// The answer of rank 0, in all processes.
 bool answer_of_first(const AnyCommunicator& c, bool answer);
 /// The number of the first rank whose text differs from that of rank 0, in all processes; -1 if all are equal.
 Index first_other_text(const AnyCommunicator& c, const std::string& text);
+
+template <Scalar S>
+void numbers_of_first(const AnyCommunicator& c, std::vector<S>& numbers) {
+  std::uint64_t size = numbers.size();
+  c.broadcast(std::as_writable_bytes(std::span(&size, 1)), 0);
+  numbers.resize(size);
+  c.broadcast(std::as_writable_bytes(std::span(numbers)), 0);
+}
 
 /// The kernels of this process (core/instruction_set.hpp). Processes whose kernels differ compute other bits.
 std::string kernels_in_use();

@@ -23,6 +23,8 @@ class EpochBatches {
     if (items < 1 || batch < 1) raise<config_error>(101, "batches of ", batch, " out of ", items, " items");
   }
   Index per_epoch() const { return (items_ + batch_ - 1) / batch_; }
+  /// The number of items of a step.
+  Index size(Index step) const { return std::min(batch_, items_ - step % per_epoch() * batch_); }
 
   /// Numbers of the items of a step.
   std::vector<Index> operator()(Index step, std::uint64_t seed) const {

@@ -37,6 +37,8 @@ class EpochTask {
   const Config& config() const { return config_; }
   std::uint64_t seed() const { return config_.optimiser.seed; }
   Index steps() const { return config_.optimiser.epochs * batches_.per_epoch(); }
+  /// The number of motions in the batch of a step.
+  Index samples(Index step) const { return batches_.size(step); }
   void update(const Gradients<A>& gradients, Index step) {
     learner_.update(gradients, config_.optimiser.rate(step, steps()), step);
   }

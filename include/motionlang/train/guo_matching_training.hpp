@@ -85,17 +85,25 @@ class GuoMatchingTraining : public EpochTask<GuoTrainingConfig, GuoPair<A>, GuoP
   GuoMatchingTraining(const GuoTrainingConfig& config, const DescribedMotions& data, const GuoMatchingParts<B>& parts)
       : GuoMatchingTraining(config, data, parts, detail::guo_training_entries(data)) {}
 
-  LossTerms<A> loss(const Philox& rng, Index step, const Context&) {
-    auto which = batches_(step, this->seed());
-    if (std::ssize(which) < config_.optimiser.batch) {
-      const auto first = batches_(step - step % batches_.per_epoch(), this->seed());
-      for (std::size_t i = 0; i < first.size() && std::ssize(which) < config_.optimiser.batch; ++i)
-        which.push_back(first[i]);
-    }
+  LossTerms<A> loss(const Philox& rng, Index step, const Context& context) {
+    return loss_of_one_part(*this, rng, step, context);
+  }
+  Index samples(Index step) const { return std::ssize(filled_batch(step)); }
+  /// The embeddings of texts and motions, which the loss compares. There are no other terms.
+  ComparedPart<A> compared_part(const Philox& rng, Index step, const BatchPart& part, const Context&) {
     auto draw = rng.split("texts");
-    const auto [words, movements] = this->batch(entries_, which, draw);
-    return terms_of(learner_.model.text_encoder(detail::constants<A>(words)),
-                    learner_.model.motion_encoder(detail::constants<A>(movements)), draw);
+    const auto which = filled_batch(step);
+    const Index all = std::ssize(which), width = config_.matching.embedding;
+    const auto [words, movements] = this->batch(entries_, which, draw, part);
+    ComparedPart<A> out;
+    out.compared.push_back({learner_.model.text_encoder(detail::constants<A>(words)), width, part.first, all});
+    out.compared.push_back({learner_.model.motion_encoder(detail::constants<A>(movements)), width, part.first, all});
+    return out;
+  }
+  LossTerms<A> compared_loss(const Philox& rng, Index step, const std::vector<Tensor<A, 2>>& rows) const {
+    auto draw = rng.split("texts");
+    for (const Index i : filled_batch(step)) guo_sample(entries_[static_cast<std::size_t>(i)], draw);
+    return terms_of(rows[0], rows[1], draw);
   }
   /// One step of each of the two optimisers. Each network's gradient is clipped by its own norm.
   void update(const Gradients<A>& gradients, Index step) {
@@ -161,13 +169,26 @@ class GuoMatchingTraining : public EpochTask<GuoTrainingConfig, GuoPair<A>, GuoP
     text_adam_.config = motion_adam_.config = config_.optimiser.adamw();
   }
 
-  Batch batch(const std::vector<TextEntry>& of, std::span<const Index> which, Philox& draw) const {
+  /// The numbers of the entries of a step. The last batch of an epoch is filled with entries of the first one.
+  std::vector<Index> filled_batch(Index step) const {
+    auto which = batches_(step, this->seed());
+    if (std::ssize(which) < config_.optimiser.batch) {
+      const auto first = batches_(step - step % batches_.per_epoch(), this->seed());
+      for (std::size_t i = 0; i < first.size() && std::ssize(which) < config_.optimiser.batch; ++i)
+        which.push_back(first[i]);
+    }
+    return which;
+  }
+  /// Some of the entries `which`. All are drawn.
+  Batch batch(const std::vector<TextEntry>& of, std::span<const Index> which, Philox& draw,
+              const BatchPart& part) const {
     std::vector<std::string> texts;
     MotionBatch<B> motions(parts_->statistics);
-    Index longest = 0;
+    Index longest = 0, number = 0;
     for (const Index i : which) {
       const TextEntry& e = of[static_cast<std::size_t>(i)];
       const GuoSample sample = guo_sample(e, draw);
+      if (const Index at = number++; at < part.first || at >= part.last) continue;
       texts.push_back(tagged_text(*sample.text));
       motions.add(e.motion->rows, {e.frames.first + sample.frames.first, sample.frames.length});
       longest = std::max(longest, sample.frames.length);
@@ -200,7 +221,7 @@ std::vector<Measure> GuoMatchingTraining<A>::validate() {
     const std::vector<Index> which = batches(k, 0);
     if (which.size() < 2) continue;
     auto draw = Philox{.seed = this->seed()}.split("validation").split(static_cast<std::uint64_t>(k));
-    const auto [words, movements] = this->batch(validation_, which, draw);
+    const auto [words, movements] = this->batch(validation_, which, draw, {0, std::ssize(which)});
     const auto texts = learner_.average.text_encoder(words), motions = learner_.average.motion_encoder(movements);
     loss += static_cast<double>(terms_of(texts, motions, draw).total().item()) * static_cast<double>(which.size());
     matching.add(Rows(texts.span(), texts.size(1)), Rows(motions.span(), motions.size(1)));

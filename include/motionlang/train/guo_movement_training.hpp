@@ -46,14 +46,20 @@ class GuoMovementTraining
   GuoMovementTraining(const GuoTrainingConfig& config, const DescribedMotions& data, Normalizer<B> statistics)
       : GuoMovementTraining(config, data, std::move(statistics), detail::guo_training_windows(config, data)) {}
 
-  LossTerms<A> loss(const Philox&, Index step, const Context& context) {
+  LossTerms<A> loss(const Philox& rng, Index step, const Context& context) {
+    return part_loss(rng, step, {0, this->samples(step)}, context);
+  }
+  LossTerms<A> part_loss(const Philox&, Index step, const BatchPart& part, const Context& context) {
     MotionBatch<B> batch(statistics_);
-    for (const Index i : batches_(step, this->seed())) {
+    const auto which = batches_(step, this->seed());
+    for (const Index i : part.of(which)) {
       const ClipWindow& w = windows_[static_cast<std::size_t>(i)];
       batch.add(data_->training[static_cast<std::size_t>(w.clip)].rows, {w.start, config_.movement.window});
     }
     const auto x = detail::constants<A>(batch.normalized());
-    return movement_losses<A>(learner_.model(x, context), x, config_.movement.sparsity, config_.movement.smooth);
+    return weighted(
+        movement_losses<A>(learner_.model(x, context), x, config_.movement.sparsity, config_.movement.smooth),
+        part.share(std::ssize(which)));
   }
   /// The loss of whole motions.
   std::vector<Measure> validate() {

@@ -9,6 +9,7 @@
 /// Source   SINC (Athanasiou et al., ICCV 2023); thesis B.2.1 to B.2.3
 #pragma once
 
+#include <algorithm>   // max, min
 #include <filesystem>  // folders
 #include <optional>    // items
 #include <set>         // labels
@@ -53,17 +54,25 @@ class SincTraining : public BabelTask<A, Sinc> {
                const std::filesystem::path& statistics = {}, const BodyPartTable* table = nullptr,
                const LabelTags* tags = nullptr);
 
-  LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
+  LossTerms<A> loss(Philox rng, Index step, const Context& context) const {
+    return part_loss(rng, step, {0, this->samples(step)}, context);
+  }
+  LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const;
   /// The loss without dropout, of whole motions and the published evaluation's sentences, always with the same noise.
   std::vector<Measure> validate();
 
  private:
   using LabelsOfMotions = std::vector<std::vector<std::string>>;
 
-  /// sentence(labels): one text of them, for a model that reads them so.
+  /// The terms of a part of a batch.
+  /// labels     of all motions of the batch
+  /// sentence   sentence(labels): one text of them, for a model that reads them so
+  /// motions    of the part
+  /// longest    frames of the longest motion of the batch, if it may be in another part
   template <Backend T, class Sentence>
-  LossTerms<T> loss_of(const TextMotionModel<T, Sinc>& model, const LabelsOfMotions& labels, Sentence sentence,
-                       const Sequences<T>& motions, const Philox& rng, const Context& context) const;
+  LossTerms<T> loss_of(const TextMotionModel<T, Sinc>& model, const LabelsOfMotions& labels, const BatchPart& part,
+                       Sentence sentence, const Sequences<T>& motions, const Philox& rng, const Context& context,
+                       Index longest = 0) const;
 
   using Base::batches_, Base::config_, Base::data_, Base::learner_;
   std::optional<SincItems> items_;
@@ -89,12 +98,13 @@ SincTraining<A>::SincTraining(SincTrainingConfig config, const DescribedMotions&
 }
 
 template <AutodiffBackend A>
-LossTerms<A> SincTraining<A>::loss(Philox rng, Index step, const Context& context) const {
+LossTerms<A> SincTraining<A>::part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const {
   auto draws = rng.split("items"), conjunctions = rng.split("conjunctions"), order = rng.split("order");
   const SincDrawOptions options{.proportion = config_.data.proportion,
                                 .random = config_.data.random,
                                 .window = {.request = config_.data.window, .shortest = config_.data.shortest}};
   LabelsOfMotions labels;
+  Index longest = 0;
   MotionBatch<A> batch(learner_.model.motion_normalizer);
   for (const Index k : batches_(step, this->seed())) {
     const DescribedMotion& m = this->training_motion(k);
@@ -107,18 +117,23 @@ LossTerms<A> SincTraining<A>::loss(Philox rng, Index step, const Context& contex
       });
     for (std::size_t i = config_.data.shuffle ? e.labels.size() : 0; i > 1; --i)
       std::swap(e.labels[i - 1], e.labels[order.below(static_cast<std::uint32_t>(i))]);
+    const Index number = std::ssize(labels);
     labels.push_back(std::move(e.labels));
+    const DescribedMotion& other = e.partner ? this->training_motion(*e.partner) : m;
+    const Index shorter = std::min(std::ssize(m.rows), std::ssize(other.rows)) / data_->width;  // of a combined motion
+    longest = std::max(longest, e.partner ? shorter : e.window.length);
+    if (number < part.first || number >= part.last) continue;
     if (e.partner)
-      batch.add(detail::composed_rows(m.rows, e.parts[0], this->training_motion(*e.partner).rows, e.parts[1],
-                                      config_.features == "smplvelp"));
+      batch.add(detail::composed_rows(m.rows, e.parts[0], other.rows, e.parts[1], config_.features == "smplvelp"));
     else
       batch.add(m.rows, e.window);
   }
+  for (Index i = 0; i < part.first; ++i) conjunctions.below(5);
   const auto sentence = [&](const std::vector<std::string>& of) {
     const auto conjunction = static_cast<Conjunction>(conjunctions.below(5));
     return tags_ == nullptr ? join_labels(of, conjunction) : tags_->join(of, conjunction);
   };
-  return loss_of(learner_.model, labels, sentence, batch.normalized(), rng.split("noise"), context);
+  return loss_of(learner_.model, labels, part, sentence, batch.normalized(), rng.split("noise"), context, longest);
 }
 
 template <AutodiffBackend A>
@@ -134,7 +149,8 @@ std::vector<Measure> SincTraining<A>::validate() {
              const auto sentence = [](const std::vector<std::string>& of) {
                return join_labels(of, Conjunction::same_time);
              };
-             const auto terms = loss_of(learner_.average, labels, sentence, batch.normalized(), rng, {});
+             const auto terms =
+                 loss_of(learner_.average, labels, {0, std::ssize(labels)}, sentence, batch.normalized(), rng, {});
              return static_cast<double>(terms.total().item());
            })}};
 }
@@ -142,19 +158,34 @@ std::vector<Measure> SincTraining<A>::validate() {
 template <AutodiffBackend A>
 template <Backend T, class Sentence>
 LossTerms<T> SincTraining<A>::loss_of(const TextMotionModel<T, Sinc>& model, const LabelsOfMotions& labels,
-                                      Sentence sentence, const Sequences<T>& motions, const Philox& rng,
-                                      const Context& context) const {
+                                      const BatchPart& part, Sentence sentence, const Sequences<T>& motions,
+                                      const Philox& rng, const Context& context, Index longest) const {
   const auto& l = config_.losses;
   const SincTexts<T> states =
-      sinc_texts<T>(model.system.config.mode, std::span<const std::vector<std::string>>(labels), sentence,
+      sinc_texts<T>(model.system.config.mode, part.of(labels), sentence,
                     [&](const std::vector<std::string>& texts) { return Base::tokens(model, texts); });
-  const Index width = config_.network.latent_dim;
-  auto noise = TextMotionNoise<T>::draw(motions.count(), width, rng);
-  if (const Index latents = model.system.latents(states).rows(); latents != motions.count())
-    noise.text = TextMotionNoise<T>::draw(latents, width, rng.split("labels")).text;
+  const bool apart = model.system.config.mode == SincMode::separate_latents;
+  const auto latents = [&](std::size_t motion) { return apart ? std::ssize(labels[motion]) : Index{1}; };
+  Index before = 0, all = 0, most = 0, most_here = 0;  // latents of the texts: before this part, of all, of one motion
+  for (std::size_t m = 0; m < labels.size(); ++m) {
+    const auto number = static_cast<Index>(m);
+    if (number < part.first) before += latents(m);
+    if (number >= part.first && number < part.last) most_here = std::max(most_here, latents(m));
+    all += latents(m), most = std::max(most, latents(m));
+  }
+  const Index width = config_.network.latent_dim, count = std::ssize(labels);
+  auto noise = noise_rows<T>(part.first, part.count(), width, rng);
+  if (all != count)
+    noise.text = noise_rows<T>(before, model.system.latents(states).rows(), width, rng.split("labels")).text;
   auto options = sinc_loss_options();
-  options.recons = l.recons, options.kl = l.kl, options.latent = l.latent;
-  return model.system.losses(model.system.branches(states, motions, noise, context), states, motions, options);
+  options.recons = l.recons, options.kl = l.kl, options.latent = l.latent, options.padded_frames = longest;
+  auto out =
+      weighted(model.system.losses(model.system.branches(states, motions, noise, context), states, motions, options),
+               part.share(count));
+  for (auto& term : out.terms) {  // divided by the most latents of a motion, which may be in another part
+    if (term.name == "latent_manifold_multi") term.weight *= static_cast<double>(most_here) / static_cast<double>(most);
+  }
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END

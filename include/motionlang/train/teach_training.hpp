@@ -5,6 +5,7 @@
 /// Source   TEACH (Athanasiou et al., 3DV 2022); thesis A.2.3
 #pragma once
 
+#include <algorithm>   // max
 #include <filesystem>  // folders
 #include <memory>      // states of all labels
 #include <span>        // numbers of motions
@@ -30,7 +31,10 @@ class TeachTraining : public BabelTask<A, Teach> {
                 const std::filesystem::path& statistics = {})
       : Base(std::move(config), data, kept(states, data), labels(data), statistics) {}
 
-  LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
+  LossTerms<A> loss(Philox rng, Index step, const Context& context) const {
+    return part_loss(rng, step, {0, this->samples(step)}, context);
+  }
+  LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const;
   /// The loss without dropout, always with the same noise.
   std::vector<Measure> validate();
 
@@ -49,22 +53,26 @@ class TeachTraining : public BabelTask<A, Teach> {
     };
   }
 
+  /// The terms of some of the motions `which`.
   template <Backend T>
   LossTerms<T> loss_of(const TextMotionModel<T, Teach>& model, const std::vector<DescribedMotion>& motions,
-                       std::span<const Index> which, const Philox& rng, const Context& context) const;
+                       std::span<const Index> which, const BatchPart& part, const Philox& rng,
+                       const Context& context) const;
 
   using Base::batches_, Base::config_, Base::data_, Base::learner_;
 };
 
 template <AutodiffBackend A>
-LossTerms<A> TeachTraining<A>::loss(Philox rng, Index step, const Context& context) const {
-  return loss_of(learner_.model, data_->training, batches_(step, this->seed()), rng.split("noise"), context);
+LossTerms<A> TeachTraining<A>::part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const {
+  const auto which = batches_(step, this->seed());
+  return weighted(loss_of(learner_.model, data_->training, which, part, rng.split("noise"), context),
+                  part.share(std::ssize(which)));
 }
 
 template <AutodiffBackend A>
 std::vector<Measure> TeachTraining<A>::validate() {
   return {{"loss", Base::over_validation([&](std::span<const Index> which, const Philox& rng) {
-             const auto terms = loss_of(learner_.average, data_->validation, which, rng, {});
+             const auto terms = loss_of(learner_.average, data_->validation, which, {0, std::ssize(which)}, rng, {});
              return static_cast<double>(terms.total().item());
            })}};
 }
@@ -73,22 +81,32 @@ template <AutodiffBackend A>
 template <Backend T>
 LossTerms<T> TeachTraining<A>::loss_of(const TextMotionModel<T, Teach>& model,
                                        const std::vector<DescribedMotion>& motions, std::span<const Index> which,
-                                       const Philox& rng, const Context& context) const {
+                                       const BatchPart& part, const Philox& rng, const Context& context) const {
   std::vector<std::string> first_texts, second_texts;
   MotionBatch<T> first(model.motion_normalizer), second(model.motion_normalizer);
   std::vector<Index> transitions;
+  Index number = 0, longest_first = 0, longest_second = 0;  // of all
   for (const Index i : which) {
     const DescribedMotion& m = motions[static_cast<std::size_t>(i)];
     const DescribedText &a = m.texts[0], &b = m.texts[1];
-    const Index cut = a.frames.length, action = b.frames.first;
+    const Index cut = a.frames.length, action = b.frames.first, rest = action + b.frames.length - cut;
+    longest_first = std::max(longest_first, cut), longest_second = std::max(longest_second, rest);
+    if (const Index at = number++; at < part.first || at >= part.last) continue;
     first_texts.push_back(a.text), second_texts.push_back(b.text);
     first.add(m.rows, a.frames);
-    second.add(m.rows, {cut, action + b.frames.length - cut});
+    second.add(m.rows, {cut, rest});
     transitions.push_back(action - cut);
   }
-  const TeachPairs<T> pairs{Base::tokens(model, first_texts), Base::tokens(model, second_texts), first.normalized(),
-                            second.normalized(), Offsets(std::span<const Index>(transitions))};
-  const auto noise = TeachNoise<T>::draw(std::ssize(which), config_.network.latent_dim, rng);
+  const TeachPairs<T> pairs{Base::tokens(model, first_texts),
+                            Base::tokens(model, second_texts),
+                            first.normalized(),
+                            second.normalized(),
+                            Offsets(std::span<const Index>(transitions)),
+                            longest_first,
+                            longest_second};
+  const Index width = config_.network.latent_dim;
+  const TeachNoise<T> noise{noise_rows<T>(part.first, part.count(), width, rng.split("first")),
+                            noise_rows<T>(part.first, part.count(), width, rng.split("second"))};
   const auto& l = config_.losses;
   TeachLossOptions options{.loss_on_transition = l.loss_on_transition, .velocity = l.velocity};
   options.each.recons = l.recons, options.each.kl = l.kl, options.each.latent = l.latent;

@@ -33,14 +33,18 @@ class TemosTraining : public TextMotionTask<A, Temos> {
   TemosTraining(const TextMotionConfig& config, const DescribedMotions& data)
       : TemosTraining(config, data, text_motion_texts<B>(config.text, {}, data)) {}
 
-  LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
+  LossTerms<A> loss(Philox rng, Index step, const Context& context) const {
+    return part_loss(rng, step, {0, this->samples(step)}, context);
+  }
+  LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const;
   /// The loss without dropout, of first captions and always with the same noise.
   std::vector<Measure> validate();
 
  private:
+  /// first: the number of the batch's first motion in the batch of the step;   longest: frames of that batch
   template <Backend T>
   LossTerms<T> loss_of(const TemosModel<T>& model, const TextMotionBatch<T>& batch, const Philox& rng,
-                       const Context& context) const;
+                       const Context& context, Index first = 0, Index longest = 0) const;
 
   using Base::config_, Base::learner_;
 };
@@ -56,9 +60,11 @@ TemosTraining<A>::TemosTraining(TextMotionConfig config, const DescribedMotions&
 }
 
 template <AutodiffBackend A>
-LossTerms<A> TemosTraining<A>::loss(Philox rng, Index step, const Context& context) const {
-  const auto batch = Base::training_batch(step, rng.split("captions"));
-  return loss_of(learner_.model, batch, rng.split("noise"), context);
+LossTerms<A> TemosTraining<A>::part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const {
+  const auto chosen = Base::training_texts_of(step, rng.split("captions"));
+  const auto batch = text_motion_batch<A>(part.of(chosen), learner_.model.motion_normalizer);
+  return weighted(loss_of(learner_.model, batch, rng.split("noise"), context, part.first, longest_of(chosen)),
+                  part.share(std::ssize(chosen)));
 }
 
 template <AutodiffBackend A>
@@ -72,10 +78,12 @@ std::vector<Measure> TemosTraining<A>::validate() {
 template <AutodiffBackend A>
 template <Backend T>
 LossTerms<T> TemosTraining<A>::loss_of(const TemosModel<T>& model, const TextMotionBatch<T>& batch, const Philox& rng,
-                                       const Context& context) const {
-  const auto branches =
-      model.system.branches(Base::tokens(model, batch, context), batch.motions, Base::noise(batch, rng), context);
-  return temos_losses(branches, batch.motions, temos_loss_options(config_));
+                                       const Context& context, Index first, Index longest) const {
+  const auto branches = model.system.branches(Base::tokens(model, batch, context), batch.motions,
+                                              Base::noise(batch, rng, first), context);
+  auto options = temos_loss_options(config_);
+  options.padded_frames = longest;
+  return temos_losses(branches, batch.motions, options);
 }
 
 MOTIONLANG_NAMESPACE_END

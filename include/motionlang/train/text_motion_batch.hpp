@@ -18,20 +18,37 @@ struct TextMotionBatch {
   std::vector<std::string> texts;
   Sequences<B> motions;  // normalised
 };
-/// `which` holds numbers of motions; text(motion) chooses one of its texts.
-template <Backend B, class Choose>
-TextMotionBatch<B> text_motion_batch(const std::vector<DescribedMotion>& motions, std::span<const Index> which,
-                                     const Normalizer<B>& normalizer, Choose text) {
+/// A motion, and the one of its texts that is chosen.
+struct ChosenText {
+  const DescribedMotion* motion;
+  const DescribedText* text;
+};
+template <Backend B>
+TextMotionBatch<B> text_motion_batch(std::span<const ChosenText> chosen, const Normalizer<B>& normalizer) {
   TextMotionBatch<B> out;
   MotionBatch<B> batch(normalizer);
-  for (const Index i : which) {
-    const DescribedMotion& m = motions[static_cast<std::size_t>(i)];
-    const DescribedText& t = m.texts[text(m)];
-    out.texts.push_back(t.text);
-    batch.add(m.rows, t.frames);
+  for (const ChosenText& c : chosen) {
+    out.texts.push_back(c.text->text);
+    batch.add(c.motion->rows, c.text->frames);
   }
   out.motions = batch.normalized();
   return out;
+}
+/// `which` holds numbers of motions; text(motion) chooses one of its texts.
+template <class Choose>
+std::vector<ChosenText> chosen_texts(const std::vector<DescribedMotion>& motions, std::span<const Index> which,
+                                     Choose text) {
+  std::vector<ChosenText> out;
+  for (const Index i : which) {
+    const DescribedMotion& m = motions[static_cast<std::size_t>(i)];
+    out.push_back({&m, &m.texts[text(m)]});
+  }
+  return out;
+}
+template <Backend B, class Choose>
+TextMotionBatch<B> text_motion_batch(const std::vector<DescribedMotion>& motions, std::span<const Index> which,
+                                     const Normalizer<B>& normalizer, Choose text) {
+  return text_motion_batch<B>(chosen_texts(motions, which, text), normalizer);
 }
 
 /// Means of the latents of motions and of their first texts, (motions, latent) row by row: what retrieval compares.

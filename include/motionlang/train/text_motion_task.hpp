@@ -2,11 +2,13 @@
 /// The common part of the trainings of TMR and TEMOS: texts as vectors, batches of motions with a text each.
 #pragma once
 
+#include <algorithm>    // max
 #include <filesystem>   // folders
 #include <optional>     // width
 #include <span>         // numbers of motions
 #include <string_view>  // measures to watch
 #include <utility>      // move
+#include <vector>       // texts of a batch
 
 #include <motionlang/train/presets.hpp>
 #include <motionlang/train/text_motion_batch.hpp>
@@ -15,6 +17,13 @@
 #include <motionlang/train/trainer.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+/// The frames of the longest of these motions.
+inline Index longest_of(const std::vector<ChosenText>& chosen) {
+  Index out = 0;
+  for (const ChosenText& c : chosen) out = std::max(out, c.text->frames.length);
+  return out;
+}
 
 template <AutodiffBackend A, template <class> class System>
 class TextMotionTask : public TextTask<A, System> {
@@ -40,10 +49,10 @@ class TextMotionTask : public TextTask<A, System> {
   }
 
   /// The motions of a step, each with one of its texts that `captions` draws.
-  TextMotionBatch<A> training_batch(Index step, Philox captions) const {
-    return text_motion_batch<A>(
-        data_->training, batches_(step, this->seed()), learner_.model.motion_normalizer,
-        [&](const DescribedMotion& m) { return captions.below(static_cast<std::uint32_t>(m.texts.size())); });
+  std::vector<ChosenText> training_texts_of(Index step, Philox captions) const {
+    return chosen_texts(data_->training, batches_(step, this->seed()), [&](const DescribedMotion& m) {
+      return captions.below(static_cast<std::uint32_t>(m.texts.size()));
+    });
   }
   /// Motions of the validation part with their first texts.
   TextMotionBatch<B> validation_batch(std::span<const Index> which) const {
@@ -52,8 +61,8 @@ class TextMotionTask : public TextTask<A, System> {
   }
 
   template <Backend T>
-  TextMotionNoise<T> noise(const TextMotionBatch<T>& batch, const Philox& rng) const {
-    return TextMotionNoise<T>::draw(batch.motions.count(), config_.network.latent_dim, rng);
+  TextMotionNoise<T> noise(const TextMotionBatch<T>& batch, const Philox& rng, Index first = 0) const {
+    return noise_rows<T>(first, batch.motions.count(), config_.network.latent_dim, rng);
   }
   template <Backend T>
   Sequences<T> tokens(const Model<T>& model, const TextMotionBatch<T>& batch, const Context& context) const {

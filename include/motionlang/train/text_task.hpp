@@ -10,12 +10,20 @@
 #include <utility>     // move
 #include <vector>      // texts
 
+#include <motionlang/train/batch_parts.hpp>
 #include <motionlang/train/epoch_task.hpp>
 #include <motionlang/train/feature_statistics.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
 #include <motionlang/weights/text_states.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+/// The noise of a part of a batch: rows of that of the whole batch, from row `first` on.
+template <Backend B>
+TextMotionNoise<B> noise_rows(Index first, Index rows, Index width, const Philox& rng) {
+  return {.text = normal_rows<B>(first, rows, width, rng.split("text")),
+          .motion = normal_rows<B>(first, rows, width, rng.split("motion"))};
+}
 
 template <AutodiffBackend A, template <class> class System>
 class TextTask : public EpochTask<typename TrainedSystem<System>::Config, TextMotionModel<A, System>,

@@ -50,16 +50,20 @@ class Tm2tDescriberTraining : public TokenTask<Seq2SeqTransformer<A>, Seq2SeqTra
 
   /// The sum over the words of the batch, as published.
   LossTerms<A> loss(const Philox& rng, Index step, const Context& context) const {
+    return part_loss(rng, step, {0, this->samples(step)}, context);
+  }
+  LossTerms<A> part_loss(const Philox& rng, Index step, const BatchPart& part, const Context& context) const {
     LossTerms<A> out;
     const auto add = [&](const Tensor<A, 2>& logits, const IdSequences& words) {
       out.add("words", 1, next_symbol_loss(logits, words, config_.motion_to_text.smoothing));
     };
     if (config_.motion_to_text.tokens) {
-      const auto b = this->batch(rng, step);
+      const auto b = this->batch(rng, step, part);
       add(logits_of(learner_.model, b, context), b.words);
     } else {
       auto draw = rng.split("texts");
-      const auto b = features_batch(data_->training, tokens_->training, this->batches_(step, this->seed()), &draw);
+      const auto all = features_batch(data_->training, tokens_->training, this->batches_(step, this->seed()), &draw);
+      const FeaturesBatch b{motionlang::part_of(all.units, part), motionlang::part_of(all.words, part)};
       add(logits_of(learner_.model, b, context), b.words);
     }
     return out;

@@ -76,7 +76,17 @@ class Tm2tTokenizerTraining
 
   const Normalizer<B>& statistics() const { return statistics_; }
 
-  LossTerms<A> loss(const Philox&, Index step, const Context&);
+  LossTerms<A> loss(const Philox& rng, Index step, const Context& context) {
+    return part_loss(rng, step, {0, this->samples(step)}, context);
+  }
+  LossTerms<A> part_loss(const Philox&, Index step, const BatchPart& part, const Context&);
+  /// Throws option_error 102 with a discriminator.
+  void require_parts() const {
+    if (discriminator_)
+      raise<option_error>(102,
+                          "tokenizer.adversarial: the discriminator normalises by the statistics of the whole batch "
+                          "and takes a step of its own, so there is no `micro_batch`");
+  }
   /// The loss without the discriminator, and the perplexity, which is the effective number of codes in use.
   std::vector<Measure> validate();
 
@@ -121,15 +131,16 @@ Tm2tTokenizerTraining<A>::Tm2tTokenizerTraining(const Tm2tTrainingConfig& config
 }
 
 template <AutodiffBackend A>
-LossTerms<A> Tm2tTokenizerTraining<A>::loss(const Philox&, Index step, const Context&) {
+LossTerms<A> Tm2tTokenizerTraining<A>::part_loss(const Philox&, Index step, const BatchPart& part, const Context&) {
   MotionBatch<B> batch(statistics_);
-  for (const Index i : batches_(step, this->seed())) {
+  const auto which = batches_(step, this->seed());
+  for (const Index i : part.of(which)) {
     const ClipWindow& w = windows_[static_cast<std::size_t>(i)];
     batch.add(data_->training[static_cast<std::size_t>(w.clip)].rows, {w.start, config_.tokenizer.window});
   }
   const auto x = detail::constants<A>(batch.normalized());
   const auto result = learner_.model(x);
-  if (step < first_adversarial()) return tokenizer_losses<A>(result, x);
+  if (step < first_adversarial()) return weighted(tokenizer_losses<A>(result, x), part.share(std::ssize(which)));
   const auto made = x.with(stop_gradient(result.reconstruction.rows));
   const auto real = discriminator_->train(x).logits, generated = discriminator_->train(made).logits;
   const double weight = config_.tokenizer.adversarial;

@@ -18,6 +18,7 @@
 #include <motionlang/nn/seq2seq_transformer.hpp>
 #include <motionlang/systems/tm2t.hpp>
 #include <motionlang/tensor/arg_max.hpp>
+#include <motionlang/train/batch_parts.hpp>
 #include <motionlang/train/epoch_task.hpp>
 #include <motionlang/train/tm2t_model_folder.hpp>
 
@@ -77,6 +78,7 @@ TokenizedMotions tokenized(const std::vector<DescribedMotion>& motions, const Tm
 
 struct TokenizedBatch {
   IdSequences tokens, words;  // with their marks
+  Index longest = 0;          // words of the longest text, if the batch of the step has longer ones
 };
 
 /// Tokens and words of a batch.
@@ -136,6 +138,15 @@ double right_symbols(const Tensor<B, 2>& logits, const IdSequences& written) {
   return right / static_cast<double>(found.size());
 }
 
+/// The sequences of a part of a batch.
+inline IdSequences part_of(const IdSequences& batch, const BatchPart& part) {
+  if (part.count() == batch.count()) return batch;
+  std::vector<std::vector<Index>> out;
+  for (Index s = part.first; s < part.last; ++s)
+    out.emplace_back(batch.ids.begin() + batch.offsets.begin(s), batch.ids.begin() + batch.offsets.end(s));
+  return IdSequences::from(out);
+}
+
 /// The common part of both stages after the tokenizer.
 template <Module Taped, Module Plain>
 class TokenTask : public EpochTask<Tm2tTrainingConfig, Taped, Plain> {
@@ -155,9 +166,11 @@ class TokenTask : public EpochTask<Tm2tTrainingConfig, Taped, Plain> {
             const TokenizedData<B>& tokens)
       : Base(std::move(system), config, data), tokens_(&tokens) {}
 
-  TokenizedBatch batch(const Philox& rng, Index step) const {
+  /// Some samples of the batch of a step.
+  TokenizedBatch batch(const Philox& rng, Index step, const BatchPart& part) const {
     auto draw = rng.split("texts");
-    return tokens_->batch(tokens_->training, this->batches_(step, this->seed()), &draw);
+    const auto all = tokens_->batch(tokens_->training, this->batches_(step, this->seed()), &draw);
+    return {part_of(all.tokens, part), part_of(all.words, part), all.words.offsets.longest()};
   }
   /// logits_and_written(batch): the logits, and the sequences that they predict; name: of the loss for each symbol.
   template <class F>

@@ -47,7 +47,10 @@ class Tm2tTransformerTraining : public TokenTask<Seq2SeqTransformer<A>, Seq2SeqT
 
   /// The sum over the tokens of the batch, as published. The decoder sees the true tokens.
   LossTerms<A> loss(const Philox& rng, Index step, const Context& context) const {
-    const auto b = this->batch(rng, step);
+    return part_loss(rng, step, {0, this->samples(step)}, context);
+  }
+  LossTerms<A> part_loss(const Philox& rng, Index step, const BatchPart& part, const Context& context) const {
+    const auto b = this->batch(rng, step, part);
     LossTerms<A> out;
     out.add("tokens", 1, next_symbol_loss(logits_of(learner_.model, b, context), b.tokens));
     return out;

@@ -32,7 +32,15 @@ class Tm2tWriterTraining : public TokenTask<Seq2SeqGru<A>, Seq2SeqGru<typename A
   /// As published, a step has two updates. The first, made here, uses the true tokens. The second uses the describer's
   /// loss on the tokens that the writer predicts. The terms are those of both; the gradient is that of the second. The
   /// describer has dropout and is not trained.
-  LossTerms<A> loss(const Philox& rng, Index step, const Context& context);
+  LossTerms<A> loss(const Philox& rng, Index step, const Context& context) {
+    return part_loss(rng, step, {0, this->samples(step)}, context);
+  }
+  LossTerms<A> part_loss(const Philox& rng, Index step, const BatchPart& part, const Context& context);
+  /// Throws option_error 102 with inverse alignment.
+  void require_parts() const {
+    if (describer_)
+      raise<option_error>(102, "text_to_motion.alignment makes two updates in a step, so there is no `micro_batch`");
+  }
   /// The model reads its own output.
   std::vector<Measure> validate() {
     return this->measured("loss of a token", [&](const TokenizedBatch& b) {
@@ -82,13 +90,15 @@ Tm2tWriterTraining<A>::Tm2tWriterTraining(const Tm2tTrainingConfig& config, cons
 }
 
 template <AutodiffBackend A>
-LossTerms<A> Tm2tWriterTraining<A>::loss(const Philox& rng, Index step, const Context& context) {
+LossTerms<A> Tm2tWriterTraining<A>::part_loss(const Philox& rng, Index step, const BatchPart& part,
+                                              const Context& context) {
   const auto& c = config_.text_to_motion;
-  const auto b = this->batch(rng, step);
+  const auto b = this->batch(rng, step, part);
   const TeacherForcing forcing{c.forced_first, c.forced_last, c.forced_epochs};
   const bool forced = rng.split("forced").uniform() < forcing(step / batches_.per_epoch());
   const auto words = vectors_of<A>(b.words);
-  const auto tokens = next_symbol_loss(learner_.model.logits(words, b.tokens.without_ends(0, 1), forced), b.tokens);
+  const auto tokens =
+      next_symbol_loss(learner_.model.logits(words, b.tokens.without_ends(0, 1), forced, b.longest), b.tokens);
   LossTerms<A> out;
   if (step < first_alignment()) {
     out.add("tokens", 1, tokens);

@@ -41,7 +41,12 @@ class TmrTraining : public TextMotionTask<A, Tmr> {
   TmrTraining(const TextMotionConfig& config, const DescribedMotions& data)
       : TmrTraining(config, data, text_motion_texts<B>(config.text, {}, data)) {}
 
-  LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
+  LossTerms<A> loss(Philox rng, Index step, const Context& context) const {
+    return loss_of_one_part(*this, rng, step, context);
+  }
+  /// The samples of the latents of texts and motions, and the latents of a share of the strangers.
+  ComparedPart<A> compared_part(Philox rng, Index step, const BatchPart& part, const Context& context) const;
+  LossTerms<A> compared_loss(Philox rng, Index step, const std::vector<Tensor<A, 2>>& rows) const;
   /// The loss without dropout, of first captions and always with the same noise; recalls among the motions of the
   /// validation part. A motion also counts as found if it has a text with the same meaning.
   std::vector<Measure> validate();
@@ -50,21 +55,36 @@ class TmrTraining : public TextMotionTask<A, Tmr> {
   void save(const std::filesystem::path& folder, const std::map<std::string, std::string>& about);
 
  private:
-  /// The batch, some of whose texts got words of other subjects.
-  TextMotionBatch<A> disturbed(TextMotionBatch<A> batch, Philox rng) const {
-    if (config_.text.strange_words == 0) return batch;
-    for (std::size_t i = 0; i < batch.texts.size(); ++i) {
+  /// The texts of a batch, some of which got words of other subjects.
+  std::vector<std::string> disturbed(std::vector<std::string> texts, Philox rng) const {
+    if (config_.text.strange_words == 0) return texts;
+    for (std::size_t i = 0; i < texts.size(); ++i) {
       if (rng.uniform() < config_.text.strange_words)
-        batch.texts[i] = strangers_->disturb(batch.texts[i], rng.split(static_cast<std::uint64_t>(i)));
+        texts[i] = strangers_->disturb(texts[i], rng.split(static_cast<std::uint64_t>(i)));
     }
-    return batch;
+    return texts;
   }
+  /// first: the number of the batch's first motion in the batch of the step.
   template <Backend T>
   TextMotionBranches<T> branches_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch, const Philox& rng,
-                                    const Context& context) const;
+                                    const Context& context, Index first = 0) const;
+  /// longest: frames of the longest motion, if it may be in another part
   template <Backend T>
-  LossTerms<T> loss_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch, const TextMotionBranches<T>& branches,
-                       const Tensor<T, 2>* strangers = nullptr) const;
+  LossTerms<T> own_loss(const TextMotionBatch<T>& batch, const TextMotionBranches<T>& branches,
+                        Index longest = 0) const {
+    auto options = tmr_loss_options(config_);
+    options.contrastive_loss = ContrastiveLoss::none, options.padded_frames = longest;
+    return tmr_losses<T>(branches, batch.motions, nullptr, options);
+  }
+  template <Backend T>
+  LossTerms<T> contrastive_loss(const TmrModel<T>& model, const std::vector<std::string>& texts, const Tensor<T, 2>& x,
+                                const Tensor<T, 2>& y, const Tensor<T, 2>* strangers = nullptr) const {
+    const auto sentences = texts_.sentences.template encode<T>(texts).tokens.rows;
+    std::optional<Tensor<T, 0>> temperature;
+    if (model.log_temperature) temperature = exp(*model.log_temperature);
+    return tmr_contrastive_loss(x, y, &sentences, tmr_loss_options(config_), temperature ? &*temperature : nullptr,
+                                strangers);
+  }
 
   using Base::config_, Base::data_, Base::learner_, Base::texts_;
   std::optional<StrangerTexts> strangers_{};
@@ -86,14 +106,42 @@ TmrTraining<A>::TmrTraining(TextMotionConfig config, const DescribedMotions& dat
 }
 
 template <AutodiffBackend A>
-LossTerms<A> TmrTraining<A>::loss(Philox rng, Index step, const Context& context) const {
+ComparedPart<A> TmrTraining<A>::compared_part(Philox rng, Index step, const BatchPart& part,
+                                              const Context& context) const {
   const auto& model = learner_.model;
-  const auto batch = Base::training_batch(step, rng.split("captions"));
-  const auto branches = branches_of(model, disturbed(batch, rng.split("strange words")), rng.split("noise"), context);
-  if (config_.losses.strangers == 0) return loss_of(model, batch, branches);
-  const auto texts = strangers_->draw(config_.losses.strangers, rng.split("strangers"));
-  const auto strangers = model.system.encode_text(model.tokens(texts, nullptr, context), context).mu;
-  return loss_of(model, batch, branches, &strangers);
+  const auto chosen = Base::training_texts_of(step, rng.split("captions"));
+  const Index all = std::ssize(chosen), width = config_.network.latent_dim;
+  const auto batch = text_motion_batch<A>(part.of(chosen), model.motion_normalizer);
+  std::vector<std::string> texts;
+  for (const ChosenText& c : chosen) texts.push_back(c.text->text);
+  texts = disturbed(std::move(texts), rng.split("strange words"));
+  const auto own = part.of(texts);
+  const auto branches = branches_of(model, TextMotionBatch<A>{{own.begin(), own.end()}, batch.motions},
+                                    rng.split("noise"), context, part.first);
+  ComparedPart<A> out;
+  if (tmr_loss_options(config_).contrastive_loss != ContrastiveLoss::none)
+    out.compared = {{branches.text.z, width, part.first, all}, {branches.motion->z, width, part.first, all}};
+  if (const Index count = config_.losses.strangers; count > 0) {
+    const auto drawn = strangers_->draw(count, rng.split("strangers"));
+    const BatchPart share{count * part.first / all, count * part.last / all};
+    ComparedRows<A> rows{{}, width, share.first, count};
+    if (const auto mine = share.of(drawn); !mine.empty())
+      rows.rows =
+          model.system
+              .encode_text(model.tokens(std::vector<std::string>(mine.begin(), mine.end()), nullptr, context), context)
+              .mu;
+    out.compared.push_back(std::move(rows));
+  }
+  out.terms = weighted(own_loss(batch, branches, longest_of(chosen)), part.share(all));
+  return out;
+}
+
+template <AutodiffBackend A>
+LossTerms<A> TmrTraining<A>::compared_loss(Philox rng, Index step, const std::vector<Tensor<A, 2>>& rows) const {
+  if (rows.empty()) return {};
+  std::vector<std::string> texts;
+  for (const ChosenText& c : Base::training_texts_of(step, rng.split("captions"))) texts.push_back(c.text->text);
+  return contrastive_loss(learner_.model, texts, rows[0], rows[1], rows.size() > 2 ? &rows[2] : nullptr);
 }
 
 template <AutodiffBackend A>
@@ -112,7 +160,9 @@ std::vector<Measure> TmrTraining<A>::validate() {
     const auto batch = Base::validation_batch(which);
     const auto branches = branches_of(model, batch, rng, {});
     table.add(batch.texts, branches.text.distribution.mu, branches.motion->distribution.mu);
-    return static_cast<double>(loss_of(model, batch, branches).total().item());
+    auto terms = own_loss(batch, branches);
+    terms.append(contrastive_loss(model, batch.texts, branches.text.z, branches.motion->z));
+    return static_cast<double>(terms.total().item());
   });
   std::vector<Measure> out{{"loss", loss}};
   const auto e = texts_.sentences.template encode<B>(table.texts).tokens.rows;
@@ -132,20 +182,9 @@ std::vector<Measure> TmrTraining<A>::validate() {
 template <AutodiffBackend A>
 template <Backend T>
 TextMotionBranches<T> TmrTraining<A>::branches_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch,
-                                                  const Philox& rng, const Context& context) const {
-  return model.system.branches(Base::tokens(model, batch, context), batch.motions, Base::noise(batch, rng), context,
-                               config_.losses.recons > 0);
-}
-
-template <AutodiffBackend A>
-template <Backend T>
-LossTerms<T> TmrTraining<A>::loss_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch,
-                                     const TextMotionBranches<T>& branches, const Tensor<T, 2>* strangers) const {
-  const auto sentences = texts_.sentences.template encode<T>(batch.texts).tokens.rows;
-  std::optional<Tensor<T, 0>> temperature;
-  if (model.log_temperature) temperature = exp(*model.log_temperature);
-  return tmr_losses(branches, batch.motions, &sentences, tmr_loss_options(config_),
-                    temperature ? &*temperature : nullptr, strangers);
+                                                  const Philox& rng, const Context& context, Index first) const {
+  return model.system.branches(Base::tokens(model, batch, context), batch.motions, Base::noise(batch, rng, first),
+                               context, config_.losses.recons > 0);
 }
 
 MOTIONLANG_NAMESPACE_END

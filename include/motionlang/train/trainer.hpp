@@ -12,14 +12,17 @@
 /// another number. The results differ from those of whole batches by rounding and by the masks of dropout.
 #pragma once
 
+#include <algorithm>    // find_if
 #include <chrono>       // minutes between checkpoints
 #include <cmath>        // isfinite
 #include <concepts>     // tasks
 #include <filesystem>   // folders
 #include <functional>   // callbacks
 #include <map>          // settings
+#include <optional>     // parts of other processes
 #include <string>       // names
 #include <type_traits>  // tasks
+#include <utility>      // exchange
 #include <vector>       // measures
 
 #include <motionlang/core/context.hpp>
@@ -30,6 +33,7 @@
 #include <motionlang/tensor/gradient.hpp>
 #include <motionlang/train/batch_parts.hpp>
 #include <motionlang/train/communicator.hpp>
+#include <motionlang/train/compared_parts.hpp>
 #include <motionlang/train/training_record.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -56,19 +60,40 @@ concept TrainingTask = requires(T& task, const T& same, Philox rng, const Contex
   task.load(file, step);
 };
 /// Trainings whose loss is a sum over the samples of a batch, so that parts of a batch can be computed apart.
-/// Contrastive losses are not such sums.
+/// Contrastive losses are not such sums: see ComparingTask.
 ///   samples     of the batch of a step
 ///   part_loss   the terms of some of these samples
 ///   parameters  the tensors that `update` changes
 /// Laws    the terms of all parts of a batch, with their weights, add up to those of `loss`, up to rounding and the
 ///         masks of dropout; all parts have the same terms
-/// Models  DiffusionTraining, MdmActionTraining, ActorTraining, StmcTraining
+/// Models  DiffusionTraining, MdmActionTraining, ActorTraining, StmcTraining, TemosTraining, SincTraining,
+///         TeachTraining, ClassifierTraining, Tm2t...Training, GuoMovementTraining
 template <class T>
 concept DividedTask = TrainingTask<T> &&
     requires(T& task, Philox rng, const Context& context, const BatchPart& part, Index step) {
   { task.samples(step) } -> std::convertible_to<Index>;
   { task.part_loss(rng, step, part, context) } -> std::same_as<LossTerms<typename T::A>>;
   { task.parameters() } -> std::same_as<std::vector<ModuleTensor<typename T::A>>>;
+};
+/// Trainings whose loss compares all samples of a batch (train/compared_parts.hpp).
+///   compared_part  the terms of some samples, and their rows that the others see
+///   compared_loss  the terms of the rows of all parts
+/// Laws    the terms of all parts, with their weights, and those of compared_loss add up to those of `loss`; all parts
+///         have the same terms, and equally many lists of rows
+/// Models  TmrTraining, GuoMatchingTraining
+template <class T>
+concept ComparingTask = TrainingTask<T> && requires(T& task, Philox rng, const Context& context, const BatchPart& part,
+                                                    Index step, const std::vector<Tensor<typename T::A, 2>>& rows) {
+  { task.samples(step) } -> std::convertible_to<Index>;
+  { task.compared_part(rng, step, part, context) } -> std::same_as<ComparedPart<typename T::A>>;
+  { task.compared_loss(rng, step, rows) } -> std::same_as<LossTerms<typename T::A>>;
+  { task.parameters() } -> std::same_as<std::vector<ModuleTensor<typename T::A>>>;
+};
+/// Tasks that some settings forbid to divide.
+///   require_parts  throws option_error 102 with the reason
+template <class T>
+concept SometimesWholeTask = requires(const T& task) {
+  task.require_parts();
 };
 /// Tasks that can measure how good they are.
 ///   validate    its first measure decides which weights are best
@@ -137,7 +162,7 @@ class Trainer {
 
   /// For `step`: batches are computed in parts of `micro_batch` samples (0: as one), which these processes share. Call
   /// it before the first step; `run` calls it with its options. Throws option_error 101 for a negative number, 102 for
-  /// several processes without parts, and for parts of a loss that needs the whole batch.
+  /// several processes without parts, and for parts of a training that needs its whole batch.
   void divide(Index micro_batch, const AnyCommunicator& communicator = {});
   /// One optimiser step; returns the loss. Throws numeric_error 301 if it is not finite.
   double step();
@@ -161,6 +186,8 @@ class Trainer {
 
  private:
   using Number = typename Task::A::scalar;
+
+  static constexpr bool divisible = DividedTask<Task> || ComparingTask<Task>;
 
   /// A step of a divided batch.
   double divided_step(const Philox& rng, Index k);
@@ -202,7 +229,7 @@ inline constexpr const char* micro_batch_setting = "training.micro_batch";
 template <TrainingTask Task>
 void Trainer<Task>::divide(Index micro_batch, const AnyCommunicator& communicator) {
   if (micro_batch < 0) raise<option_error>(101, "`micro_batch` is ", micro_batch, ", expected 0 or more");
-  if constexpr (!DividedTask<Task>) {
+  if constexpr (!divisible) {
     if (micro_batch > 0 || communicator.size() > 1)
       raise<option_error>(102,
                           "this training needs its whole batch at once: it has no `micro_batch` and runs in one "
@@ -210,6 +237,9 @@ void Trainer<Task>::divide(Index micro_batch, const AnyCommunicator& communicato
                           communicator.size());
   } else if (micro_batch == 0 && communicator.size() > 1) {
     raise<option_error>(102, communicator.size(), " processes share the parts of a batch: `micro_batch` is missing");
+  }
+  if constexpr (SometimesWholeTask<Task>) {
+    if (micro_batch > 0) task_.require_parts();
   }
   micro_batch_ = micro_batch;
   communicator_ = communicator;
@@ -219,7 +249,7 @@ template <TrainingTask Task>
 double Trainer<Task>::step() {
   const Index k = steps_done();
   const auto rng = Philox{.seed = task_.seed()}.split("step").split(static_cast<std::uint64_t>(k));
-  if constexpr (DividedTask<Task>) {
+  if constexpr (divisible) {
     if (micro_batch_ > 0) return divided_step(rng, k);
   }
   const auto terms = task_.loss(rng, k, {.dropout = rng.split("dropout"), .recompute = recompute_});
@@ -236,36 +266,97 @@ double Trainer<Task>::step() {
   return keep_loss(value, names, values);
 }
 
-/// A list of numbers is summed over the parts: the loss, its terms, the gradients.
-template <TrainingTask Task>
-double Trainer<Task>::divided_step(const Philox& rng, Index k) {
-  if constexpr (DividedTask<Task>) {
-    using A = typename Task::A;
-    const Index samples = task_.samples(k), parts = part_count(samples, micro_batch_);
-    const std::vector<ModuleTensor<A>> parameters = task_.parameters();
-    const auto dropout = rng.split("dropout");
-    std::vector<std::string> names;
-    auto sum = sum_of_parts<Number>(communicator_, parts, [&](Index i) {
-      const Context context{.dropout = dropout.split(static_cast<std::uint64_t>(i)), .recompute = recompute_};
-      const LossTerms<A> terms = task_.part_loss(rng, k, batch_part(i, samples, micro_batch_), context);
-      const auto loss = terms.total();
-      std::vector<Number> out{loss.item()};
-      names.clear();
-      for (const auto& t : terms.terms) {
-        names.push_back(t.name);
-        out.push_back(static_cast<Number>(t.weight * static_cast<double>(t.value.item())));
-      }
-      append_gradients<A>(out, parameters, backward(loss));
+namespace detail {
+
+/// The parts of the batch of a step. A list of numbers is summed over them: the loss, its terms, the gradients.
+template <class Task>
+struct StepParts {
+  using A = typename Task::A;
+  using Number = typename A::scalar;
+  Task& task;
+  const AnyCommunicator& communicator;
+  const Philox& rng;
+  Index step, micro_batch;
+  bool recompute;
+  Index samples = task.samples(step), parts = part_count(samples, micro_batch);
+  std::vector<ModuleTensor<A>> parameters = task.parameters();
+  std::optional<Philox> dropout = rng.split("dropout");
+  std::vector<std::string> names{};  // of the terms; empty in a process without parts
+
+  BatchPart part(Index i) const { return batch_part(i, samples, micro_batch); }
+  Context context(Index i) const {
+    Context out{.recompute = recompute};
+    if (dropout) out.dropout = dropout->split(static_cast<std::uint64_t>(i));
+    return out;
+  }
+  /// Begins a list with the loss and its terms.
+  std::vector<Number> heads(const LossTerms<A>& terms) {
+    std::vector<Number> out{terms.total().item()};
+    names.clear();
+    for (const auto& t : terms.terms) {
+      names.push_back(t.name);
+      out.push_back(static_cast<Number>(t.weight * static_cast<double>(t.value.item())));
+    }
+    return out;
+  }
+  std::vector<Number> sum() requires DividedTask<Task> {
+    return sum_of_parts<Number>(communicator, parts, [&](Index i) {
+      const LossTerms<A> terms = task.part_loss(rng, step, part(i), context(i));
+      auto out = heads(terms);
+      append_gradients<A>(out, parameters, backward(terms.total()));
       return out;
     });
+  }
+  /// The terms of the rows of all parts are added to part 0, and the gradients that do not pass through the rows.
+  std::vector<Number> sum() requires ComparingTask<Task> {
+    std::vector<std::optional<ComparedPart<A>>> own(static_cast<std::size_t>(parts));
+    auto all = sum_of_parts<Number>(communicator, parts, [&](Index i) {
+      return rows_in_place(
+          own[static_cast<std::size_t>(i)].emplace(task.compared_part(rng, step, part(i), context(i))));
+    });
+    numbers_of_first(communicator, all);
+    const auto any = std::find_if(own.begin(), own.end(), [](const auto& p) { return p.has_value(); });
+    std::vector<Tensor<A, 2>> rows;
+    LossTerms<A> of_all;
+    if (any != own.end()) {
+      rows = compared_variables<A>(all, **any);
+      of_all = task.compared_loss(rng, step, rows);
+    }
+    const Gradients<A> gradients = backward(of_all.total());
+    return sum_of_parts<Number>(communicator, parts, [&](Index i) {
+      const ComparedPart<A> one = *std::exchange(own[static_cast<std::size_t>(i)], {});
+      LossTerms<A> terms = one.terms;
+      terms.append(i == 0 ? of_all : weighted(of_all, 0));
+      auto out = heads(terms);
+      const std::size_t before = out.size();
+      append_gradients<A>(out, parameters, backward(one.terms.total() + through_rows(one, rows, gradients)));
+      if (i == 0) add_gradients<A>(std::span(out).subspan(before), parameters, gradients);
+      return out;
+    });
+  }
+};
+
+}  // namespace detail
+
+template <TrainingTask Task>
+double Trainer<Task>::divided_step(const Philox& rng, Index k) {
+  if constexpr (divisible) {
+    using A = typename Task::A;
+    detail::StepParts<Task> parts{.task = task_,
+                                  .communicator = communicator_,
+                                  .rng = rng,
+                                  .step = k,
+                                  .micro_batch = micro_batch_,
+                                  .recompute = recompute_};
+    auto sum = parts.sum();
     // A rank without parts does not know the terms.
-    names = lines_of_first(communicator_, names);
+    const auto names = lines_of_first(communicator_, parts.names);
     const std::size_t heads = 1 + names.size();
-    sum.resize(heads + gradient_list_size<A>(parameters));
+    sum.resize(heads + gradient_list_size<A>(parts.parameters));
     communicator_.broadcast(std::as_writable_bytes(std::span(sum)), 0);
     const auto value = static_cast<double>(sum.front());
     require_finite(value, k);
-    task_.update(listed_gradients<A>(std::span<const Number>(sum).subspan(heads), parameters), k);
+    task_.update(listed_gradients<A>(std::span<const Number>(sum).subspan(heads), parts.parameters), k);
     return keep_loss(value, names, std::vector<float>(sum.begin() + 1, sum.begin() + static_cast<Index>(heads)));
   } else {
     return 0;  // `divide` has refused it

@@ -11,9 +11,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// A batch. The features of a pair are canonicalised and normalised as one motion, and then cut.
 template <Backend B>
 struct TeachPairs {
-  Sequences<B> first_text, second_text;      // the last states of the language model
-  Sequences<B> first_motion, second_motion;  // the second one: transition and action
-  Offsets transition;                        // frames of the transitions
+  Sequences<B> first_text, second_text;         // the last states of the language model
+  Sequences<B> first_motion, second_motion;     // the second one: transition and action
+  Offsets transition;                           // frames of the transitions
+  Index longest_first = 0, longest_second = 0;  // frames of the longest motions, if the batch has longer ones
 };
 template <Backend B>
 struct TeachNoise {

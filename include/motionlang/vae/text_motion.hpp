@@ -133,6 +133,24 @@ struct TmrLossOptions {
   Index padded_frames = 0;                         // as in TemosLossOptions
 };
 
+/// contrastive: the term that compares all samples of a batch; none if the options have none.
+/// x, y         samples of the latents of texts and motions, (batch, latent) each
+/// For sentences, temperature and strangers, see tmr_losses.
+template <Backend B>
+LossTerms<B> tmr_contrastive_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const Tensor<B, 2>* sentences,
+                                  const TmrLossOptions& options, const Tensor<B, 0>* temperature = nullptr,
+                                  const Tensor<B, 2>* strangers = nullptr) {
+  LossTerms<B> out;
+  if (options.contrastive_loss == ContrastiveLoss::none) return out;
+  const auto filtered =
+      sentences == nullptr ? std::vector<unsigned char>() : false_negatives(*sentences, options.threshold);
+  out.add("contrastive", options.contrastive,
+          options.contrastive_loss == ContrastiveLoss::margin ? margin_loss(x, y, options.margin, filtered)
+          : temperature != nullptr                            ? info_nce(x, y, *temperature, filtered, strangers)
+                                   : info_nce(x, y, options.temperature, filtered, strangers));
+  return out;
+}
+
 /// recons and kl (the sums of TEMOS' terms), latent, contrastive: only those that the model and the options have.
 /// sentences    (batch, width), rows of length 1, to find texts with the same meaning. Null: nothing is filtered
 /// temperature  a learned one for InfoNCE, instead of that of the options. Null: that of the options
@@ -153,13 +171,7 @@ LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B
   out.add("latent", options.latent, parts.sum_of("latent_"));
   if (options.contrastive_loss == ContrastiveLoss::none) return out;
   if (!branches.motion) raise<config_error>(101, "tmr_losses: contrastive without the latents of a motion encoder");
-  const Tensor<B, 2>&x = branches.text.z, &y = branches.motion->z;
-  const auto filtered =
-      sentences == nullptr ? std::vector<unsigned char>() : false_negatives(*sentences, options.threshold);
-  out.add("contrastive", options.contrastive,
-          options.contrastive_loss == ContrastiveLoss::margin ? margin_loss(x, y, options.margin, filtered)
-          : temperature != nullptr                            ? info_nce(x, y, *temperature, filtered, strangers)
-                                   : info_nce(x, y, options.temperature, filtered, strangers));
+  out.append(tmr_contrastive_loss(branches.text.z, branches.motion->z, sentences, options, temperature, strangers));
   return out;
 }
 

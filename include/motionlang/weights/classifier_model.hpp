@@ -8,6 +8,7 @@
 ///     load_action_weights(classifier, open_action_weights(folder));
 #pragma once
 
+#include <algorithm>   // max
 #include <functional>  // points of a body
 #include <optional>    // one of two
 
@@ -55,18 +56,23 @@ struct Classifier {
   }
   /// x: windows as `clips` describes them;   rng: for a random initial state
   Recognition<B> operator()(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng) const {
-    return gru ? by_gru(x, clips, rng) : (*stgcn)(x);
+    return gru ? by_gru(x, clips, rng, {}) : (*stgcn)(x);
   }
-  Recognition<B> train(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng) {
-    return gru ? by_gru(x, clips, rng) : stgcn->train(x);
+  /// The place of windows in the batch for which initial states are drawn.
+  struct Place {
+    Index first = 0, all = 0;  // all = 0: these windows are the batch
+  };
+  Recognition<B> train(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng, Place place = {}) {
+    return gru ? by_gru(x, clips, rng, place) : stgcn->train(x);
   }
 
  private:
-  Recognition<B> by_gru(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng) const {
+  Recognition<B> by_gru(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng, Place place) const {
     const auto read = points ? points(x, clips) : joint_points(x, clips);
     if (!drawn_state) return (*gru)(read);
     auto own = rng.split("state");
-    const auto h0 = gru->initial_state(x.count(), own);
+    auto h0 = gru->initial_state(std::max(place.all, x.count()), own);
+    if (h0.size(1) != x.count()) h0 = slice(h0, 1, place.first, place.first + x.count());
     return (*gru)(read, &h0);
   }
 };

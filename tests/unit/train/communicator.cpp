@@ -11,6 +11,7 @@
 #include <motionlang/backend/usual.hpp>
 #include <motionlang/nn/linear.hpp>
 #include <motionlang/train/batch_parts.hpp>
+#include <motionlang/train/compared_parts.hpp>
 #include <motionlang/train/mpi.hpp>
 
 #include "../../support/check_error.hpp"
@@ -155,6 +156,54 @@ TEST_CASE("gradients become a list and return from it; parameters that no loss r
   CHECK(back[used.weight].to_vector() == gradients[used.weight].to_vector());
   CHECK(back.find(unused.weight.data()) == nullptr);
   CHECK_ERROR(ml::listed_gradients<A>(std::span<const float>(list).first(5), parameters), "[motionlang.shape.205]");
+}
+
+TEST_CASE("gradients are added to a list, and a loss gets other weights") {
+  ml::Philox rng{.seed = 2};
+  auto model = ml::convert<A>(ml::Linear<B>(2, 1, rng));
+  const auto parameters = ml::tensors_of(model);
+  const auto x = ml::Tensor<A, 2>::from({1, 2, 3, 4}, {2, 2});
+  const auto gradients = ml::backward(ml::sum(model(x)));
+  std::vector<float> list, twice;
+  ml::append_gradients<A>(list, parameters, gradients);
+  twice = list;
+  ml::add_gradients<A>(twice, parameters, gradients);
+  for (std::size_t i = 0; i < list.size(); ++i) CHECK(twice[i] == 2 * list[i]);
+  ml::LossTerms<B> terms;
+  terms.add("a", 3, ml::Tensor<B, 0>(2.0));
+  CHECK(ml::weighted(terms, 0.5).total().item() == 3);
+}
+
+TEST_CASE("all have the numbers of the first, however many there are") {
+  run_processes(3, [](const ThreadProcess& process) {
+    std::vector<float> numbers(static_cast<std::size_t>(3 - process.rank()), static_cast<float>(process.rank()));
+    ml::numbers_of_first(ml::AnyCommunicator(process), numbers);
+    CHECK(numbers == std::vector<float>{0, 0, 0});
+  });
+}
+
+TEST_CASE("rows of all parts are compared, and a part gets the gradient that passes through its own") {
+  // The loss is the square of the sum of all rows, so that each row gets twice that sum.
+  const auto part = [](std::vector<float> values, Index first) {
+    const Index rows = std::ssize(values) / 2;
+    ml::ComparedPart<A> out;
+    out.compared.push_back({ml::variable<A>(ml::Tensor<B, 2>::from(values, {rows, 2})), 2, first, 3});
+    out.compared.push_back({{}, 1, 0, 1});  // another part has this row
+    return out;
+  };
+  const auto one = part({1, 2, 3, 4}, 0), two = part({5, 6}, 2);
+  const auto first = ml::rows_in_place(one), second = ml::rows_in_place(two);
+  CHECK(first == std::vector<float>{1, 2, 3, 4, 0, 0, 0});
+  CHECK(second == std::vector<float>{0, 0, 0, 0, 5, 6, 0});
+  std::vector<float> all;
+  for (std::size_t i = 0; i < first.size(); ++i) all.push_back(first[i] + second[i]);
+  const auto rows = ml::compared_variables<A>(all, one);
+  CHECK((rows.size() == 2 && rows[0].shape() == ml::Shape{3, 2} && rows[1].shape() == ml::Shape{1, 1}));
+  const auto gradients = ml::backward(ml::square(ml::sum(rows[0])));
+  const auto through = ml::backward(ml::through_rows(two, rows, gradients));
+  CHECK(through[two.compared[0].rows].to_vector() == std::vector<float>{42, 42});
+  CHECK_ERROR(ml::compared_variables<A>(std::span(all).first(6), one),
+              "[motionlang.shape.205] compared_variables: 6 numbers, the rows of a batch are 7");
 }
 
 TEST_CASE("the environment has the number of processes that were started together") {
