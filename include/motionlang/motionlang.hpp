@@ -86,6 +86,7 @@
 #include <motionlang/kinematics/body_root.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
 #include <motionlang/kinematics/curved_path.hpp>
+#include <motionlang/kinematics/delayed.hpp>
 #include <motionlang/kinematics/describe_skeleton.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/kinematics/face_landmarks.hpp>
@@ -232,6 +233,7 @@
 #include <motionlang/text/mirror_caption.hpp>
 #include <motionlang/text/stranger_texts.hpp>
 #include <motionlang/text/tagged_word.hpp>
+#include <motionlang/text/text_completion.hpp>
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/text_repair.hpp>
 #include <motionlang/text/text_table.hpp>

@@ -11,10 +11,13 @@
 #include <motionlang/generate/load_trained_motion_model.hpp>
 #include <motionlang/generate/timeline_report.hpp>
 #include <motionlang/generate/timelines_of_text.hpp>
+#include <motionlang/kinematics/delayed.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/search/kept_index.hpp>
 #include <motionlang/search/text_answer.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
+#include <motionlang/view/rig_viewer.hpp>
 #include <motionlang/view/rig_writer.hpp>
 #include <motionlang/view/view_file.hpp>
 #include <motionlang/view/viewer.hpp>
@@ -28,6 +31,7 @@ struct motionlang_model {
 };
 struct motionlang_motion {
   ml::Motion motion;
+  motionlang_reuse reuse{};
 };
 struct motionlang_motions {
   std::vector<motionlang_motion> motions;
@@ -254,8 +258,27 @@ int motionlang_generate(const motionlang_model* model, const char* timeline, con
   return made(motion, "motion", [&] {
     const ml::MotionModel& loaded = *given(model, "model").model;
     const auto text = ml::parse_timeline(&given(timeline, "timeline"), {.fps = loaded.fps()});
-    return with_options(options,
-                        [&](const ml::GenerateOptions& how) { return ml::generate_motion(loaded, text, how); });
+    return with_options(options, [&](ml::GenerateOptions how) {
+      ml::GenerateNotes notes;
+      how.notes = &notes;
+      motionlang_motion out{ml::generate_motion(loaded, text, how)};
+      if (const auto& r = notes.reuse) out.reuse = {r->frames, r->kept, r->work, r->whole_work, r->exact ? 1 : 0};
+      return out;
+    });
+  });
+}
+motionlang_reuse motionlang_motion_reuse(const motionlang_motion* motion) {
+  return motion == nullptr ? motionlang_reuse{} : motion->reuse;
+}
+int motionlang_cut_motion(const motionlang_motion* motion, double from, double to, double start,
+                          motionlang_motion** result) {
+  return made(result, "result", [&] {
+    const ml::Motion& whole = given(motion, "motion").motion;
+    const double last = whole.seconds();
+    if (!(from >= 0 && from <= to && to <= last + 1))
+      ml::raise<ml::config_error>(101, "motionlang_cut_motion: ", from, " to ", to, " s of ", last, " s");
+    const auto frame = [&](double at) { return std::min(ml::frame_at(at, whole.fps), whole.frames()); };
+    return ml::delayed(ml::crop(whole, frame(from), frame(to)), start);
   });
 }
 int motionlang_generate_text(const motionlang_model* model, const char* text, double seconds,
@@ -287,6 +310,12 @@ int motionlang_generate_motions(const motionlang_model* model, const char* timel
   });
 }
 
+int motionlang_known_texts(const motionlang_model* model, const char* begun, int64_t count, motionlang_bytes** json) {
+  return made(json, "json", [&] {
+    const ml::KnownCaptions& known = given(model, "model").model->captions();
+    return bytes_of(ml::known_texts_report(ml::known_texts(known, or_empty(begun), static_cast<ml::Index>(count))));
+  });
+}
 int motionlang_check_timeline(const motionlang_model* model, const char* timeline, motionlang_bytes** json) {
   return made(json, "json", [&] {
     return bytes_of(ml::timeline_report(*given(model, "model").model, &given(timeline, "timeline")));
@@ -354,6 +383,13 @@ int motionlang_motion_bytes(const motionlang_motion* motion, const char* kind, m
 }
 int motionlang_viewer_data(const motionlang_motion* motion, motionlang_bytes** json) {
   return made(json, "json", [&] { return bytes_of(ml::viewer_data(given(motion, "motion").motion)); });
+}
+int motionlang_viewer_data_on(const motionlang_motion* motion, const void* character, int64_t size, const char* name,
+                              motionlang_bytes** json) {
+  return made(json, "json", [&] {
+    const ml::GlbRig rig(memory(character, size), &given(name, "name"));
+    return bytes_of(ml::rig_viewer_data(rig, given(motion, "motion").motion));
+  });
 }
 const void* motionlang_bytes_data(const motionlang_bytes* bytes) {
   return bytes == nullptr ? nullptr : bytes->bytes.data();

@@ -106,6 +106,23 @@ MOTIONLANG_C_API int motionlang_generate_text(const motionlang_model* model, con
 MOTIONLANG_C_API int motionlang_generate_motions(const motionlang_model* model, const char* timelines,
                                                  const motionlang_options* options, motionlang_motions** motions);
 
+/* How much of an earlier motion a motion with `reuse` has. All fields of other motions are 0. */
+typedef struct motionlang_reuse {
+  int64_t frames, kept;     /* of the motion; those whose features are unchanged */
+  int64_t work, whole_work; /* rows through the network; in a run without reuse */
+  int32_t exact;            /* 1: the motion is that of a run without reuse, bit for bit */
+} motionlang_reuse;
+MOTIONLANG_C_API motionlang_reuse motionlang_motion_reuse(const motionlang_motion* motion);
+/* A stretch of a motion, in seconds, that begins at `start` of the result. Before, its first frame stands. With
+ * keep_seconds from `start` on it is kept there in a timeline. */
+MOTIONLANG_C_API int motionlang_cut_motion(const motionlang_motion* motion, double from, double to, double start,
+                                           motionlang_motion** result);
+
+/* Texts that the model knows, as JSON: [{"text", "seconds", "repeats"}]. First come those that begin like a text that
+ * somebody writes, then those with its words, then those nearest in meaning. NULL: any. `seconds` is how long
+ * the action takes; if it repeats, it goes on for any time. Empty for a model without captions. */
+MOTIONLANG_C_API int motionlang_known_texts(const motionlang_model* model, const char* begun, int64_t count,
+                                            motionlang_bytes** json);
 /* A timeline for an editor, as JSON: {"fps", "seconds", "texts": [{"text", "start", "end", "parts": ["legs"]}],
  * "warnings": [{"texts": [0], "message"}]}. Times are in seconds from the first start, and `texts` of a warning has the
  * numbers of the texts that it is about. Errors 501 ... 509 have line and column. */
@@ -161,6 +178,10 @@ MOTIONLANG_C_API int motionlang_motion_bytes(const motionlang_motion* motion, co
                                              motionlang_bytes** bytes);
 /* The data that the page of a viewer draws, as JSON: the figure, the floor, and every frame. */
 MOTIONLANG_C_API int motionlang_viewer_data(const motionlang_motion* motion, motionlang_bytes** json);
+/* The same of a motion on the character of a GLB or VRM file in memory, which is retargeted: {"motion", "body"}. `name`
+ * stands in messages. */
+MOTIONLANG_C_API int motionlang_viewer_data_on(const motionlang_motion* motion, const void* character, int64_t size,
+                                               const char* name, motionlang_bytes** json);
 MOTIONLANG_C_API const void* motionlang_bytes_data(const motionlang_bytes* bytes);
 MOTIONLANG_C_API int64_t motionlang_bytes_size(const motionlang_bytes* bytes);
 MOTIONLANG_C_API void motionlang_free_bytes(motionlang_bytes* bytes); /* NULL is allowed */

@@ -7,11 +7,13 @@
 ///      "warnings": [{"texts": [0], "message": "'walk forwad': ..."}]}
 #pragma once
 
+#include <span>         // texts
 #include <string>       // JSON
 #include <string_view>  // timelines
 
 #include <motionlang/generate/generate_options.hpp>
 #include <motionlang/generate/motion_model.hpp>
+#include <motionlang/text/text_completion.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -20,6 +22,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// warning is about, the first is 0.
 /// Throws  timeline_error 501 ... 504, 507, 509
 std::string timeline_report(const MotionModel& model, std::string_view text, const GenerateOptions& options = {});
+
+/// Texts to offer to somebody who writes, as JSON: [{"text", "seconds", "repeats"}].
+std::string known_texts_report(std::span<const KnownText> texts);
 
 MOTIONLANG_NAMESPACE_END
 

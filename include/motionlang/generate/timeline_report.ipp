@@ -67,4 +67,11 @@ MOTIONLANG_BODY std::string timeline_report(const MotionModel& model, std::strin
   return report.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+MOTIONLANG_BODY std::string known_texts_report(std::span<const KnownText> texts) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const KnownText& t : texts)
+    out.push_back({{"text", t.text}, {"seconds", t.action.seconds}, {"repeats", t.action.repeats}});
+  return out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 MOTIONLANG_NAMESPACE_END

@@ -6,6 +6,7 @@
 #include <motionlang/kinematics/body_partition.ipp>
 #include <motionlang/kinematics/body_root.ipp>
 #include <motionlang/kinematics/curved_path.ipp>
+#include <motionlang/kinematics/delayed.ipp>
 #include <motionlang/kinematics/describe_skeleton.ipp>
 #include <motionlang/kinematics/edit_motion.ipp>
 #include <motionlang/kinematics/finger_names.ipp>

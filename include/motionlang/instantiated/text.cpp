@@ -10,6 +10,7 @@
 #include <motionlang/text/known_words.ipp>
 #include <motionlang/text/mirror_caption.ipp>
 #include <motionlang/text/stranger_texts.ipp>
+#include <motionlang/text/text_completion.ipp>
 #include <motionlang/text/text_repair.ipp>
 #include <motionlang/text/text_table.ipp>
 #include <motionlang/text/tokenizer.ipp>

@@ -27,6 +27,8 @@ Motion with_turned_rest(Motion m, const Quaternion<double>& turn);
 /// motions  are retargeted unless they are on the character's skeleton
 /// Throws   what viewer_html, motions_on_rig and GlbRig::mesh throw
 std::string rig_viewer_html(const GlbRig& rig, std::span<const Motion> motions, const ViewerOptions& options = {});
+/// The data of such a page for one motion, as JSON: {"motion": ..., "body": ...}. The body is the surface at rest.
+std::string rig_viewer_data(const GlbRig& rig, const Motion& motion);
 /// Throws io_error 401, and what rig_viewer_html throws.
 void write_rig_viewer(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,
                       const ViewerOptions& options = {});

@@ -35,21 +35,37 @@ MOTIONLANG_BODY Motion with_turned_rest(Motion m, const Quaternion<double>& turn
   return m;
 }
 
+/// The surface and the skeleton of a character that faces +Z at rest.
+struct TurnedRig {
+  SkinnedMesh<std::uint16_t> mesh;
+  Skeleton skeleton;
+  Quaternion<double> turn;
+};
+inline TurnedRig turned_rig(const GlbRig& rig) {
+  TurnedRig out{rig.mesh(), rig.skeleton(), turn_to_front(rig)};
+  for (auto* vectors : {&out.mesh.positions, &out.mesh.normals}) {
+    for (Vec3<float>& v : *vectors) v = vec_cast<float>(rotate(out.turn, vec_cast<double>(v)));
+  }
+  for (Vec3<double>& o : out.skeleton.offsets) o = rotate(out.turn, o);
+  return out;
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY std::string rig_viewer_html(const GlbRig& rig, std::span<const Motion> motions,
                                             const ViewerOptions& options) {
-  const Quaternion<double> turn = detail::turn_to_front(rig);
+  const detail::TurnedRig turned = detail::turned_rig(rig);
   std::vector<ViewerMotion> shown;
   for (Motion& m : motions_on_rig(rig, motions).motions)
-    shown.push_back({detail::with_turned_rest(std::move(m), turn)});
-  auto mesh = rig.mesh();
-  for (auto* vectors : {&mesh.positions, &mesh.normals}) {
-    for (Vec3<float>& v : *vectors) v = vec_cast<float>(rotate(turn, vec_cast<double>(v)));
-  }
-  Skeleton skeleton = rig.skeleton();
-  for (Vec3<double>& o : skeleton.offsets) o = rotate(turn, o);
-  return detail::body_viewer_page(shown, mesh, skeleton, options);
+    shown.push_back({detail::with_turned_rest(std::move(m), turned.turn)});
+  return detail::body_viewer_page(shown, turned.mesh, turned.skeleton, options);
+}
+
+MOTIONLANG_BODY std::string rig_viewer_data(const GlbRig& rig, const Motion& motion) {
+  const detail::TurnedRig turned = detail::turned_rig(rig);
+  Motion on_rig = std::move(motions_on_rig(rig, std::span(&motion, 1)).motions.front());
+  return detail::body_viewer_data(detail::with_turned_rest(std::move(on_rig), turned.turn), turned.mesh,
+                                  turned.skeleton);
 }
 
 MOTIONLANG_BODY void write_rig_viewer(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,

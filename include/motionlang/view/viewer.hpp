@@ -33,6 +33,8 @@ namespace detail {
 /// The page with the user's body instead of the figures. The motions must be on the joints of the skeleton.
 std::string body_viewer_page(std::span<const ViewerMotion> motions, const SkinnedMesh<std::uint16_t>& mesh,
                              const Skeleton& skeleton, const ViewerOptions& options);
+/// The data of such a page, as JSON: {"motion": ..., "body": ...}.
+std::string body_viewer_data(const Motion& motion, const SkinnedMesh<std::uint16_t>& mesh, const Skeleton& skeleton);
 
 }  // namespace detail
 

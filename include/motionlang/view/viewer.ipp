@@ -44,24 +44,35 @@ inline std::string viewer_page(std::span<const ViewerEntry> entries, const Viewe
       {viewer_script_pose, viewer_script_draw, viewer_script_player, viewer_script_control});
 }
 
-MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motions,
-                                             const SkinnedMesh<std::uint16_t>& mesh, const Skeleton& skeleton,
-                                             const ViewerOptions& options) {
+inline nlohmann::ordered_json body_json(const SkinnedMesh<std::uint16_t>& mesh, const Skeleton& skeleton) {
   const auto packed = [](const auto& values) { return to_base64(std::as_bytes(std::span(values))); };
   nlohmann::ordered_json offsets = nlohmann::ordered_json::array();
   for (const Vec3<double>& o : skeleton.offsets) offsets.push_back(rounded(o));
-  const nlohmann::ordered_json json{{"positions", packed(mesh.positions)}, {"joints", packed(mesh.joints)},
-                                    {"weights", packed(mesh.weights)},     {"triangles", packed(mesh.triangles)},
-                                    {"offsets", std::move(offsets)},       {"parents", skeleton.parents}};
+  return {{"positions", packed(mesh.positions)}, {"joints", packed(mesh.joints)}, {"weights", packed(mesh.weights)},
+          {"triangles", packed(mesh.triangles)}, {"offsets", std::move(offsets)}, {"parents", skeleton.parents}};
+}
+
+inline std::string json_text(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motions,
+                                             const SkinnedMesh<std::uint16_t>& mesh, const Skeleton& skeleton,
+                                             const ViewerOptions& options) {
   std::vector<ViewerEntry> entries;
   for (const ViewerMotion& m : motions) entries.push_back({m.motion, m.tracks, m.note});
-  return viewer_page(entries, options, json);
+  return viewer_page(entries, options, body_json(mesh, skeleton));
+}
+
+MOTIONLANG_BODY std::string body_viewer_data(const Motion& motion, const SkinnedMesh<std::uint16_t>& mesh,
+                                             const Skeleton& skeleton) {
+  return json_text({{"motion", shown_motion(motion, {}, "")}, {"body", body_json(mesh, skeleton)}});
 }
 
 }  // namespace detail
 
 MOTIONLANG_BODY std::string viewer_data(const Motion& motion) {
-  return detail::shown_motion(motion, {}, "").dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return detail::json_text(detail::shown_motion(motion, {}, ""));
 }
 
 MOTIONLANG_BODY std::string viewer_html(const Motion& motion, std::span<const Track> tracks,

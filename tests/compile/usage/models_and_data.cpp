@@ -20,7 +20,9 @@
 #include <motionlang/formats/motion_folder.hpp>
 #include <motionlang/generate/generate_motion.ipp>
 #include <motionlang/kinematics/body_partition.hpp>
+#include <motionlang/kinematics/delayed.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/one_euro_filter.hpp>
 #include <motionlang/kinematics/treadmill.hpp>
 #include <motionlang/search/kept_index.hpp>
@@ -82,6 +84,10 @@ void motion_folder(const MotionReadOptions& options) {
 }
 void partition() {
 #include "kinematics/body_partition.1.inc"
+}
+void delay(const Motion& dance) {
+#include "kinematics/delayed.1.inc"
+  use(kept);
 }
 void edit(const Motion& motion) {
 #include "kinematics/edit_motion.1.inc"

@@ -9,6 +9,7 @@
 #include <motionlang/text/clip_tokenizer.hpp>
 #include <motionlang/text/glove.hpp>
 #include <motionlang/text/stranger_texts.hpp>
+#include <motionlang/text/text_completion.hpp>
 #include <motionlang/text/text_table.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/word_piece_tokens.hpp>
@@ -51,6 +52,10 @@ void text_tables(const CaptionEncoder<B>& encoder, const std::vector<std::string
 void known_captions_(const std::string& path, const Stmc<B>& stmc) {
   const auto show = [](const std::vector<NearText>&) {};
 #include "text/known_captions.1.inc"
+}
+void completion(const KnownCaptions& captions) {
+  const auto offer = [](const std::string&) {};
+#include "text/text_completion.1.inc"
 }
 void word_vectors() {
 #include "text/word_vectors.1.inc"

@@ -377,6 +377,112 @@ TEST_CASE("an editor checks a timeline and draws a motion") {
   CHECK(json == nullptr);
 }
 
+TEST_CASE("an edited timeline keeps what is far from the edit") {
+  const TemporaryFolder folder;
+  const auto first = (folder / "first").string(), second = (folder / "second").string();
+  motionlang_options options = motionlang_default_options();
+  options.steps = 5, options.seed = 7, options.record = first.c_str();
+  Made before, same, after, whole;
+  const char* const old = "walk forward # 0 # 4\nraise both arms # 4 # 6\nwalk forward # 6 # 12\n";
+  const char* const edited = "walk forward # 0 # 4\nsit down # 4 # 6\nwalk forward # 6 # 12\n";
+  REQUIRE(motionlang_generate(model(), old, &options, &before.motion) == 0);
+  CHECK(motionlang_motion_reuse(before.motion).frames == 0);
+  options = motionlang_default_options();
+  options.reuse = first.c_str();
+  REQUIRE(motionlang_generate(model(), old, &options, &same.motion) == 0);
+  const motionlang_reuse none_new = motionlang_motion_reuse(same.motion);
+  CHECK(none_new.frames == 240);
+  CHECK(none_new.kept == 240);
+  CHECK(none_new.work == 0);
+  CHECK(none_new.whole_work > 0);
+  CHECK(none_new.exact == 1);
+  options.record = second.c_str(), options.keep_beyond = 1;
+  REQUIRE(motionlang_generate(model(), edited, &options, &after.motion) == 0);
+  const motionlang_reuse some = motionlang_motion_reuse(after.motion);
+  CHECK(some.kept >= 240 - 20 * (2 + 2));
+  CHECK(some.kept < 240);
+  CHECK(some.work < some.whole_work);
+  CHECK(some.exact == 0);
+  CHECK(std::filesystem::exists(second));
+  const auto values = [&](const Made& of) {
+    return numbers(motionlang_rotations, of, motionlang_frames(of.motion) * motionlang_joints(of.motion) * 4);
+  };
+  const std::vector<float> a = values(before), b = values(after), c = values(same);
+  REQUIRE(a.size() == b.size());
+  CHECK(a == c);
+  const auto pose = [&](const std::vector<float>& all, std::ptrdiff_t frame) {  // without the root, which turns
+    const auto joints = static_cast<std::ptrdiff_t>(motionlang_joints(before.motion));
+    return std::vector<float>(all.begin() + 4 * (frame * joints + 1), all.begin() + 4 * (frame + 1) * joints);
+  };
+  for (std::ptrdiff_t f = 0; f < 240; ++f) {
+    if (f < 20 || f >= 200) CHECK_MESSAGE(pose(a, f) == pose(b, f), f);
+  }
+  CHECK(pose(a, 100) != pose(b, 100));
+  CHECK(motionlang_motion_reuse(nullptr).frames == 0);
+}
+
+TEST_CASE("a stretch of a motion is kept at another time") {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "walk.bvh").string();
+  ml::write_bvh(file, synthetic::walk({.frames = 60}));
+  Made read, cut, none;
+  REQUIRE(motionlang_read_motion(file.c_str(), &read.motion) == 0);
+  const double fps = motionlang_fps(read.motion), length = 60 / fps;
+  REQUIRE(motionlang_cut_motion(read.motion, length / 3, length, 1, &cut.motion) == 0);
+  REQUIRE(motionlang_frames(cut.motion) == 40 + static_cast<int64_t>(std::llround(fps)));
+  const auto lead = static_cast<std::size_t>(std::llround(fps));
+  const auto all = numbers(motionlang_root, read, 60 * 3);
+  const auto part = numbers(motionlang_root, cut, motionlang_frames(cut.motion) * 3);
+  for (std::size_t f = 0; f < 40 + lead; ++f) CHECK(part[3 * f + 2] == all[3 * (20 + (f < lead ? 0 : f - lead)) + 2]);
+  CHECK(motionlang_cut_motion(read.motion, 1, 0.5, 0, &none.motion) == 101);
+  CHECK(motionlang_cut_motion(read.motion, 0, length + 2, 0, &none.motion) == 101);
+  CHECK(motionlang_cut_motion(read.motion, 0, 1, -1, &none.motion) == 101);
+  CHECK(motionlang_cut_motion(read.motion, 0, 0, 0, &none.motion) == 203);
+  CHECK(motionlang_cut_motion(nullptr, 0, 1, 0, &none.motion) == 101);
+
+  motionlang_options options = motionlang_default_options();
+  const double kept[] = {1, 2};
+  options.steps = 3, options.keep = cut.motion, options.keep_seconds = kept, options.keep_stretches = 1;
+  Made made;
+  CHECK(motionlang_generate(model(), "walk forward # 0 # 3\n", &options, &made.motion) == 0);
+  CHECK(motionlang_frames(made.motion) == 60);
+}
+
+TEST_CASE("an editor offers the texts that the model knows") {
+  motionlang_bytes* json = nullptr;
+  REQUIRE(motionlang_known_texts(model(), "walk", 5, &json) == 0);
+  const std::string texts(static_cast<const char*>(motionlang_bytes_data(json)),
+                          static_cast<std::size_t>(motionlang_bytes_size(json)));
+  motionlang_free_bytes(json);
+  CHECK(texts.starts_with(R"([{"text":"walk)"));
+  CHECK(texts.find(R"("seconds":)") != std::string::npos);
+  CHECK(motionlang_known_texts(model(), nullptr, 0, &json) == 0);
+  CHECK(motionlang_bytes_size(json) == 2);
+  motionlang_free_bytes(json);
+  CHECK(motionlang_known_texts(nullptr, "walk", 5, &json) == 101);
+}
+
+TEST_CASE("a motion is drawn on a character in memory") {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "walk.bvh").string();
+  ml::write_bvh(file, synthetic::walk({.frames = 20}));
+  Made read;
+  REQUIRE(motionlang_read_motion(file.c_str(), &read.motion) == 0);
+  const auto rig = rigs::glb_of(rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:"));
+  const auto size = static_cast<int64_t>(rig.size());
+  motionlang_bytes* json = nullptr;
+  REQUIRE(motionlang_viewer_data_on(read.motion, rig.data(), size, "rig.vrm", &json) == 0);
+  const std::string data(static_cast<const char*>(motionlang_bytes_data(json)),
+                         static_cast<std::size_t>(motionlang_bytes_size(json)));
+  motionlang_free_bytes(json);
+  CHECK(data.starts_with(R"({"motion":{)"));
+  CHECK(data.find(R"("body":{"positions":)") != std::string::npos);
+  CHECK(motionlang_viewer_data_on(read.motion, rig.data(), 10, "rig.vrm", &json) != 0);
+  CHECK(told("rig.vrm"));
+  CHECK(motionlang_viewer_data_on(nullptr, rig.data(), size, "rig.vrm", &json) == 101);
+  CHECK(motionlang_viewer_data_on(read.motion, rig.data(), size, nullptr, &json) == 101);
+}
+
 TEST_CASE("an index is made, updated and searched by words and by a motion") {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "clips");

@@ -50,3 +50,10 @@ TEST_CASE("a text that cannot be read is an error with its place") {
   CHECK_THROWS_AS(ml::timeline_report(model, ""), ml::timeline_error);
   CHECK_THROWS_AS(ml::timeline_report(model, "walk # 0 # 1\n\nsit # 0 # 1\n"), ml::timeline_error);  // two
 }
+
+TEST_CASE("known texts for an editor") {
+  const std::vector<ml::KnownText> texts{{"walk", {3, true, ""}}, {"sit down", {2.5, false, "sit"}}};
+  CHECK(ml::known_texts_report(texts) ==
+        R"([{"text":"walk","seconds":3.0,"repeats":true},{"text":"sit down","seconds":2.5,"repeats":false}])");
+  CHECK(ml::known_texts_report({}) == "[]");
+}

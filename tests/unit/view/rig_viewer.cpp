@@ -6,6 +6,7 @@
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/view/rig_viewer.hpp>
 
+#include "../../support/page_data.hpp"
 #include "../../support/rigs.hpp"
 #include "../../support/temporary_folder.hpp"
 
@@ -32,6 +33,9 @@ TEST_CASE("a character on a page") {
   CHECK(page.find("on a rig") != page.npos);
   const ml::Motion on_rig = ml::motions_on_rig(rig, std::span(&walk, 1)).motions.front();
   CHECK(ml::rig_viewer_html(rig, std::span(&on_rig, 1), {.title = "on a rig"}) == page);
+  const auto data = nlohmann::json::parse(ml::rig_viewer_data(rig, walk)), in_page = data_of(page);
+  CHECK(data["body"] == in_page["body"]);
+  CHECK(data["motion"] == in_page["motions"][0]);
 
   // a character that faces -Z is the same on a page
   const auto back = character(std::numbers::pi);
