@@ -29,13 +29,14 @@ struct StudioParts {
   std::span<const std::byte> model;  // weights of STMC, .safetensors, packed by gzip
   std::vector<StudioPrompt> prompts{};
   std::string title = "motionlang studio";
+  bool asks_server = false;  // the page asks the server that it comes from; it has no program, code and model then
 };
 
 namespace detail {
 std::string seven_bit_text(std::span<const std::byte> bytes);
 }  // namespace detail
 
-/// Throws config_error 101 without program, code or model.
+/// Throws config_error 101 without program, code or model, unless the page asks a server.
 std::string studio_html(const StudioParts& parts);
 
 MOTIONLANG_NAMESPACE_END

@@ -43,26 +43,28 @@ MOTIONLANG_BODY std::string seven_bit_text(std::span<const std::byte> bytes) {
 
 MOTIONLANG_BODY std::string studio_html(const StudioParts& parts) {
   using namespace detail;
-  if (parts.program.empty() || parts.code.empty() || parts.model.empty())
+  if (!parts.asks_server && (parts.program.empty() || parts.code.empty() || parts.model.empty()))
     raise<config_error>(101, "studio: no ", parts.program.empty() ? "program" : parts.code.empty() ? "code" : "model");
   nlohmann::ordered_json prompts = nlohmann::ordered_json::array();
   for (const StudioPrompt& p : parts.prompts) prompts.push_back({{"text", p.text}, {"seconds", p.seconds}});
-  const nlohmann::ordered_json page{{"title", parts.title},
-                                    {"version", MOTIONLANG_VERSION},
-                                    {"rest", viewer_json(rest_motion(), {}, "")},
-                                    {"prompts", std::move(prompts)},
-                                    {"program", concat_text(parts.program, studio_worker)}};
+  nlohmann::ordered_json page{{"title", parts.title},
+                              {"version", MOTIONLANG_VERSION},
+                              {"rest", viewer_json(rest_motion(), {}, "")},
+                              {"prompts", std::move(prompts)}};
+  if (!parts.asks_server) page["program"] = concat_text(parts.program, studio_worker);
   const auto packed = [](std::string_view id, std::span<const std::byte> bytes) {
+    if (bytes.empty()) return std::string();
     return concat_text("<script type=\"text/plain\" id=\"", id, "\">", seven_bit_text(bytes), "</script>\n");
   };
-  return self_contained_page(parts.title, concat_text(page_colours, viewer_style, studio_style),
-                             concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel,
-                                         "</div>\n<footer>", viewer_controls, studio_timeline, "</footer>\n",
-                                         studio_dialog, packed("code", parts.code), packed("model", parts.model)),
-                             page,
-                             {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project,
-                              studio_script_engine, studio_script_editor},
-                             " 'wasm-unsafe-eval'; worker-src blob:");
+  return self_contained_page(
+      parts.title, concat_text(page_colours, viewer_style, studio_style),
+      concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel, "</div>\n<footer>", viewer_controls,
+                  studio_timeline, "</footer>\n", studio_dialog, packed("code", parts.code),
+                  packed("model", parts.model)),
+      page,
+      {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project, studio_script_engine,
+       studio_script_look, studio_script_takes, studio_script_aids, studio_script_edits, studio_script_files},
+      parts.asks_server ? "; connect-src 'self'" : " 'wasm-unsafe-eval'; worker-src blob:");
 }
 
 MOTIONLANG_NAMESPACE_END

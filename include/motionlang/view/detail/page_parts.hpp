@@ -22,13 +22,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 /// Root positions as float32, then local rotations x, y, z, w as int16, 32767 for 1: 12 + 8 joints bytes per frame. The
-/// error of a rotation is below 1e-4 rad.
+/// error of a rotation is below 1e-4 rad. Of the two quaternions of a rotation it is that with w >= 0.
 inline std::string pack_motion(const Motion& motion) {
   std::vector<std::byte> bytes;
   for (const Vec3<double>& p : motion.root) append_value(bytes, vec_cast<float>(p));
   for (const Quaternion<double>& q : motion.local) {
     const Quaternion<double> u = normalized(q);
-    for (const double x : {u.x, u.y, u.z, u.w}) append_value(bytes, static_cast<std::int16_t>(std::lround(32767 * x)));
+    const double one = u.w < 0 ? -32767 : 32767;
+    for (const double x : {u.x, u.y, u.z, u.w}) append_value(bytes, static_cast<std::int16_t>(std::lround(one * x)));
   }
   return to_base64(bytes);
 }

@@ -173,7 +173,7 @@ class Clip {
   shapes(pose) {
     return this.cones.map(([joint, fx, fy, fz, tx, ty, tz, radiusFrom, radiusTo, side]) => {
       const place = (v) => add(pose.positions[joint], turn(pose.rotations[joint], v));
-      return { from: place([fx, fy, fz]), to: place([tx, ty, tz]), radiusFrom, radiusTo, side };
+      return { from: place([fx, fy, fz]), to: place([tx, ty, tz]), radiusFrom, radiusTo, side, joint };
     });
   }
 }
@@ -489,7 +489,7 @@ class GlRenderer {
   place({ shapes, pose, palette }) {
     const gl = this.gl;
     const data = this.mesh ? this.mesh.skin(pose) : new Float32Array(shapes.flatMap((s) =>
-      [...s.from, s.radiusFrom, ...s.to, s.radiusTo, ...palette.sides[s.side]]));
+      [...s.from, s.radiusFrom, ...s.to, s.radiusTo, ...(s.colour || palette.sides[s.side])]));
     gl.bindBuffer(gl.ARRAY_BUFFER, this.mesh ? this.meshVertices : this.instances);
     gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
   }
@@ -575,7 +575,7 @@ class FlatRenderer {
       const ra = s.radiusFrom * a.scale, rb = s.radiusTo * b.scale;
       const axis = Math.atan2(b.y - a.y, b.x - a.x), distance = Math.hypot(b.x - a.x, b.y - a.y);
       const tangent = Math.acos(clamp((ra - rb) / Math.max(distance, 1e-9), -1, 1));
-      context.fillStyle = colour(palette.sides[s.side]);
+      context.fillStyle = colour(s.colour || palette.sides[s.side]);
       context.beginPath();
       context.arc(a.x, a.y, ra, axis + tangent, axis - tangent);
       context.arc(b.x, b.y, rb, axis - tangent, axis + tangent);
@@ -643,6 +643,7 @@ const hues = ["#2b78c5", "#d0621c", "#2f9157", "#8a58c2", "#c0436d", "#97801b"];
 const dark = matchMedia("(prefers-color-scheme: dark)");
 let clip = null, time = 0, playing = false, looping = true, following = true, speed = 1;
 let scheduled = false, before = 0;
+let decorate = () => {};  // changes the cones of the figure, or adds to them, before they are drawn
 let pace = 16, quality = 1;  // milliseconds between frames, pixels drawn per pixel of the screen
 
 let renderer;
@@ -681,8 +682,8 @@ function showClip(next) {
   element("scrub").max = clip.seconds || 1;
   element("play").disabled = element("scrub").disabled = clip.seconds === 0;
 }
-function drawAxis(axis, length) {
-  const most = clamp(axis.clientWidth / 50, 3, 12);  // marks
+function drawAxis(axis, length, limit = 12) {
+  const most = clamp(axis.clientWidth / 50, 3, limit);  // marks
   const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 300].find((s) => length / s <= most) || length / 10;
   axis.replaceChildren();
   for (let t = 0; t <= length + 1e-9; t += step) {
@@ -696,8 +697,9 @@ function render() {
   if (!width || !height) return;
   if (view.width !== width || view.height !== height) Object.assign(view, { width, height });
   if (following) camera.goal = [root[0], clip.floor + 0.52 * clip.size, root[2]];
-  const palette = palettes[dark.matches ? "dark" : "light"];
-  renderer.draw({ shapes: clip.shapes(pose), pose, camera, palette, clip, root, width, height });
+  const palette = palettes[dark.matches ? "dark" : "light"], shapes = clip.shapes(pose);
+  decorate(shapes, palette);
+  renderer.draw({ shapes, pose, camera, palette, clip, root, width, height });
 
   element("scrub").value = time;
   element("clock").textContent = `${shown(time)} / ${shown(clip.seconds)} \u00b7 frame ${Math.round(time * clip.fps)}`;
