@@ -15,6 +15,7 @@
 #include <motionlang/file/pickle.ipp>
 #include <motionlang/file/pickle_arrays.ipp>
 #include <motionlang/file/png.ipp>
+#include <motionlang/file/project_folder.ipp>
 #include <motionlang/file/safetensors.ipp>
 #include <motionlang/file/tensor_memory.ipp>
 #include <motionlang/file/tensor_set.ipp>

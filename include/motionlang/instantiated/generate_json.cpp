@@ -6,5 +6,7 @@
 #include <motionlang/generate/missing_parts.ipp>
 #include <motionlang/generate/motion_model_place.ipp>
 #include <motionlang/generate/mtt_runs.ipp>
+#include <motionlang/generate/studio_request.ipp>
+#include <motionlang/generate/studio_server.ipp>
 #include <motionlang/generate/timeline_report.ipp>
 #include <motionlang/generate/token_clips.ipp>

@@ -1,0 +1,283 @@
+#!/usr/bin/env python3
+"""Starts `motionlang studio`, attacks it, and uses its page in Chromium. Only Python's own library.
+
+    studio_server_test.py <chromedriver> <program motionlang> <folder>
+
+Exit status: 0 passed, 1 failed, 77 skipped because the program has no server.
+"""
+import json
+import os
+import pathlib
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+
+from pages_test import wait
+from studio_test import MADE, click, expect, made, state, write
+from viewer_test import WEBGL, Browser, start_driver
+
+CLIENT = "0123456789abcdef" * 2
+
+
+class Server:
+    def __init__(self, program, project):
+        self.process = subprocess.Popen([program, "studio", "--port", "0", "--project", str(project)],
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        found = re.search(r"http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32})$", line.strip())
+        if not found:
+            raise RuntimeError(line + self.process.stderr.read())
+        self.port, self.token, self.link = int(found.group(1)), found.group(2), found.group(0)
+        self.host = f"127.0.0.1:{self.port}"
+
+    def alive(self):
+        return self.process.poll() is None
+
+    def connect(self, timeout=60):
+        return socket.create_connection(("127.0.0.1", self.port), timeout)
+
+    def send(self, data, timeout=60):
+        """What the server answers to these bytes, until it closes."""
+        with self.connect(timeout) as s:
+            try:
+                s.sendall(data)
+            except OSError:
+                pass  # it closed before it read all
+            out = b""
+            try:
+                while block := s.recv(65536):
+                    out += block
+            except OSError:
+                pass
+            return out
+
+    def request(self, method="POST", path="/ask", body=b"", **fields):
+        head = {"Host": self.host, "Content-Type": "application/json", "X-Motionlang-Token": self.token,
+                "Content-Length": str(len(body))}
+        head.update({k.replace("_", "-"): v for k, v in fields.items()})
+        lines = [f"{method} {path} HTTP/1.1"] + [f"{k}: {v}" for k, v in head.items() if v is not None]
+        return self.send("\r\n".join(lines).encode() + b"\r\n\r\n" + body)
+
+    def ask(self, question, **fields):
+        """The last line of an answer; None if it is refused."""
+        answer = self.request(body=json.dumps({"client": CLIENT, **question}).encode(), **fields)
+        if status(answer) != 200:
+            return None
+        lines = re.findall(rb"^\{.*\}\r?$", answer, re.MULTILINE)
+        return json.loads(lines[-1]) if lines else None
+
+
+def status(answer):
+    return int(answer.split(b" ", 2)[1]) if answer.startswith(b"HTTP/1.1 ") else 0
+
+
+def heads(server, problems):
+    """Wrong names, origins, tokens, methods, paths."""
+    def refused(what, wanted, answer):
+        expect(problems, f"{what}: {status(answer)}, not {wanted}",
+               status(answer) == wanted and server.token.encode() not in answer and b"root:" not in answer)
+
+    expect(problems, "a good question is refused", "value" in (server.ask({"kind": "load"}) or {}))
+    page = server.request("GET", "/")
+    expect(problems, f"no page: {status(page)}", status(page) == 200 and b"<title>motionlang studio" in page)
+    expect(problems, "the page has the token", server.token.encode() not in page)
+    for name in (b"X-Frame-Options: DENY", b"frame-ancestors 'none'", b"X-Content-Type-Options: nosniff",
+                 b"Cross-Origin-Resource-Policy: same-origin", b"Referrer-Policy: no-referrer"):
+        expect(problems, f"no {name.decode()}", name in page)
+    expect(problems, "it allows other origins", b"Access-Control" not in page)
+    load = json.dumps({"kind": "load", "client": CLIENT}).encode()
+    for host in ("evil.example", f"evil.example:{server.port}", "127.0.0.1", "", None):
+        refused(f"Host {host}", 400 if host is None else 421, server.request(body=load, Host=host)) \
+            if host is not None else expect(problems, "no Host", status(server.request(body=load, Host=None)) in (400, 421))
+        if host:
+            refused(f"the page for Host {host}", 421, server.request("GET", "/", Host=host))
+    for origin in ("http://evil.example", "null", f"https://{server.host}", f"http://localhost:{server.port}"):
+        refused(f"Origin {origin}", 403, server.request(body=load, Origin=origin))
+    refused("another site", 403, server.request(body=load, Sec_Fetch_Site="cross-site"))
+    for token in (None, "", "0" * 32, server.token[:-1], server.token + "0"):
+        refused(f"token {token}", 401, server.request(body=load, X_Motionlang_Token=token))
+    refused("a form", 415, server.request(body=load, Content_Type="text/plain"))
+    for method in ("GET", "PUT", "DELETE", "OPTIONS", "PATCH"):
+        refused(method, 405, server.request(method, body=load))
+    refused("preflight", 405, server.request("OPTIONS", "/ask", Origin=f"http://{server.host}",
+                                             Access_Control_Request_Method="POST"))
+    for path in ("/etc/passwd", "/../../etc/passwd", "/..%2f..%2fetc/passwd", "/%2e%2e/%2e%2e/etc/passwd",
+                 "//etc/passwd", "/studio.html", "/./", "/ask/../../etc/passwd"):
+        refused(path, 404, server.request("GET", path))
+
+
+def files(server, folder, project, problems):
+    """No file outside of the project is read or written."""
+    secret = folder / "secret.txt"
+    secret.write_text("secret", encoding="utf-8")
+    (project / "link.txt").symlink_to(secret)
+    for name in ("../secret.txt", str(secret), "link.txt", "..\\secret.txt", "a/../../secret.txt", ".txt", "x\0.txt",
+                 "/dev/zero", "CON.txt/../x.txt"):
+        for question in ({"kind": "open", "name": name}, {"kind": "store", "name": name, "bytes": "bG9zdA=="}):
+            answer = server.ask(question)
+            expect(problems, f"{question}: {answer}", answer and "error" in answer)
+    expect(problems, "the secret is lost", secret.read_text(encoding="utf-8") == "secret")
+    expect(problems, "a file is somewhere else", sorted(p.name for p in project.iterdir()) == ["link.txt"])
+    expect(problems, "store", server.ask({"kind": "store", "name": "a.txt", "bytes": "aGk="}) == {"value": True})
+    expect(problems, "files", server.ask({"kind": "files"}) == {"value": ["a.txt"]})
+    expect(problems, "open", server.ask({"kind": "open", "name": "a.txt"}) == {"value": {"bytes": "aGk="}})
+
+
+def bodies(server, problems):
+    """Malformed, oversized, endless and slow bodies."""
+    for body in (b"", b"{", b"[" * 100000, b"nul", b'{"kind":"load"', b"\xff\xfe", b'{"kind":"load","client":"x"}',
+                 b'{"a":' * 5000, json.dumps({"kind": "generate", "client": CLIENT, "timeline": "x" * 200000}).encode()):
+        answer = server.request(body=body)
+        expect(problems, f"{body[:20]}: {answer[:80]}", status(answer) in (200, 400) and
+               (status(answer) == 400 or b'"error"' in answer))
+    large = server.request(Content_Length=str(10 ** 12))
+    expect(problems, f"a large body: {large[:40]}", status(large) in (0, 413))
+    head = (f"POST /ask HTTP/1.1\r\nHost: {server.host}\r\nContent-Type: application/json\r\n"
+            f"X-Motionlang-Token: {server.token}\r\nTransfer-Encoding: chunked\r\n\r\n").encode()
+    with server.connect() as s:  # chunks without an end: it closes after 48 MiB
+        sent, block = 0, b"100000\r\n" + b"x" * 0x100000 + b"\r\n"
+        try:
+            s.sendall(head)
+            while sent < 200 << 20:
+                s.sendall(block)
+                sent += len(block)
+        except OSError:
+            pass
+    expect(problems, f"it read {sent >> 20} MiB of an endless body", sent < 120 << 20)
+    for data in (b"\0" * 1000, b"GET " + b"/" * 100000 + b" HTTP/1.1\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n",
+                 b"GET / HTTP/1.1\r\n" + b"A: " + b"b" * 100000 + b"\r\n\r\n", b"\r\n\r\n", b"POST /ask\r\n\r\n"):
+        expect(problems, f"{data[:20]} gets {status(server.send(data))}", status(server.send(data)) != 200)
+    expect(problems, "a second request in a refused body is answered",
+           server.request(body=b"GET / HTTP/1.1\r\nHost: " + server.host.encode() + b"\r\n\r\n",
+                          X_Motionlang_Token="0").count(b"HTTP/1.1 ") == 1)
+    expect(problems, "it is down", server.alive())
+
+
+def crowd(server, problems):
+    """A hundred connections that say nothing, or little, keep nobody waiting."""
+    idle = [server.connect() for _ in range(100)]
+    try:
+        for s in idle[:50]:
+            s.sendall(b"POST /ask HTTP/1.1\r\nHost: ")
+        began = time.monotonic()
+        answer = server.ask({"kind": "load"})
+        took = time.monotonic() - began
+        print(f"beside a hundred idle connections an answer takes {took:.2f} s")
+        expect(problems, f"beside a hundred connections: {answer} after {took:.1f} s", answer and took < 5)
+    finally:
+        for s in idle:
+            s.close()
+    answers = [None] * 100
+
+    def ask(i):
+        answers[i] = server.ask({"kind": "check", "timeline": f"walk # 0 # {i % 5 + 1}\n", "client": f"{i:032x}"})
+
+    threads = [threading.Thread(target=ask, args=(i,)) for i in range(100)]
+    for t in threads:
+        t.start()
+    for t in threads:
+        t.join()
+    right = sum(a is not None and a.get("value", {}).get("seconds") == i % 5 + 1 for i, a in enumerate(answers))
+    expect(problems, f"{right} of 100 questions at once have their answer", right == 100)
+
+
+def leaving(server, problems):
+    """Who leaves ends the work: the next question does not wait for it."""
+    body = json.dumps({"client": CLIENT, "kind": "generate", "timeline": "walk # 0 # 100\n"}).encode()
+    for _ in range(4):
+        with server.connect() as s:
+            s.sendall(f"POST /ask HTTP/1.1\r\nHost: {server.host}\r\nContent-Type: application/json\r\n"
+                      f"X-Motionlang-Token: {server.token}\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body)
+            s.recv(1000)
+    answer = server.ask({"kind": "generate", "timeline": "walk # 0 # 2\n", "fast": True})
+    expect(problems, "a motion is not made after those that nobody wants", answer and "value" in answer)
+
+
+def in_browser(server, driver_port, project, problems):
+    """The page makes a motion by the server, edits and saves it; another browser has its own."""
+    first = second = None
+    try:
+        first = Browser(driver_port, [*WEBGL, "--window-size=1280,720"])
+        first.post("/url", {"url": server.link})
+        expect(problems, "no motion of the server", made(first, 1))
+        now = state(first)
+        print(f"from the server: first motion {now['opened']:.1f} s after opening, {now['took']:.1f} s to make it")
+        expect(problems, f"{now['frames']} frames", now["frames"] == 120)
+        address = first.run("return location.href")
+        expect(problems, "the token stays in the address", server.token not in address)
+        second = Browser(driver_port, [*WEBGL, "--window-size=1280,720"])
+        second.post("/url", {"url": server.link})
+        expect(problems, "no motion for the second browser", made(second, 1))
+        other = second.run("return motionlang.turns()")
+        click(first, ".bar[data-bar='0']")
+        write(first, "#words", "walk backwards")
+        click(first, "#generate")
+        expect(problems, "no motion after an edit", made(first, 2))
+        take = state(first)["takes"][state(first)["shown"]]
+        expect(problems, f"nothing is reused: {take}", take["reuse"] and take["reuse"]["frames"] == 120)
+        expect(problems, "the second browser's motion changed", second.run("return motionlang.turns()") == other)
+        click(first, "#kind option[value='.bvh']")
+        click(first, "#save")
+        expect(problems, "the motion is not in the project",
+               wait(first, "/folder/.test(document.getElementById('status').textContent)", 20) and
+               (project / "walk_backwards.bvh").stat().st_size > 10000)
+        first.post("/url", {"url": f"http://127.0.0.1:{server.port}/"})
+        expect(problems, "a reload loses the token or the project",
+               made(first, 1) and state(first)["project"]["bars"][0]["text"] == "walk backwards")
+        click(first, "#whole")
+        wait(first, "document.getElementById('progress').value > 0", MADE)
+        click(first, "#cancel")
+        expect(problems, "it cannot be cancelled", wait(first, "!motionlang.state().making", 10))
+        for browser in (first, second):
+            problems += [entry["message"] for entry in browser.post("/se/log", {"type": "browser"})
+                         if entry["level"] == "SEVERE" and "favicon" not in entry["message"]]
+        stranger = second
+        stranger.post("/url", {"url": "about:blank"})
+        stranger.post("/url", {"url": f"http://localhost:{server.port}/"})  # without a token
+        expect(problems, "without a token it answers", wait(
+            stranger, "/token/.test(document.getElementById('status').textContent)", 20))
+    finally:
+        for browser in (first, second):
+            if browser:
+                browser.close()
+
+
+def main(driver_path, program, folder):
+    folder = pathlib.Path(folder)
+    project = folder / "project"
+    project.mkdir()
+    problems = []
+    try:
+        server = Server(program, project)
+    except RuntimeError as reason:
+        if "without cpp-httplib" in str(reason):
+            print("skipped: this motionlang has no server")
+            return 77
+        raise
+    driver, port = start_driver(driver_path)
+    try:
+        heads(server, problems)
+        files(server, folder, project, problems)
+        bodies(server, problems)
+        crowd(server, problems)
+        leaving(server, problems)
+        in_browser(server, port, project, problems)
+        expect(problems, "it is down", server.alive())
+        others = [pathlib.Path(p).name for p in pathlib.Path(os.environ.get("TMPDIR", "/tmp")).glob("motionlang-studio-*")]
+        server.process.send_signal(signal.SIGINT)
+        expect(problems, f"it does not end: {server.process.wait(60)}", server.process.returncode == 0)
+        left = [name for name in others if (pathlib.Path(os.environ.get("TMPDIR", "/tmp")) / name).exists()]
+        expect(problems, f"it leaves {left}", len(left) < len(others))
+    finally:
+        server.process.kill()
+        driver.terminate()
+    print(f"studio's server: {'; '.join(problems) or 'passed'}")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,58 @@
+// A folder that is read and written by names alone.
+#include <motionlang/file/project_folder.hpp>
+
+#include <doctest/doctest.h>
+
+#include <motionlang/file/file.hpp>
+
+#include "../../support/check_error.hpp"
+#include "../../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+
+namespace {
+
+bool ends_well(std::string_view name) { return name.ends_with(".txt"); }
+std::span<const std::byte> bytes(std::string_view text) { return std::as_bytes(std::span(text)); }
+
+}  // namespace
+
+TEST_CASE("files are written, listed and read by their names") {
+  const TemporaryFolder place;
+  const ml::ProjectFolder folder(place.path, ends_well);
+  CHECK(folder.names().empty());
+  folder.write("b.txt", bytes("two"));
+  folder.write("a.txt", bytes("one"));
+  folder.write("a.txt", bytes("one more"));
+  ml::write_file(place / "c.exe", std::string_view("no"));
+  std::filesystem::create_directory(place / "d.txt");
+  CHECK(folder.names() == std::vector<std::string>{"a.txt", "b.txt"});
+  CHECK(folder.read("a.txt", 8) == "one more");
+  CHECK_THROWS_AS(folder.read("a.txt", 7), ml::io_error);
+  CHECK_THROWS_AS(folder.read("none.txt", 7), ml::io_error);
+  CHECK_THROWS_AS(folder.read("d.txt", 7), ml::io_error);
+  CHECK_THROWS_AS(folder.write("d.txt", bytes("x")), ml::io_error);
+  CHECK_THROWS_AS(folder.read("c.exe", 7), ml::config_error);
+  CHECK_THROWS_AS(ml::ProjectFolder(place / "nowhere", ends_well), ml::io_error);
+}
+
+TEST_CASE("nothing outside is reached, by names or by links") {
+  const TemporaryFolder place;
+  std::filesystem::create_directory(place / "in");
+  ml::write_file(place / "secret.txt", std::string_view("secret"));
+  const ml::ProjectFolder folder(place / "in", ends_well);
+  for (const std::string& name : {std::string("../secret.txt"), (place / "secret.txt").string(),
+                                  std::string("x/../../secret.txt"), std::string("./secret.txt")}) {
+    CHECK_THROWS_AS(folder.read(name, 100), ml::config_error);
+    CHECK_THROWS_AS(folder.write(name, bytes("lost")), ml::config_error);
+  }
+  std::filesystem::create_symlink(place / "secret.txt", place / "in/link.txt");
+  std::filesystem::create_symlink(place / "new.txt", place / "in/dangling.txt");
+  CHECK(folder.names().empty());
+  for (const char* name : {"link.txt", "dangling.txt"}) {
+    CHECK_THROWS_AS(folder.read(name, 100), ml::io_error);
+    CHECK_THROWS_AS(folder.write(name, bytes("lost")), ml::io_error);
+  }
+  CHECK(ml::read_file(place / "secret.txt") == "secret");
+  CHECK_FALSE(std::filesystem::exists(place / "new.txt"));
+}
