@@ -1,5 +1,6 @@
 // motionlang studio: the page in which motion is made, served with any model. The questions are answered by
 // generate/studio_server.hpp; this connects it to cpp-httplib, if that is installed.
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -140,13 +141,14 @@ void serve(const StudioCommand& o, std::shared_ptr<const ml::MotionModel> model)
   std::printf("Open http://%s:%d/#token=%s\nCtrl-C ends the studio.\n", o.host.empty() ? "127.0.0.1" : o.host.c_str(),
               port, gate.token.c_str());
   std::fflush(stdout);
+  std::atomic<bool> over = false;
   std::thread watch([&] {
-    while (!interrupted) std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    while (!http.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    http.stop();
+    const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(50)); };
+    while (!over && !(interrupted && http.is_running())) pause();
+    if (!over) http.stop();
   });
   const bool ended = http.listen_after_bind();
-  interrupted = true;
+  over = true;
   watch.join();
   if (!ended) ml::raise<ml::io_error>(401, "port ", port, " of ", address, " failed");
 }

@@ -132,6 +132,9 @@ MOTIONLANG_BODY StudioQuestion parse_studio_question(std::string_view json, cons
   if (!detail::is_client(out.client)) raise<config_error>(103, "question.client: not 32 hexadecimal digits");
   if (!out.name.empty() && !is_studio_file(out.name)) raise<config_error>(103, "question.name: '", out.name, "'");
   const auto given = [&](const char* key) { return view.contains(key) && !view[key].is_null(); };
+  for (const char* part : {"character", "clip"}) {
+    if (given(part) && !view[part].is_object()) raise<config_error>(107, "question.", part, ": not an object");
+  }
   if (given("record")) out.record = fields.index("record", many);
   if (given("character")) {
     const JsonView character = view["character"];

@@ -133,9 +133,10 @@ TEST_CASE("anything else is an error") {
 }
 
 TEST_CASE("texts and files have limits") {
-  const ml::StudioLimits small{.question = 200, .file = 30, .text = 20};
+  const ml::StudioLimits small{.question = 200, .file = 30, .text = 40};
   CHECK_NOTHROW(parsed(R"("kind":"check","timeline":"walk # 0 # 2")", small));
-  CHECK_THROWS_AS(parsed(R"("kind":"check","timeline":"walk very far # 0 # 2")", small), ml::config_error);
+  CHECK_THROWS_AS(parsed(R"("kind":"check","timeline":"walk very, very, very, very, very far # 0 # 2")", small),
+                  ml::config_error);
   CHECK_NOTHROW(parsed(R"("kind":"read","bytes":")" + std::string(40, 'A') + "\"", small));
   CHECK_THROWS_AS(parsed(R"("kind":"read","bytes":")" + std::string(48, 'A') + "\"", small), ml::config_error);
   CHECK_THROWS_AS(parsed(R"("kind":"load","x":")" + std::string(200, 'A') + "\"", small), ml::config_error);

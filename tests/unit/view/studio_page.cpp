@@ -47,6 +47,14 @@ TEST_CASE("one file with code and model in it, which asks for nothing and may ru
   CHECK(data["rest"]["parents"].size() == 24);
 }
 
+TEST_CASE("a page that asks a server has no program, code and model, and asks nobody else") {
+  const std::string page = ml::studio_html({.program = "", .code = {}, .model = {}, .asks_server = true});
+  CHECK(page.find("script-src 'unsafe-inline'; connect-src 'self'\">") != std::string::npos);
+  CHECK(page.find("http:") == std::string::npos);
+  CHECK(occurrences(page, "</script>") == 2);  // of data and program
+  CHECK_FALSE(data_of(page).contains("program"));
+}
+
 TEST_CASE("bytes are text with seven bits a character, without what a page would change") {
   std::string all;
   for (int i = 0; i < 256; ++i) all += static_cast<char>(i);
