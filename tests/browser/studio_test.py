@@ -241,9 +241,11 @@ def elsewhere(browser, link, timeline, problems):
 
 
 def main(driver_path, page, program, folder):
-    folder, page = pathlib.Path(folder), pathlib.Path(page).resolve().as_uri()
+    folder, size, page = pathlib.Path(folder), os.path.getsize(page), pathlib.Path(page).resolve().as_uri()
     driver, port = start_driver(driver_path)
     problems = []
+    print(f"{size} bytes")
+    expect(problems, f"the page has {size} bytes, more than 16 MB", size <= 16_000_000)
     browser = None
     try:
         browser = Browser(port, [*WEBGL, "--window-size=1280,720"])
