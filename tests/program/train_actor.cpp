@@ -11,6 +11,7 @@
 #include <motionlang/view/loss_curves.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
 
+#include "../support/actor_pickles.hpp"
 #include "../support/body_arrays.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "training_clips.hpp"
@@ -219,6 +220,53 @@ TEST_CASE(
   CHECK(clips.terms("speeds") == std::vector<std::string>{"rc", "vel"});
   CHECK(clips.losses("speeds").size() == 12);
   CHECK(clips.term_values("speeds").size() == 2 * 4);
+}
+
+TEST_CASE("actions in the files of their data set, in the world of their camera") {
+  const TemporaryFolder folder;
+  actor_pickles::write_humanact12(folder / "data", 6);
+  const auto train = [&](const std::string& command, const std::string& out, std::vector<std::string> more = {}) {
+    std::vector<std::string> all{command,    "--data", "data",  "--dataset", "humanact12",
+                                 "--preset", "small",  "--out", out};
+    for (const char* a : {"optimiser.epochs=2", "optimiser.batch=3", "clips.num_frames=12", "data.min_seconds=0"})
+      all.insert(all.end(), {"--set", a});
+    if (command != "train-classifier") {
+      for (const char* a : {"network.latent_dim=8", "network.ff_size=8", "network.num_layers=1", "network.num_heads=2"})
+        all.insert(all.end(), {"--set", a});
+    }
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all, folder.path);
+  };
+  for (const char* command : {"train-actor", "train-classifier", "train-mdm-actions"}) {
+    const auto done = train(command, command);
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    CHECK_MESSAGE(contains(done.text, "6 motions to train on, 0 for validation, 6 for tests; 0 left out"), done.text);
+    const std::string config = ml::read_file(folder / command / "model/config.json");
+    CHECK_MESSAGE((contains(config, R"("turned_ahead": false)") && contains(config, R"("camera": true)")), config);
+  }
+  for (const char* part : {"training", "test"}) {
+    const auto measured = run({"evaluate", "train-actor/model", "--data", "data", "--dataset", "humanact12",
+                               "--classifier", "train-classifier/model", "--seeds", "2", "--part", part},
+                              folder.path);
+    REQUIRE_MESSAGE(measured.code == 0, measured.text);
+    CHECK_MESSAGE(contains(measured.text, "6 motions of the " + std::string(part) + " part, 2 classes"), measured.text);
+  }
+  CHECK(run({"evaluate", "train-classifier/model", "--data", "data", "--dataset", "humanact12", "--seeds", "2"},
+            folder.path)
+            .code == 0);
+  const auto upright = train("train-actor", "upright", {"--set", "clips.camera=false"});
+  REQUIRE_MESSAGE(upright.code == 0, upright.text);
+  CHECK(ml::read_file(folder / "upright/model/weights.safetensors") !=
+        ml::read_file(folder / "train-actor/model/weights.safetensors"));
+  std::filesystem::create_directories(folder / "splits");
+  for (const auto& [more, message] : {std::pair(std::vector<std::string>{"--splits", "splits"},
+                                                "humanact12 has parts of its own: no --splits with it"),
+                                      {{"--dataset", "uestc"}, "--dataset uestc: data has other files"},
+                                      {{"--dataset", "humanact13"}, "humanact13"}}) {
+    const auto refused = train("train-actor", "refused", more);
+    CHECK(refused.code != 0);
+    CHECK_MESSAGE(contains(refused.text, message), refused.text);
+  }
 }
 
 TEST_CASE("an ACTOR without the rotation of joint 0; vertices that move; networks that know no time") {

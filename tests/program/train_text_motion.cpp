@@ -8,11 +8,13 @@
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/file/npz.hpp>
 #include <motionlang/file/safetensors.hpp>
+#include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
 #include <motionlang/weights/word_vector_file.hpp>
 
+#include "../support/raw_kit.hpp"
 #include "training_clips.hpp"
 
 TEST_CASE(
@@ -319,6 +321,41 @@ TEST_CASE("text.finetune trains DistilBERT with TMR and TEMOS; its weights and t
   ml::write_file(clips / "strangers/config.json", std::string_view(R"({"model_type": "bert"})"));
   refused("text.encoder=distilbert", "strangers",
           "[motionlang.config.103] strangers/config.json: model_type 'bert', expected 'distilbert'");
+}
+
+TEST_CASE("raw KIT-ML, by its own positions and by its motions in AMASS, at 100 frames per second") {
+  const TemporaryFolder folder;
+  std::string paths;
+  std::filesystem::create_directories(folder / "kit/amass/KIT/3");
+  for (int i = 0; i < 8; ++i) {
+    const std::string id = "0000" + std::to_string(i);
+    const auto walk = synthetic::walk({.frames = 160 + 8 * i, .fps = 100, .turn = 0.2 * i});
+    raw_kit::write(folder / "kit", id, raw_kit::joints_of(walk), {"a person walks", "someone turns"});
+    ml::write_amass(folder / ("kit/amass/KIT/3/" + id + "_poses.npz"), walk);
+    paths += (i == 0 ? "{" : ", ") + ('"' + id) + R"(": {"path": "3/)" + id + R"(_poses.npz", "identifier": "kit"})";
+  }
+  ml::write_file(folder / "kit/kitml_amass_path.json", paths + "}");
+  for (const bool smpl : {false, true}) {
+    CAPTURE(smpl);
+    const std::vector<std::string> more{
+        "--data", "kit", "--set", smpl ? "features=smplvelp" : "features=rifke64", "--set", "data.test_share=0.25"};
+    const auto done = train_tiny("train-temos", folder.path, more);
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    CHECK_MESSAGE(contains(done.text, "2 for tests; 0 left out"), done.text);
+    const std::vector<std::string> measure{"evaluate", "out/model", "--data", "kit", "--samples", "2"};
+    const auto measured = run(measure, folder.path);
+    REQUIRE_MESSAGE(measured.code == 0, measured.text);
+    CHECK_MESSAGE(contains(measured.text, "joints at 100 frames per second; generated ones are interpolated from 12.5"),
+                  measured.text);
+    CHECK_MESSAGE(contains(measured.text, "mean of the latent"), measured.text);
+    if (smpl) continue;
+    // figure 4.5 from the last two lines of the table
+    const auto figures = measured.text.substr(0, measured.text.rfind('\n', measured.text.size() - 2) + 1);
+    const auto last = figures.rfind('\n', figures.rfind('\n', figures.size() - 2) - 1) + 1;
+    ml::write_file(folder / "rows.txt", figures.substr(last));
+    const auto drawn = run({"figure", "curves", "rows.txt", "--rows", "-o", "best.svg"}, folder.path);
+    CHECK_MESSAGE((drawn.code == 0 && std::filesystem::exists(folder / "best.svg")), drawn.text + figures.substr(last));
+  }
 }
 
 TEST_CASE("Ctrl-C keeps a checkpoint, from which the same command goes on; early stop") {

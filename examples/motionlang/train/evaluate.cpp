@@ -11,6 +11,7 @@
 #include "../commands.hpp"
 #include "../generate/generation.hpp"
 #include "../option_checks.hpp"
+#include "action_options.hpp"
 
 namespace program {
 
@@ -68,6 +69,7 @@ void add_evaluate(CLI::App& app) {
   file_option(*c, "--captions", o->captions, "Table of captions, as for training");
   file_option(*c, "--labels", o->labels,
               "ACTOR, classifier: table of labels, as for training. Not needed if --annotations has labels");
+  add_dataset_option(*c, o->dataset);
   path_option(
       *c, "--classifier", o->classifier,
       "ACTOR: folder of the classifier that judges, or a published file (humanact12_gru.tar, uestc_rot6d_stgcn.tar)");

@@ -25,6 +25,7 @@ struct EvaluationOptions {
       recorded, tmr, tmr_text_encoder, generator_text_encoder, generator_statistics;
   bool synthesis = false;  // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
+  std::string dataset;                 // of actions, in its own files
   double threshold = 0.95;             // texts more similar than that count as the same
   ml::Index samples = 10;              // of TEMOS, SINC and TEACH, for each text
   ml::Index count = 20;                // film strips

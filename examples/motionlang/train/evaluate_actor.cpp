@@ -12,6 +12,7 @@
 #include "../formatted.hpp"
 #include "../progress_bar.hpp"
 #include "../usage_error.hpp"
+#include "action_options.hpp"
 #include "evaluate.hpp"
 #include "training_command.hpp"
 
@@ -34,6 +35,7 @@ struct Measured {
             read_motions_of({o.data, {}, o.labels, o.annotations, o.splits, true}, config, ml::actor_row_maker(clips))),
         part(&data.part(o.part)),
         classes(ml::classes_of(*part, labels)) {
+    require_dataset(o.dataset, o.data);
     if (part->empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
     std::printf("%s of the %s part, %s\n", ml::counted(part->size(), "motion").c_str(), o.part.c_str(),
                 ml::counted(labels.size(), "class", "classes").c_str());

@@ -3,6 +3,7 @@
 
 #include <motionlang/train/actor_training.hpp>
 
+#include "action_options.hpp"
 #include "training_command.hpp"
 
 namespace program {
@@ -12,6 +13,7 @@ namespace {
 struct Options {
   TrainingOptions common;
   LabelOptions labels;
+  std::string dataset;
   std::filesystem::path from;
   ml::ActorBodyFiles files;
 };
@@ -19,6 +21,7 @@ struct Options {
 void run(const Options& o) {
   auto config = named_preset([&] { return ml::actor_preset(o.common.preset); });
   ml::choose_points(config, o.files);
+  choose_clips(config.clips, o.dataset, o.common.data);
   if (!configure(config, o.common)) return;
   config.losses.require_any();
   std::printf("points   %s\n", ml::points_text(config, o.files).c_str());
@@ -37,6 +40,7 @@ void add_train_actor(CLI::App& app) {
   add_training_options(
       *c, o->common, {"actor-published", "actor-published-ntu13", "actor-published-uestc", "actor-variable", "small"});
   o->labels.add_to(*c);
+  add_dataset_option(*c, o->dataset);
   folder_option(*c, "--from", o->from,
                 "Model to start with, trained here or published, to train on many lengths after those of 60 frames");
   file_option(*c, "--body", o->files.body,

@@ -1,6 +1,7 @@
 // motionlang train-classifier: a classifier of actions, which judges generated motions.
 #include <motionlang/train/classifier_training.hpp>
 
+#include "action_options.hpp"
 #include "training_command.hpp"
 
 namespace program {
@@ -10,11 +11,13 @@ namespace {
 struct Options {
   TrainingOptions common;
   LabelOptions labels;
+  std::string dataset;
   std::filesystem::path generated;
 };
 
 void run(const Options& o) {
   auto config = named_preset([&] { return ml::classifier_preset(o.common.preset); });
+  choose_clips(config.clips, o.dataset, o.common.data);
   if (!configure(config, o.common)) return;
   std::optional<ml::ActorModel<TrainingBackend>> generator;
   if (!o.generated.empty()) generator.emplace(o.generated);
@@ -32,6 +35,7 @@ void add_train_classifier(CLI::App& app) {
       "Trains a classifier of actions, which evaluate uses to judge ACTOR. Ctrl-C saves; the same command continues");
   add_training_options(*c, o->common, {"small", "stgcn-published", "gru-published"});
   o->labels.add_to(*c);
+  add_dataset_option(*c, o->dataset);
   folder_option(*c, "--generated", o->generated,
                 "Model of train-actor that makes a share of the motions (generated_share). generated_kind chooses "
                 "sampled motions, or recorded ones that are denoised or interpolated");

@@ -1,6 +1,7 @@
 // motionlang train-mdm-actions: MDM on motions of actions.
 #include <motionlang/train/mdm_action_training.hpp>
 
+#include "action_options.hpp"
 #include "training_command.hpp"
 
 namespace program {
@@ -10,10 +11,12 @@ namespace {
 struct Options {
   TrainingOptions common;
   LabelOptions labels;
+  std::string dataset;
 };
 
 void run(const Options& o) {
   auto config = named_preset([&] { return ml::mdm_action_preset(o.common.preset); });
+  choose_clips(config.clips, o.dataset, o.common.data);
   if (!configure(config, o.common)) return;
   as_usage([&] { config.require_consistent(); });
   const auto data = read_data(o.labels.sources(o.common), config.data, ml::actor_row_maker(config.clips));
@@ -28,6 +31,7 @@ void add_train_mdm_actions(CLI::App& app) {
       "train-mdm-actions", "Trains MDM on motions of actions, as published. Ctrl-C saves; the same command continues");
   add_training_options(*c, o->common, {"mdm-actions-published", "small"});
   o->labels.add_to(*c);
+  add_dataset_option(*c, o->dataset);
   c->callback([o] { run(*o); });
 }
 

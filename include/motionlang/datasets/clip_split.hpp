@@ -20,12 +20,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Training (0), validation (1) or test (2) of every clip: by lists of ids, else at random.
 class ClipSplit {
  public:
-  /// lists: folder of train.txt, val.txt and test.txt. "": at random, by the shares of `config`
+  /// lists: folder of train.txt, val.txt, test.txt, or, as in TEMOS, train, val, test. "": at random, by the shares
   ClipSplit(const std::filesystem::path& lists, const DataConfig& config, std::vector<std::string> clips) {
     if (!lists.empty()) {
       for (const int part : {0, 1, 2}) {
-        const auto list =
-            lists / (std::array{"train", "val", "test"}[static_cast<std::size_t>(part)] + std::string(".txt"));
+        const auto plain = lists / std::array{"train", "val", "test"}[static_cast<std::size_t>(part)];
+        const auto with_ending = std::filesystem::path(plain.string() + ".txt");
+        const auto& list = std::filesystem::is_regular_file(plain) ? plain : with_ending;
         if (part != 0 && !std::filesystem::exists(list)) continue;
         for (const std::string& id : read_ids(list)) part_.emplace(id, part);
       }

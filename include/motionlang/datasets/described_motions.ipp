@@ -14,14 +14,18 @@
 
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/rng.hpp>
+#include <motionlang/datasets/action_recordings.hpp>
 #include <motionlang/datasets/clip_lines.hpp>
 #include <motionlang/datasets/clip_split.hpp>
 #include <motionlang/datasets/data_set_form.hpp>
 #include <motionlang/datasets/described_motions.hpp>
 #include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/datasets/kit_recordings.hpp>
 #include <motionlang/datasets/segment_motion.hpp>
 #include <motionlang/features/motion_features.hpp>
+#include <motionlang/features/rifke.hpp>
 #include <motionlang/file/npy.hpp>
+#include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/motion_file.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/text/mirror_caption.hpp>
@@ -271,6 +275,94 @@ inline void add_annotations(DescribedMotions& out, const DataSources& sources, c
   }
 }
 
+/// The rows of a raw recording of KIT-ML: every 8th frame at 12.5 frames per second, as published.
+inline std::vector<float> kit_rows(const KitRecording& recording, const RowMaker& maker) {
+  std::vector<Vec3<double>> joints;
+  for (const Index f : every_nth_frame(recording.frames(), KitRecording::fps, maker.fps)) {
+    constexpr std::ptrdiff_t count = KitRecording::joint_count;
+    const auto first = recording.joints.begin() + f * count;
+    joints.insert(joints.end(), first, first + count);
+  }
+  const auto rows = rifke_features(temos_rifke(), std::span<const Vec3<double>>(joints)).features;
+  return {rows.begin(), rows.end()};
+}
+
+/// Raw KIT-ML: its own positions as rifke64. Other features are those of its motions in AMASS, which a folder amass and
+/// kitml_amass_path.json beside the recordings name.
+inline void add_kit_recordings(DescribedMotions& out, const DataSources& sources, const DataConfig& config,
+                               const RowMaker& maker, Progress progress) {
+  const KitRecordings recordings(sources.data);
+  const auto ids = recordings.ids();
+  const ClipSplit split(sources.splits, config, ids);
+  const auto list = sources.data / "kitml_amass_path.json", amass = sources.data / "amass";
+  std::optional<KitAmassPaths> paths;
+  if (maker.name != "rifke64") {
+    if (!std::filesystem::exists(list) || !std::filesystem::exists(amass))
+      raise<config_error>(102, sources.data.string(), " has positions of MMM's joints, which become rifke64. For '",
+                          maker.name, "' it needs ", list.string(), " of TEMOS, and AMASS as ", amass.string());
+    paths.emplace(FilePath(list));
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    progress(static_cast<Index>(i) + 1, std::ssize(ids));
+    const std::string& id = ids[i];
+    const int part = split.of(id);
+    if (part < 0) continue;
+    const auto texts = recordings.annotations(id);
+    if (texts.empty()) {
+      out.left_out.add("without a text", id);
+      continue;
+    }
+    DescribedMotion d{id, id, {}, {}};
+    double seconds = 0;
+    if (paths) {
+      const auto file = paths->file(id, amass);
+      if (file.empty()) {
+        out.left_out.add(paths->has(id) ? "without a file in AMASS" : "that the list of AMASS lacks", id);
+        continue;
+      }
+      const Motion motion = on_smpl(read_amass(file).motion);
+      seconds = motion.seconds();
+      d.rows = made_rows(maker, resample(motion, maker.fps));
+    } else {
+      constexpr Index step = 8;  // lengths count at 12.5 frames per second, whatever the rate of the rows
+      const KitRecording recording = recordings.load(id);
+      seconds = static_cast<double>((recording.frames() + step - 1) / step) * step / KitRecording::fps;
+      if (recording.frames() > fewest_rows * step) d.rows = kit_rows(recording, maker);
+    }
+    const Index frames = std::ssize(d.rows) / maker.width;
+    if (part < 2 && (seconds < config.min_seconds || seconds > config.max_seconds)) {
+      out.left_out.add(why_other_length(config), id);
+      continue;
+    }
+    if (frames < fewest_rows) {
+      out.left_out.add(why_few_frames, id);
+      continue;
+    }
+    for (const std::string& text : texts) d.texts.push_back({text, {0, frames}});
+    out.numbered_part(part).push_back(std::move(d));
+  }
+}
+
+/// Motions keep their frames, whatever their rate was. Lengths are for training only, as published.
+inline void add_action_recordings(DescribedMotions& out, const std::string& dataset, const std::filesystem::path& data,
+                                  const DataConfig& config, const RowMaker& maker, Progress progress) {
+  const auto use = [&](const ActionRecording& r) {
+    if (!config.actions.empty() &&
+        std::find(config.actions.begin(), config.actions.end(), r.action) == config.actions.end()) {
+      out.left_out.add("of other actions", r.id);
+      return;
+    }
+    DescribedMotion d{r.id, r.id, made_rows(maker, r.motion), {}};
+    d.texts.push_back({r.action, {0, r.motion.frames()}});
+    const double seconds = r.motion.seconds();
+    const bool fits = seconds >= config.min_seconds && seconds <= config.max_seconds;
+    if (r.training && !fits) out.left_out.add(why_other_length(config), r.id);
+    if (r.test) out.test.push_back(d);
+    if (r.training && fits) out.training.push_back(std::move(d));
+  };
+  out.left_out.add(read_action_recordings(dataset, data.string(), maker.fps, use, progress));
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY RowMaker row_maker(const std::string& features) {
@@ -312,14 +404,22 @@ MOTIONLANG_BODY DescribedMotions read_described_motions(const DataSources& sourc
   DescribedMotions out{rows.width, rows.fps, {}, {}, {}};
   const bool captions = !sources.captions.empty(), annotations = !sources.annotations.empty();
   sources.require_sound();
-  if (sources.actions && !annotations && sources.labels.empty())
-    raise<config_error>(102, "actions need labels: `labels` names a table of them, `annotations` a file that has some");
+  const bool own_labels = sources.actions && !annotations && sources.labels.empty();
+  const std::string dataset = own_labels ? action_data_set(sources.data) : "";
+  if (own_labels && dataset.empty())
+    raise<config_error>(102,
+                        "actions need labels: `labels` names a table of them, `annotations` a file that has some; or "
+                        "`data` has the files of HumanAct12, UESTC or NTU-13");
+  if (!dataset.empty() && !sources.splits.empty())
+    raise<config_error>(102, sources.data.string(), ": ", dataset, " has parts of its own: no `splits` with it");
   if (!config.actions.empty() && !sources.labelled())
     raise<config_error>(102, "data.actions selects labels, but this training learns texts");
   DataSources listed = sources;  // a data set has its own lists
   if (listed.splits.empty() && is_data_set(sources.data) && std::filesystem::exists(sources.data / "train.txt"))
     listed.splits = sources.data;
-  if (captions)
+  if (!dataset.empty())
+    detail::add_action_recordings(out, dataset, sources.data, config, rows, progress);
+  else if (captions)
     detail::add_clip_lines(out, detail::one_per_segment(read_captions(sources.captions, sources.data)), listed, config,
                            rows, progress);
   else if (annotations && sources.labelled())
@@ -331,9 +431,12 @@ MOTIONLANG_BODY DescribedMotions read_described_motions(const DataSources& sourc
     detail::add_annotations(out, sources, config, rows, progress);
   else if (is_data_set(sources.data))
     detail::add_humanml3d(out, sources, rows, progress);
+  else if (is_kit_recordings(sources.data))
+    detail::add_kit_recordings(out, sources, config, rows, progress);
   else
-    raise<config_error>(102, sources.data.string(),
-                        " has no new_joint_vecs; clips need a table of captions or labels, or an annotation file");
+    raise<config_error>(
+        102, sources.data.string(),
+        " has no new_joint_vecs and no _meta.json; clips need a table of captions or labels, or an annotation file");
   if (out.training.empty())
     raise<io_error>(403, sources.data.string(), ": nothing to train on (", out.left_out.text(), ")");
   return out;

@@ -5,10 +5,13 @@
 ///     <id>_meta.json          {"nb_annotations": 1, ...}
 ///    <id>_fke.csv            a header line; then an index and x, y, z of MMM's 21 joints on each line, millimetres
 ///
+/// kitml_amass_path.json of TEMOS names the same recordings in AMASS.
+///
 /// Source  Plappert et al. (2016); the csv files from the preprocessing of Ghosh et al., which TEMOS
 ///         reads; thesis 4.3.1
 #pragma once
 
+#include <filesystem>   // folders
 #include <string>       // ids
 #include <string_view>  // texts
 #include <utility>      // move
@@ -16,6 +19,7 @@
 
 #include <motionlang/core/shape.hpp>
 #include <motionlang/file/file_path.hpp>
+#include <motionlang/file/json_members.hpp>
 #include <motionlang/geometry/vec.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -33,6 +37,25 @@ struct KitRecording {
 /// The positions in the text of a _fke.csv. Throws io_error 403, with the line, unless every line has 64 numbers. The
 /// first is an index, which is only checked.
 std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name = "fke.csv");
+
+/// True for a folder that has a _meta.json.
+bool is_kit_recordings(const std::filesystem::path& folder);
+
+/// The file kitml_amass_path.json: {"00001": {"path": "3/walk_poses.npz", "identifier": "kit"}, ...}.
+class KitAmassPaths {
+ public:
+  /// Throws what JsonMembers::open throws.
+  explicit KitAmassPaths(const FilePath& path) : members_(JsonMembers::open(path)) {}
+
+  /// The file of a recording in the folder of AMASS: below KIT, or below CMU or else EKUT. It may have the name of a
+  /// later release (_stageii.npz). "" if the list or the folder lacks it. Throws io_error 403 for a path that leads
+  /// out of the folder or another collection, config_error 107.
+  std::filesystem::path file(const std::string& id, const std::filesystem::path& amass) const;
+  bool has(const std::string& id) const { return members_.has(id); }
+
+ private:
+  JsonMembers members_;
+};
 
 /// A folder that is open for reading. Nothing is kept in memory: every call reads its files.
 class KitRecordings {

@@ -43,6 +43,35 @@ MOTIONLANG_BODY std::vector<Vec3<double>> parse_kit_joints(std::string_view text
   return joints;
 }
 
+MOTIONLANG_BODY bool is_kit_recordings(const std::filesystem::path& folder) {
+  std::error_code problem;
+  for (std::filesystem::directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
+    if (at->path().filename().string().ends_with("_meta.json")) return true;
+  }
+  return false;
+}
+
+MOTIONLANG_BODY std::filesystem::path KitAmassPaths::file(const std::string& id,
+                                                          const std::filesystem::path& amass) const {
+  if (!members_.has(id)) return {};
+  const nlohmann::json entry = members_.load(id);
+  const JsonView view(entry, members_.place(id));
+  const auto path = view["path"].as<std::string>(), collection = view["identifier"].as<std::string>();
+  if (!detail::is_clip_id(path)) raise<io_error>(403, view.path(), ": '", path, "' is not a path of a clip");
+  if (collection != "kit" && collection != "cmu")
+    raise<io_error>(403, view.path(), ": collection '", collection, "' is not kit or cmu");
+  std::vector<std::string> names{path};
+  constexpr std::string_view old_ending = "_poses.npz";
+  if (path.ends_with(old_ending)) names.push_back(path.substr(0, path.size() - old_ending.size()) + "_stageii.npz");
+  const auto folders = collection == "kit" ? std::vector{"KIT"} : std::vector{"CMU", "EKUT"};
+  for (const char* folder : folders) {
+    for (const std::string& name : names) {
+      if (const auto found = amass / folder / name; std::filesystem::exists(found)) return found;
+    }
+  }
+  return {};
+}
+
 MOTIONLANG_BODY std::vector<std::string> KitRecordings::ids() const {
   constexpr std::string_view ending = "_meta.json";
   DIR* const folder = ::opendir(folder_.c_str());

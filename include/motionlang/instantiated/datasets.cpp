@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Bodies of the headers in datasets/, compiled once for motionlang::instantiated.
+#include <motionlang/datasets/action_recordings.ipp>
 #include <motionlang/datasets/amass_releases.ipp>
 #include <motionlang/datasets/babel_segment.ipp>
 #include <motionlang/datasets/data_set_form.ipp>

@@ -2,6 +2,7 @@
 #include "usage.hpp"
 
 #include <motionlang/compose/text_sinc_parts.hpp>
+#include <motionlang/datasets/action_recordings.hpp>
 #include <motionlang/datasets/label_sentences.hpp>
 #include <motionlang/datasets/mtt_motions.hpp>
 #include <motionlang/file/file.hpp>
@@ -27,6 +28,9 @@ void text_parts() {
 }
 void sentences_() {
 #include "datasets/label_sentences.1.inc"
+}
+void actions_(const std::function<void(const Motion&)>& use) {
+#include "datasets/action_recordings.1.inc"
 }
 void mtt_motions_() {
 #include "datasets/mtt_motions.1.inc"
