@@ -258,6 +258,17 @@ TEST_CASE("actions in the files of their data set, in the world of their camera"
   REQUIRE_MESSAGE(upright.code == 0, upright.text);
   CHECK(ml::read_file(folder / "upright/model/weights.safetensors") !=
         ml::read_file(folder / "train-actor/model/weights.safetensors"));
+  // motions of another program, in a folder for each action
+  for (const char* action : {"warm_up", "walk"}) {
+    std::filesystem::create_directories(folder / "others" / action);
+    for (int i = 0; i < 3; ++i)
+      ml::write_bvh(folder / "others" / action / (std::to_string(i) + ".bvh"), synthetic::walk({.frames = 20 + i}));
+  }
+  const auto beside = run({"evaluate", "train-actor/model", "--data", "data", "--dataset", "humanact12", "--classifier",
+                           "train-classifier/model", "--seeds", "2", "--made", "others"},
+                          folder.path);
+  REQUIRE_MESSAGE(beside.code == 0, beside.text);
+  CHECK_MESSAGE(contains(beside.text, "\n  of another program "), beside.text);
   std::filesystem::create_directories(folder / "splits");
   for (const auto& [more, message] : {std::pair(std::vector<std::string>{"--splits", "splits"},
                                                 "humanact12 has parts of its own: no --splits with it"),

@@ -112,6 +112,20 @@ TEST_CASE("train-evaluator: both stages learn and go on with the same numbers; t
   REQUIRE_MESSAGE(searched.code == 0, searched.text);
   CHECK(contains(searched.text, "\n    generated"));
 
+  // motions of another program: the recorded ones themselves, by their names
+  const auto others = run({"evaluate", "matching/model", "--data", "h3d", "--part", "training", "--seeds", "2",
+                           "--made", "h3d/new_joint_vecs", "--synthesis"},
+                          place.path);
+  REQUIRE_MESSAGE(others.code == 0, others.text);
+  const auto judged_others = others.text.find("\n  generated");
+  REQUIRE_MESSAGE(judged_others != others.text.npos, others.text);
+  CHECK(contains(others.text.substr(judged_others, 120), " -"));  // one sample of each: no multimodality
+  const auto row = [&](const char* name) {
+    const auto at = others.text.rfind(name);
+    return at == others.text.npos ? name : others.text.substr(at + 12, others.text.find('\n', at + 1) - at - 12);
+  };
+  CHECK_MESSAGE(contains(row("\n    generated"), " 100.00"), others.text);
+
   const auto refused = [&](const std::vector<std::string>& arguments, int code, const char* message) {
     const auto out = run(arguments, place.path);
     CHECK(out.code == code);

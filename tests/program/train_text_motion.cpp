@@ -355,6 +355,74 @@ TEST_CASE("raw KIT-ML, by its own positions and by its motions in AMASS, at 100 
     ml::write_file(folder / "rows.txt", figures.substr(last));
     const auto drawn = run({"figure", "curves", "rows.txt", "--rows", "-o", "best.svg"}, folder.path);
     CHECK_MESSAGE((drawn.code == 0 && std::filesystem::exists(folder / "best.svg")), drawn.text + figures.substr(last));
+    // the recordings as arrays of joints, as if another program had made them
+    std::filesystem::create_directories(folder / "lin");
+    for (int i = 0; i < 8; ++i) {
+      const auto joints = raw_kit::joints_of(synthetic::walk({.frames = 160 + 8 * i, .fps = 100, .turn = 0.2 * i}));
+      std::vector<double> values;
+      for (const auto& p : joints) values.insert(values.end(), {p.x, p.y, p.z});
+      ml::write_npy(folder / ("lin/0000" + std::to_string(i) + ".npy"),
+                    ml::NpyArray::of(std::span<const double>(values), {std::ssize(joints) / 21, 21, 3}));
+    }
+    std::vector<std::string> beside = measure;
+    beside.insert(beside.end(), {"--made", "lin", "--made-rate", "100"});
+    const auto with_others = run(beside, folder.path);
+    REQUIRE_MESSAGE(with_others.code == 0, with_others.text);
+    const auto root_error = [&](const std::string& row) {
+      const auto at = with_others.text.find("\n  " + row + " ");
+      REQUIRE_MESSAGE(at != std::string::npos, with_others.text);
+      return std::stod(with_others.text.substr(at + 3 + row.size()));
+    };
+    CHECK_MESSAGE(root_error("lin") < 0.2 * root_error("mean pose"), with_others.text);
+    std::filesystem::remove(folder / "lin/00003.npy");
+    std::filesystem::remove(folder / "lin/00004.npy");
+    for (const char* id : {"0", "1", "2", "5", "6", "7"})
+      std::filesystem::remove(folder / ("lin/0000" + std::string(id) + ".npy"));
+    CHECK(contains(run(beside, folder.path).text, "lin: a file is needed for each of 2 motions; 2 left out"));
+  }
+}
+
+TEST_CASE("galleries of what TMR finds; motions of another program in its tables") {
+  const Clips clips;
+  REQUIRE(clips.train("train-tmr", "run").code == 0);
+  const std::vector<std::string> measure{"evaluate",   "run/model",    "--data", ".",
+                                         "--captions", "captions.tsv", "--part", "training"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), measure.begin(), measure.end());
+    return run(more, clips.path);
+  };
+  write_distilbert(clips / "language");
+  const auto shown = with({"--html", "page.html", "--count", "2", "--sentence-encoder", "language"});
+  REQUIRE_MESSAGE(shown.code == 0, shown.text);
+  CHECK_MESSAGE(contains(shown.text, "2 galleries in page.html"), shown.text);
+  const std::string page = ml::read_file(clips / "page.html");
+  CHECK(contains(page, "<title>Nearest of 4 motions</title>"));
+  std::size_t strips = 0;
+  for (auto at = page.find("<svg"); at != page.npos; at = page.find("<svg", at + 1)) ++strips;
+  CHECK(strips == 2 * 4);
+  CHECK(contains(page, "class=\"own\""));
+  // another TMR with its language model judges timelines
+  REQUIRE(clips
+              .train("train-tmr", "judge",
+                     {"--set", "features=guoh3d", "--set", "text.encoder=distilbert", "--text-encoder", "language"})
+              .code == 0);
+  const std::filesystem::path examples = MOTIONLANG_EXAMPLES;
+  const auto judged = run({"evaluate", (examples / "models/stmc_free.safetensors").string(), "--texts",
+                           (examples / "training/mtt_texts.txt").string(), "--first", "2", "--steps", "2", "--modes",
+                           "one-text", "--tmr", "judge/model", "--tmr-text-encoder", "language"},
+                          clips.path);
+  REQUIRE_MESSAGE(judged.code == 0, judged.text);
+  CHECK_MESSAGE(contains(judged.text, "\n  one text "), judged.text);
+  // the clips themselves, by their names: found as the recorded ones
+  const auto synthesized = with({"--synthesis", "--made", "."});
+  REQUIRE_MESSAGE(synthesized.code == 0, synthesized.text);
+  CHECK(synthesized.text != with({"--synthesis"}).text);
+  for (const auto& [more, message] :
+       {std::pair(std::vector<std::string>{"--made", "."}, "--made is for TEMOS, ACTOR"),
+        {{"--synthesis", "--made", "run"}, "run: a file is needed for each of 4 motions"}}) {
+    const auto refused = with(more);
+    CHECK(refused.code != 0);
+    CHECK_MESSAGE(contains(refused.text, message), refused.text);
   }
 }
 

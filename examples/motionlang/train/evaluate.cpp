@@ -25,6 +25,12 @@ void run(const EvaluationOptions& o) {
   const std::string& system = model.name;
   if ((!model.is_diffusion() || !o.evaluator.empty()) && o.data.empty())
     ml::raise<usage_error>(102, o.model.string(), ": --data is needed to measure ", system);
+  if (const bool takes = system == "temos" || system == "actor" || judge || (system == "tmr" && o.synthesis);
+      !takes && !o.made.empty())
+    ml::raise<usage_error>(102, o.model.string(),
+                           ": --made is for TEMOS, ACTOR, the evaluator of Guo et al., and TMR with --synthesis");
+  if (system != "tmr" && !o.html.empty())
+    ml::raise<usage_error>(102, o.model.string(), ": --html shows what tmr finds, not ", system);
   if (system != "tmr" && !judge && o.synthesis)
     ml::raise<usage_error>(102, o.model.string(), ": --synthesis measures tmr, not ", system);
   const std::map<std::string_view, void (*)(const EvaluationOptions&)> evaluations{{"actor", evaluate_actor},
@@ -152,6 +158,15 @@ void add_evaluate(CLI::App& app) {
   folder_option(*c, "--generator-statistics", o->generator_statistics,
                 "Folder with mean and std of the features of a published --generator, if its folder lacks them")
       ->needs(generator);
+  CLI::Option* made = folder_option(
+      *c, "--made", o->made,
+      "Folder of motions that another program generated, which are measured beside those of the model. TEMOS, TMR with "
+      "--synthesis, evaluator of Guo et al.: a file for each motion of the part, by its id (00017.npy), or several "
+      "(00017_0.npy, ...). ACTOR: a folder for each action");
+  c->add_option("--made-rate", o->made_rate,
+                "Frames per second of arrays of joints (.npy) in --made. The default is 20, for MMM's joints 12.5")
+      ->needs(made)
+      ->check(in_range(1, 1000));
   c->add_option(
        "--moments", o->moments,
        "TMR: build this many long motions of several clips, and measure how well the segment of each text is found. "
@@ -169,6 +184,9 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--stride", o->stride,
                 "Seconds from one window to the next. The default is 0.2, and for BABEL one frame (0.05)")
       ->check(in_range(0.01, 10));
+  c->add_option("--html", o->html,
+                "TMR: page of ranked galleries: for --count texts the five nearest motions, with their similarity and "
+                "that of their texts (figures 5.3 to 5.7)");
   c->add_flag(
       "--filtered", o->filtered,
       "TMR: also print the share of negatives that the contrastive loss leaves out, by threshold and by size of "
@@ -227,7 +245,7 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--strips", o->strips,
                 "Folder for film strips. TEMOS, SINC, TEACH: generated motions (mean of the latent) beside recorded "
                 "ones, for different texts. ACTOR: one for each action");
-  c->add_option("--count", o->count, "Number of film strips")->capture_default_str();
+  c->add_option("--count", o->count, "Number of film strips, or of texts of --html")->capture_default_str();
   file_option(*c, "--texts", o->texts,
               "STMC: file with a line for each text: 'text # body part # ...', as for mtt. Timelines are drawn from "
               "it, and crops are ranked among its texts");

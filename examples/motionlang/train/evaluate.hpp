@@ -22,7 +22,7 @@ struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
       strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts,
       temos, independent, joint, keys, tags, evaluator, evaluator_words, evaluator_statistics, bert, texts, timelines,
-      recorded, tmr, tmr_text_encoder, generator_text_encoder, generator_statistics;
+      made, recorded, tmr, tmr_text_encoder, generator_text_encoder, generator_statistics, html;
   bool synthesis = false;  // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   std::string dataset;                 // of actions, in its own files
@@ -43,6 +43,7 @@ struct EvaluationOptions {
   ml::Alignment alignment = ml::Alignment::full;             // for the second action of TEACH
   ml::Index slerp_window = 8;                                // interpolated frames between both actions
   double rate = 0;                     // of the joints that TEMOS compares; 0: 100, or the rate of the data
+  double made_rate = 0;                // of arrays of joints in `made`; 0: as published
   std::string joints;                  // of TEMOS: mmm, mmmns; "": those of its features
   std::string bert_baseline = "none";  // none, tm2t or random
   ml::Index bert_layer = 0;            // of BERTScore; 0: the last one

@@ -5,6 +5,7 @@
 #include <set>
 
 #include <motionlang/datasets/described_motions.hpp>
+#include <motionlang/train/made_motions.hpp>
 #include <motionlang/train/recognition.hpp>
 #include <motionlang/weights/actor_model.hpp>
 
@@ -69,7 +70,11 @@ void evaluate_actor(const EvaluationOptions& o) {
     std::printf("\n");
     return print(ml::duration_table(lengths));
   }
-  const auto results = ml::recognition_results(model, who, part, {.seeds = o.seeds, .seed = o.seed}, bar);
+  std::vector<ml::DescribedMotion> others;
+  if (!o.made.empty())
+    others = ml::MadeMotions(o.made, o.made_rate).of_actions(file.labels, ml::actor_row_maker(clips));
+  const auto results = ml::recognition_results(
+      model, who, part, {.seeds = o.seeds, .seed = o.seed, .made = others.empty() ? nullptr : &others}, bar);
   bar.finish();
   print(ml::recognition_table(results));
   if (o.strips.empty()) return;

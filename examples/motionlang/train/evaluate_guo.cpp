@@ -6,6 +6,7 @@
 
 #include <motionlang/generate/guo_motions.hpp>
 #include <motionlang/train/guo_retrieval.hpp>
+#include <motionlang/train/made_motions.hpp>
 #include <motionlang/weights/text_states.hpp>
 
 #include "../generate/generation.hpp"
@@ -78,7 +79,15 @@ void evaluate_evaluator(const EvaluationOptions& o) {
               o.part.c_str(), o.model.string().c_str(), judge.fingerprint.c_str());
   std::unique_ptr<ml::MotionModel> other;
   ml::GuoMaker<B> make;
-  if (o.synthesis) {
+  const ml::MadeMotions elsewhere(o.made, o.made_rate);
+  if (!o.made.empty()) {
+    EvaluationOptions judged = o;
+    judged.evaluator = o.model;
+    if (elsewhere.samples(part) < 2) judged.repeats = 0;
+    make = ml::made_maker<B>(elsewhere, judge.width());
+    print_judged(judged, judge, part, data.width, make);
+  }
+  if (o.synthesis && o.made.empty()) {
     if (o.generator.empty())
       ml::raise<usage_error>(102, "--synthesis of the evaluator needs --generator: it makes no motions itself");
     other = load_generator(
@@ -88,7 +97,7 @@ void evaluate_evaluator(const EvaluationOptions& o) {
   }
   const auto table = ml::guo_latents(judge, part, data.width);
   std::optional<ml::LatentTable> made;
-  if (make) made = ml::guo_latents(judge, part, data.width, make, o.seed);
+  if (make && o.synthesis) made = ml::guo_latents(judge, part, data.width, make, o.seed);
   print_retrieval_tables(o, part, table, made, ml::sentence_vectors<B>(o.sentence_encoder, data), /*euclidean=*/true);
 }
 

@@ -9,9 +9,12 @@
 #include <motionlang/generate/finish_motion.hpp>
 #include <motionlang/generate/synthesized_batch.hpp>
 #include <motionlang/train/filtered_negatives.hpp>
+#include <motionlang/train/made_motions.hpp>
 #include <motionlang/train/presets.hpp>
+#include <motionlang/train/ranked_queries.hpp>
 #include <motionlang/train/retrieval_evaluation.hpp>
 #include <motionlang/train/temos_evaluation.hpp>
+#include <motionlang/view/film_strip.hpp>
 #include <motionlang/weights/model_system.hpp>
 #include <motionlang/weights/text_motion_checkpoint.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
@@ -86,6 +89,23 @@ void print_filtered(const ml::DescribedMotions& data, const ml::EmbeddingCache& 
   std::printf("\n");
 }
 
+/// Figures 5.3 to 5.7.
+void write_galleries(const EvaluationOptions& o, const Measured& m, const ml::LatentTable& table,
+                     const ml::TextMotionFile& file) {
+  const auto e = m.sentences.encode<B>(table.texts).tokens.rows;
+  const auto queries =
+      ml::ranked_queries(table, ml::Rows(e.span(), e.size(1)), *m.part, {.queries = o.count, .motions = 5});
+  const auto& features = ml::motion_features(file.config.features);
+  const std::string title = ml::concat_text("Nearest of ", ml::counted(m.part->size(), "motion"));
+  ml::write_file(o.html, ml::retrieval_page(queries, title, [&](const ml::RankedMotion& found) {
+                   const auto rows =
+                       ml::first_text_rows((*m.part)[static_cast<std::size_t>(found.number)], features.width);
+                   const auto motion = ml::motion_of_features(features, rows, file.fps);
+                   return ml::film_strip_svg(motion, {}, {.poses = 6, .width = 480, .title = " "});
+                 }));
+  std::printf("%s in %s\n", ml::counted(queries.size(), "gallery", "galleries").c_str(), o.html.string().c_str());
+}
+
 }  // namespace
 
 void print_retrieval_tables(const EvaluationOptions& o, const std::vector<ml::DescribedMotion>& part,
@@ -118,6 +138,9 @@ void evaluate_tmr(const EvaluationOptions& o) {
   std::optional<ml::LatentTable> made;
   if (o.synthesis) {
     std::unique_ptr<ml::MotionModel> other;
+    const ml::MadeMotions elsewhere(o.made, o.made_rate);
+    if (!o.made.empty()) elsewhere.samples(*m.part);
+    std::size_t next = 0;  // motions come in their order
     if (!o.generator.empty()) {
       const auto& text_encoder = o.generator_text_encoder.empty() ? o.text_encoder : o.generator_text_encoder;
       other = load_generator("eigen", o.generator,
@@ -126,6 +149,15 @@ void evaluate_tmr(const EvaluationOptions& o) {
     std::uint64_t seed = o.seed;  // of the next batch
     made = ml::latents_of(model, *m.part, m.token_cache(), [&](const ml::TextMotionBatch<B>& batch) {
       const std::uint64_t own = seed++;
+      if (!o.made.empty()) {
+        const auto& features = ml::motion_features(file.config.features);
+        ml::MotionBatch<B> rows(model.motion_normalizer);
+        for (std::size_t i = 0; i < batch.texts.size(); ++i) {
+          const auto read = elsewhere.rows(elsewhere.files((*m.part)[next++]).front(), features, features.fps).rows;
+          rows.add(read, {0, std::ssize(read) / features.width});
+        }
+        return rows.normalized();
+      }
       if (other != nullptr)
         return ml::synthesized_batch(*other, batch, ml::motion_features(file.config.features), model.motion_normalizer,
                                      own);
@@ -136,6 +168,7 @@ void evaluate_tmr(const EvaluationOptions& o) {
   }
   print_retrieval_tables(o, *m.part, table, made, m.sentences, /*euclidean=*/false);
   if (o.filtered) print_filtered(m.data, m.sentences);
+  if (!o.html.empty()) write_galleries(o, m, table, file);
 }
 
 namespace {
@@ -153,7 +186,7 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
   }
   ProgressBar bar("generating");
   std::string best;  // by the number of samples
-  const auto errors = ml::temos_errors<B>(
+  auto errors = ml::temos_errors<B>(
       model.system, model.motion_normalizer, features, m.data, *m.part,
       {.tokens = [&](std::span<const std::string> texts) { return model.tokens(texts, m.token_cache()); },
        .made =
@@ -179,6 +212,10 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
   const char* which = at_rate.empty() ? "all" : "generated ones";
   if (rate != m.data.fps)
     std::printf("joints at %g frames per second; %s are interpolated from %g\n", rate, which, m.data.fps);
+  if (!o.made.empty()) {
+    const ml::MadeMotions made(o.made, o.made_rate);
+    errors.push_back(ml::made_errors(made, features, m.data, *m.part, joints, rate, at_rate));
+  }
   print(ml::errors_table(errors));
   if (o.samples > 1) print(best);
 }

@@ -16,12 +16,14 @@
 #include <motionlang/train/guo_matching_training.ipp>
 #include <motionlang/train/guo_model_folder.ipp>
 #include <motionlang/train/guo_movement_training.ipp>
+#include <motionlang/train/made_motions.ipp>
 #include <motionlang/train/mdm_action_training.ipp>
 #include <motionlang/train/measured_items.ipp>
 #include <motionlang/train/measured_similarity.ipp>
 #include <motionlang/train/moment_evaluation.ipp>
 #include <motionlang/train/mtt_evaluation.ipp>
 #include <motionlang/train/presets.ipp>
+#include <motionlang/train/ranked_queries.ipp>
 #include <motionlang/train/recognition.ipp>
 #include <motionlang/train/retrieval_evaluation.ipp>
 #include <motionlang/train/shared_index.ipp>

@@ -135,8 +135,9 @@ struct GuoJudge {
 
 /// A motion that a model should make.
 struct GuoWanted {
-  std::string text, caption;  // as GloVe::encode reads it, and in plain words
-  Index frames = 0;           // of the recorded motion
+  std::string text, caption;                // as GloVe::encode reads it, and in plain words
+  Index frames = 0;                         // of the recorded motion
+  const DescribedMotion* motion = nullptr;  // the recorded motion
 };
 /// Makes a motion for each: features of the evaluator, not normalised.
 template <Backend B>
@@ -195,7 +196,7 @@ class GuoItems {
             entries_[static_cast<std::size_t>(kept_[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])])];
         const DescribedText& t = *e.texts[static_cast<std::size_t>(python.randint(0, std::ssize(e.texts) - 1))];
         const FrameSlice part = guo_item(e.frames.length, numpy, python);
-        out.wanted.push_back({tagged_text(t), t.text, part.length});
+        out.wanted.push_back({tagged_text(t), t.text, part.length, e.motion});
         texts.push_back(out.wanted.back().text);
         const auto rows = entry_rows(e, part.first, part.length, width_);
         values.insert(values.end(), rows.begin(), rows.end());

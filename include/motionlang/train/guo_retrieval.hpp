@@ -35,7 +35,7 @@ LatentTable guo_latents(const GuoJudge<B>& judge, const std::vector<DescribedMot
       const DescribedText& t = m.texts.front();
       const Index length = std::min<Index>(t.frames.length, 196);
       texts.push_back(tagged_text(t)), captions.push_back(t.text);
-      wanted.push_back({texts.back(), t.text, length});
+      wanted.push_back({texts.back(), t.text, length, &m});
       const auto first = m.rows.begin() + t.frames.first * width;
       values.insert(values.end(), first, first + length * width);
       frames.push_back(length);

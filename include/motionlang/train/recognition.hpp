@@ -139,10 +139,11 @@ std::pair<std::vector<Index>, Index> present_classes(std::span<const Index> clas
 
 struct RecognitionOptions {
   Index seeds = 20;
-  std::uint64_t seed = 0;  // the first seed
+  std::uint64_t seed = 0;                              // the first seed
+  const std::vector<DescribedMotion>* made = nullptr;  // by another program, with labels of the model (MadeMotions)
 };
 /// accuracy_X, diversity_X, multimodality_X and fid_X of every seed. X: gt, recorded motions; gt2, other windows of
-/// these (their FID is against gt); gen, generated; denoised; between, between two motions of an action.
+/// these (their FID is against gt); gen, generated; denoised; between, between two motions of an action; made: others.
 /// part     motions with one label each. Throws config_error 103 for a label that is not a class of the model.
 template <Backend B>
 std::map<std::string, std::vector<double>> recognition_results(const ActorModel<B>& model, const ActionJudge<B>& who,
@@ -153,6 +154,9 @@ std::map<std::string, std::vector<double>> recognition_results(const ActorModel<
   const std::vector<Index> classes = classes_of(part, model.file.labels);
   const auto [numbered, present] = present_classes(classes, std::ssize(model.file.labels));
   const RecognitionSets<B> motions{model, part, classes, clips, seen};
+  std::vector<Index> made_classes;
+  if (options.made != nullptr) made_classes = classes_of(*options.made, model.file.labels);
+  const auto [made_numbered, made_present] = present_classes(made_classes, std::ssize(model.file.labels));
   std::map<std::string, std::vector<double>> results;
   for (Index s = 0; s < options.seeds; ++s) {
     const auto seed = Philox{.seed = options.seed + static_cast<std::uint64_t>(s)};
@@ -163,7 +167,7 @@ std::map<std::string, std::vector<double>> recognition_results(const ActorModel<
     const auto judged = [&](const char* name, auto batch) {
       return std::pair(std::string(name), judge_motions(who, std::ssize(part), seed.split("judge").split(name), batch));
     };
-    const std::map<std::string, JudgedMotions> sets{
+    std::map<std::string, JudgedMotions> sets{
         judged("gt", [&](auto which) { return motions.recorded(which, first); }),
         judged("gt2", [&](auto which) { return motions.recorded(which, second); }),
         judged("gen",
@@ -174,13 +178,20 @@ std::map<std::string, std::vector<double>> recognition_results(const ActorModel<
         judged("between", [&](auto which) {
           return motions.interpolated(which, first, seed.split("others"), of_batch("between", which));
         })};
+    if (options.made != nullptr) {
+      const RecognitionSets<B> others{model, *options.made, made_classes, clips, seen};
+      sets.emplace("made", judge_motions(who, std::ssize(*options.made), seed.split("judge").split("made"),
+                                         [&](auto which) { return others.recorded(which, first); }));
+    }
     for (const auto& [name, set] : sets) {
+      const bool made = name == "made";
       NumpyRandom random(static_cast<std::uint32_t>(options.seed) + static_cast<std::uint32_t>(s));
       results["accuracy_" + name].push_back(set.accuracy);
       results["diversity_" + name].push_back(
           mean_pair_distance(set.rows(), random_pairs(set.rows().size(), 200, random)));
-      results["multimodality_" + name].push_back(
-          mean_pair_distance(set.rows(), pairs_within_classes(numbered, present, 20, random)));
+      results["multimodality_" + name].push_back(mean_pair_distance(
+          set.rows(),
+          pairs_within_classes(made ? made_numbered : numbered, made ? made_present : present, 20, random)));
       if (name != "gt") results["fid_" + name].push_back(frechet_distance(sets.at("gt").rows(), set.rows()));
     }
     progress(s + 1, options.seeds);

@@ -48,8 +48,10 @@ MOTIONLANG_BODY std::string recognition_table(const std::map<std::string, std::v
   for (const auto& [name, what] : {std::pair{"gt", "recorded"},
                                    {"gt2", "recorded, other windows"},
                                    {"gen", "generated"},
+                                   {"made", "of another program"},
                                    {"denoised", "denoised"},
                                    {"between", "between two of an action"}}) {
+    if (name == std::string_view("made") && !results.contains("accuracy_made")) continue;
     out += formatted("  %-25s", what);
     for (const char* measure : {"accuracy_", "fid_", "diversity_", "multimodality_"}) {
       const auto found = results.find(std::string(measure) + name);

@@ -13,7 +13,9 @@
 #include <motionlang/generate/mtt_runs.hpp>
 #include <motionlang/generate/synthesized_batch.hpp>
 #include <motionlang/kinematics/join_motions.hpp>
+#include <motionlang/train/made_motions.hpp>
 #include <motionlang/train/moment_evaluation.hpp>
+#include <motionlang/train/ranked_queries.hpp>
 #include <motionlang/train/sinc_evaluation.hpp>
 #include <motionlang/train/teach_evaluation.hpp>
 #include <motionlang/train/temos_evaluation.hpp>
@@ -53,6 +55,12 @@ void join_() {
 }
 void joints_(const Normalizer<B>& normalizer, const Tensor<B, 2>& rows) {
 #include "train/compared_joints.1.inc"
+}
+void made_(std::vector<NamedErrors>& errors, const MotionFeatures& temos_features, const DescribedMotions& data) {
+#include "train/made_motions.1.inc"
+}
+void galleries(const LatentTable& table, const Rows<float>& sentences, const DescribedMotions& data) {
+#include "train/ranked_queries.1.inc"
 }
 void items_(const SincDataConfig& c) {
 #include "train/measured_items.1.inc"

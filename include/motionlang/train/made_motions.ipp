@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// Bodies of made_motions.hpp.
+#pragma once
+
+#include <algorithm>  // sort, min
+#include <map>        // recorded motions
+
+#include <motionlang/datasets/data_set_form.hpp>
+#include <motionlang/features/feature_rows.hpp>
+#include <motionlang/file/id_list.hpp>
+#include <motionlang/formats/motion_file.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/train/made_motions.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The motion files of a folder, sorted.
+inline std::vector<std::filesystem::path> motion_files_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> out;
+  std::error_code problem;
+  for (std::filesystem::directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
+    if (is_motion_file(at->path()) && at->is_regular_file()) out.push_back(at->path());
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<std::filesystem::path> MadeMotions::found(const std::string& id) const {
+  std::vector<std::filesystem::path> out;
+  if (!detail::is_clip_id(id)) return out;
+  const auto add = [&](const std::string& name) {
+    for (const char* kind : {".npy", ".npz", ".bvh", ".glb", ".vrma"}) {
+      const auto path = folder_ / (name + kind);
+      if (!std::filesystem::exists(path)) continue;
+      out.push_back(path);
+      return true;
+    }
+    return false;
+  };
+  add(id);
+  for (Index k = 0; add(concat_text(id, "_", k));) ++k;
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::filesystem::path> MadeMotions::files(const DescribedMotion& motion) const {
+  auto out = found(motion.id);
+  if (out.empty()) out = found(motion.clip);
+  if (out.empty())
+    raise<io_error>(401, folder_.string(), " has no ", motion.id, ".npy, .npz, .bvh, .glb or .vrma",
+                    motion.clip == motion.id ? "" : ", also not as " + motion.clip);
+  return out;
+}
+
+MOTIONLANG_BODY Index MadeMotions::samples(const std::vector<DescribedMotion>& part) const {
+  LeftOut missing;
+  Index count = 0, fewest = 0;
+  for (const DescribedMotion& m : part) {
+    const Index own = std::ssize(found(m.id).empty() ? found(m.clip) : found(m.id));
+    fewest = &m == &part.front() ? own : std::min(fewest, own);
+    if (own > 0) continue;
+    ++count;
+    missing.add("without a file", m.id);
+  }
+  if (count > 0)
+    raise<io_error>(401, folder_.string(), ": a file is needed for each of ", counted(part.size(), "motion"), "; ",
+                    missing.text());
+  return fewest;
+}
+
+MOTIONLANG_BODY MadeMotions::Rows MadeMotions::rows(const std::filesystem::path& file, const MotionFeatures& features,
+                                                    double fps) const {
+  const auto floats = [](const auto& values) { return std::vector<float>(values.begin(), values.end()); };
+  if (file_kind(file.string()) == ".npy") {
+    const auto shape = npy_shape(file);
+    if (shape.size() == 2 && shape[1] == features.width) return {read_npy(file.string()).to<float>(), features.fps};
+  }
+  const Motion motion = read_motion(file.string(), {.rate = rate_});
+  return {floats(rows_of_motion(features, motion, fps)), fps};
+}
+
+MOTIONLANG_BODY std::vector<DescribedMotion> MadeMotions::of_actions(std::span<const std::string> labels,
+                                                                     const RowMaker& maker) const {
+  std::vector<DescribedMotion> out;
+  for (const std::string& label : labels) {
+    const auto files = detail::motion_files_in(folder_ / label);
+    if (files.empty()) raise<io_error>(401, (folder_ / label).string(), ": no motions of '", label, "'");
+    for (const auto& file : files) {
+      const Motion motion = resample(on_smpl(read_motion(file.string(), {.rate = rate_})), maker.fps);
+      const auto values = maker.rows(motion);
+      DescribedMotion d{file.stem().string(), file.stem().string(), {values.begin(), values.end()}, {}};
+      d.texts.push_back({label, {0, motion.frames()}});
+      out.push_back(std::move(d));
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY NamedErrors made_errors(const MadeMotions& made, const MotionFeatures& features,
+                                        const DescribedMotions& data, const std::vector<DescribedMotion>& part,
+                                        const TemosJoints& joints, double rate,
+                                        std::span<const DescribedMotion> recorded) {
+  const double compared = rate > 0 ? rate : data.fps;
+  std::map<std::string, const DescribedMotion*> recorded_of;
+  for (const DescribedMotion& motion : recorded) recorded_of.emplace(motion.id, &motion);
+  const auto at_rate = [&](std::span<const float> rows, double fps) {
+    return joints_at_rate(joints(rows), joints.variant.joints, fps, compared);
+  };
+  made.samples(part);
+  JointErrors errors(joints.variant, joints.unit);
+  for (const DescribedMotion& motion : part) {
+    const auto known = recorded_of.find(motion.id);
+    const JointFrames truth = known == recorded_of.end()
+                                  ? at_rate(first_text_rows(motion, features.width), data.fps)
+                                  : joints(rows_of_text(*known->second, motion.texts.front().text, features.width));
+    const auto own = made.rows(made.files(motion).front(), features, compared);
+    errors.add(at_rate(own.rows, own.fps), truth);
+  }
+  return {made.folder().filename().string(), errors.result()};
+}
+
+MOTIONLANG_NAMESPACE_END
