@@ -9,6 +9,7 @@ need python3 clang-format-14 clang-tidy-14
 sh tests/gates/format.sh
 python3 tests/gates/words.py
 python3 tests/gates/links.py
+python3 tests/gates/reproduce.py
 TIDY_MINUTES=8 sh tests/gates/tidy.sh changed
 TIDY_MINUTES=8 sh tests/gates/tidy.sh tenth
 sh tests/gates/sanitizers.sh
