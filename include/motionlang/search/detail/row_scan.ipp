@@ -152,13 +152,14 @@ void scan_with_panels(const RowScan<S>& scan, const Panels<S>& queries, Index fi
   }
 }
 
-/// Queries for scan_with_few, in the order that its kernel wants.
+/// Queries in the order that the kernels want: for halves those of scan_with_few, for codes all.
 template <class S>
 std::vector<S> ordered_queries(const RowScan<S>& scan, std::span<const S> queries) {
   std::vector<S> out(queries.begin(), queries.end());
-  if (scan.halves.empty()) return out;
+  if (scan.halves.empty() && scan.codes.empty()) return out;
+  const auto& kernel = scan_kernels(kernels<S>());
   for (Index q = 0; q < std::ssize(queries); q += scan.width)
-    scan_kernels(kernels<S>()).split_pairs(queries.data() + q, scan.width, out.data() + q);
+    (scan.codes.empty() ? kernel.split_pairs : kernel.split_quads)(queries.data() + q, scan.width, out.data() + q);
   return out;
 }
 
@@ -199,15 +200,16 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
           seen[static_cast<std::size_t>(thread_number())]);
       });
     };
+    const auto ordered = product && codes.empty() ? std::vector<S>() : ordered_queries<S>(*this, mine);
     if (product) {
       if (rounded) use_bf16_products();
-      const auto panels = pack_panels<S>(mine.data(), width, n, 1, width, rounded ? Precision::bf16 : Precision::fp32);
+      const auto panels = pack_panels<S>(codes.empty() ? mine.data() : ordered.data(), width, n, 1, width,
+                                         rounded ? Precision::bf16 : Precision::fp32);
       const Scratch<S> scratch(ScoreBlock<S>(panels).scratch(width));
       for_rows([&](Index first, Index last, Candidates<S>& c) {
         scan_with_panels<S>(*this, panels, first, last, scratch.mine(), c);
       });
     } else {
-      const auto ordered = ordered_queries<S>(*this, mine);
       for_rows([&](Index first, Index last, Candidates<S>& c) {
         scan_with_few<S>(*this, scan_kernels(kernel), ordered, first, last, c);
       });

@@ -16,6 +16,7 @@ struct ScanKernels {
   void (*dot_code_rows)(const std::int8_t* rows, const S* bounds, Index count, Index width, const S* query, S* out);
   void (*widen_codes)(const std::int8_t* x, Index width, S* y);
   void (*bound_rows)(S* c, const S* bounds, Index rows, Index pitch, Index columns);
+  void (*split_quads)(const S* x, Index width, S* y);
   void (*split_pairs)(const S* query, Index width, S* pairs);
   void (*widen_row)(const std::uint16_t* x, Index width, S* y);
   void (*column_maxima)(const S* c, Index rows, Index pitch, Index columns, S* out);
