@@ -119,7 +119,8 @@ TEST_CASE("train-evaluator: both stages learn and go on with the same numbers; t
   REQUIRE_MESSAGE(others.code == 0, others.text);
   const auto judged_others = others.text.find("\n  generated");
   REQUIRE_MESSAGE(judged_others != others.text.npos, others.text);
-  CHECK(contains(others.text.substr(judged_others, 120), " -"));  // one sample of each: no multimodality
+  CHECK(contains(others.text.substr(judged_others, others.text.find('\n', judged_others + 1) - judged_others),
+                 " -"));  // one sample of each: no multimodality
   const auto row = [&](const char* name) {
     const auto at = others.text.rfind(name);
     return at == others.text.npos ? name : others.text.substr(at + 12, others.text.find('\n', at + 1) - at - 12);

@@ -337,8 +337,10 @@ TEST_CASE("raw KIT-ML, by its own positions and by its motions in AMASS, at 100 
   ml::write_file(folder / "kit/kitml_amass_path.json", paths + "}");
   for (const bool smpl : {false, true}) {
     CAPTURE(smpl);
-    const std::vector<std::string> more{
-        "--data", "kit", "--set", smpl ? "features=smplvelp" : "features=rifke64", "--set", "data.test_share=0.25"};
+    const std::vector<std::string> more{"--data", "kit",
+                                        "--set",  smpl ? "features=smplvelp" : "features=rifke64",
+                                        "--set",  "data.test_share=0.25",
+                                        "--set",  "data.min_seconds=0.5"};
     const auto done = train_tiny("train-temos", folder.path, more);
     REQUIRE_MESSAGE(done.code == 0, done.text);
     CHECK_MESSAGE(contains(done.text, "2 for tests; 0 left out"), done.text);
@@ -354,7 +356,7 @@ TEST_CASE("raw KIT-ML, by its own positions and by its motions in AMASS, at 100 
     const auto last = figures.rfind('\n', figures.rfind('\n', figures.size() - 2) - 1) + 1;
     ml::write_file(folder / "rows.txt", figures.substr(last));
     const auto drawn = run({"figure", "curves", "rows.txt", "--rows", "-o", "best.svg"}, folder.path);
-    CHECK_MESSAGE((drawn.code == 0 && std::filesystem::exists(folder / "best.svg")), drawn.text + figures.substr(last));
+    CHECK_MESSAGE((drawn.code == 0 && std::filesystem::exists(folder / "best.svg")), drawn.text);
     // the recordings as arrays of joints, as if another program had made them
     std::filesystem::create_directories(folder / "lin");
     for (int i = 0; i < 8; ++i) {

@@ -20,7 +20,7 @@ max-width:1400px;margin:2em auto;padding:0 1em}
 h1{font-size:1.4em;margin:0}h2{font-size:1.1em;margin:0;overflow-wrap:anywhere}
 .about{color:var(--soft);margin:.1em 0 .6em}
 section{margin:2em 0;border-top:1px solid var(--line);padding-top:1em}
-ol{list-style:none;margin:0;padding:0;display:grid;grid-template-columns:repeat(auto-fill,minmax(19em,1fr));gap:1em}
+ol{list-style:none;margin:0;padding:0;display:grid;grid-template-columns:repeat(auto-fill,minmax(14em,1fr));gap:1em}
 li{border:1px solid var(--line);border-radius:8px;padding:.6em;min-width:0}
 li.own{border:2px solid var(--right);padding:calc(.6em - 1px)}
 .place{font-weight:600}.own .place::after{content:" own motion";color:var(--right)}
