@@ -231,6 +231,7 @@
 #include <motionlang/text/known_captions.hpp>
 #include <motionlang/text/known_words.hpp>
 #include <motionlang/text/mirror_caption.hpp>
+#include <motionlang/text/roberta_tokenizer.hpp>
 #include <motionlang/text/stranger_texts.hpp>
 #include <motionlang/text/tagged_word.hpp>
 #include <motionlang/text/text_completion.hpp>

@@ -53,6 +53,7 @@ TEST_CASE_TEMPLATE("laws of text encoders", B, ml::ReferenceBackend<double>, ml:
       ml::TokenizedEncoder(pieces, ml::Mpnet<B>(bert, rng), {.pooling = ml::Pooling::mean, .normalize = true}));
   laws::text_encoder_laws<B>(ml::TokenizedEncoder(pieces, ml::ClipText<B>(clip, rng), {.pooling = ml::Pooling::end}));
   laws::text_encoder_laws<B>(ml::TokenizedEncoder(pieces, ml::Bert<B>(bert, rng), {.pooling = ml::Pooling::first}));
+  laws::text_encoder_laws<B>(ml::TokenizedEncoder(pieces, ml::Roberta<B>(bert, rng), {.pooling = ml::Pooling::first}));
   const ml::BertTokenizer words(
       {"[PAD]", "[UNK]", "[CLS]", "[SEP]", "[MASK]", "walk", "sit", "arms", "raise", "##s", "!"});
   laws::text_encoder_laws<B>(

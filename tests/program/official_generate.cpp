@@ -1,6 +1,8 @@
 // The motionlang program on folders as the official repositories leave them: generate, convert --denoise.
 #include <doctest/doctest.h>
 
+#include <set>
+
 #include <algorithm>
 
 #include <motionlang/c/motionlang_c.h>
@@ -405,6 +407,22 @@ TEST_CASE("generate: TEACH takes texts one after the other, SINC texts at the sa
   CHECK(contains(overlapping.text, "'a walk' and 'walk' overlap; this model (TEACH) takes texts one after the other"));
   CHECK(generate("sinc", "together.txt").code == 0);
   CHECK(w.joints("out/together.npy") == std::vector<ml::Index>{30, 24, 3});
+  // other sentences, with and without the -ing form
+  std::set<std::string> made{ml::read_file(w / "out/together.npy")};
+  ml::write_file(w / "tags.txt", std::string_view("a walk while walk#a/DET walk/VERB while/SCONJ walk/VERB#0.0#0.0\n"));
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--tags", "tags.txt"}}) {
+    std::vector<std::string> joined{"generate",     "--model",    "sinc",          "--timeline", "together.txt",
+                                    "--statistics", "statistics", "--conjunction", "while"};
+    joined.insert(joined.end(), more.begin(), more.end());
+    const Outcome done = w.run(joined);
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    made.insert(ml::read_file(w / "out/together.npy"));
+  }
+  CHECK(made.size() == 3);
+  const Outcome of_teach = w.run({"generate", "--model", "teach", "--timeline", "after.txt", "--statistics",
+                                  "statistics", "--conjunction", "while"});
+  CHECK(of_teach.code == 2);
+  CHECK_MESSAGE(contains(of_teach.text, "teach: --conjunction joins the texts of SINC"), of_teach.text);
 }
 
 TEST_CASE("generate: MDM for actions, and TM2T, which decides itself how long a motion is") {

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <map>
+#include <set>
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/datasets/humanml3d_folder.hpp>
@@ -426,6 +427,29 @@ TEST_CASE("galleries of what TMR finds; motions of another program in its tables
     CHECK(refused.code != 0);
     CHECK_MESSAGE(contains(refused.text, message), refused.text);
   }
+}
+
+TEST_CASE("the text encoder may have layers and heads of its own") {
+  const Clips clips;
+  for (const std::string command : {"train-temos", "train-tmr"}) {
+    CAPTURE(command);
+    const auto done = clips.train(command, command,
+                                  {"--set", "network.num_layers=2", "--set", "network.text_layers=1", "--set",
+                                   "network.text_heads=1", "--set", "optimiser.epochs=1"});
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    const auto weights = ml::SafetensorsFile::open(clips / (command + "/model/weights.safetensors"));
+    std::set<std::string> text, motion;
+    for (const auto& t : weights.tensors()) {
+      const auto at = t.name.find(".layers.");
+      if (at != t.name.npos) (contains(t.name, "text") ? text : motion).insert(t.name.substr(at + 8, 1));
+    }
+    CHECK(text == std::set<std::string>{"0"});
+    CHECK(motion == std::set<std::string>{"0", "1"});
+    CHECK(run({"evaluate", command + "/model", "--data", ".", "--captions", "captions.tsv"}, clips.path).code == 0);
+  }
+  const auto refused = clips.train("train-temos", "refused", {"--set", "network.text_layers=-1"});
+  CHECK(refused.code == 1);
+  CHECK_MESSAGE(contains(refused.text, "text_layers is -1, expected 0 to 256"), refused.text);
 }
 
 TEST_CASE("Ctrl-C keeps a checkpoint, from which the same command goes on; early stop") {

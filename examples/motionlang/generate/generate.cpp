@@ -11,14 +11,17 @@
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/formats/glb_writer.hpp>
+#include <motionlang/generate/joined_timeline.hpp>
 #include <motionlang/generate/kept_clip_text.hpp>
 #include <motionlang/generate/reuse_notes.hpp>
 #include <motionlang/generate/samples.hpp>
 #include <motionlang/generate/timeline_tracks.hpp>
 #include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/viewer.hpp>
+#include <motionlang/weights/model_system.hpp>
 
 #include "../commands.hpp"
+#include "../conjunctions.hpp"
 #include "../files/motion_files.hpp"
 #include "../formatted.hpp"
 #include "../machine_options.hpp"
@@ -33,11 +36,13 @@ namespace {
 
 struct GenerateCommand {
   std::string timeline, text, towards, model = default_model().string(), out = "out", backend = "eigen";
-  bool action = false;               // true if the text names one
-  bool in_turn = false;              // the actions of a text follow each other
-  MissingParts missing;              // of texts of a timeline
-  std::optional<double> seconds;     // of the text; default: what its action takes
-  std::optional<ml::Index> samples;  // of each timeline; default 1, with `towards` 5
+  bool action = false;                         // true if the text names one
+  bool in_turn = false;                        // the actions of a text follow each other
+  MissingParts missing;                        // of texts of a timeline
+  std::optional<ml::Conjunction> conjunction;  // of the texts of SINC; default: its own
+  std::filesystem::path tags;                  // of their sentences
+  std::optional<double> seconds;               // of the text; default: what its action takes
+  std::optional<ml::Index> samples;            // of each timeline; default 1, with `towards` 5
   ml::ModelSources sources;
   ml::GenerateOptions settings;
   std::string sampler, noise;  // "": the model's own, the seed's
@@ -69,6 +74,10 @@ class WantedTimelines {
       auto timelines = ml::timelines_of_text(text_, {.fps = model.fps(), .name = source_});
       o_.missing.fill(timelines, text_);
       if (o_.in_turn) make_in_turn(timelines, model.fps());
+      if (o_.conjunction) {
+        const ml::LabelSentences sentences(*o_.conjunction, o_.tags);
+        for (ml::Timeline& t : timelines) t = ml::joined_timeline(t, sentences);
+      }
       return timelines;
     }
     if (!model.takes_timelines()) return {timeline_of(o_.text, o_, model.fps())};
@@ -193,6 +202,8 @@ ml::GenerateOptions settings_of(const GenerateCommand& o, const std::string& nam
 void require_fitting(const GenerateCommand& o, const ml::MotionModel& generator) {
   if (o.action && !generator.takes_actions())
     ml::raise<usage_error>(102, "--action is for models of actions (ACTOR, MDM); this one takes --text");
+  if (o.conjunction && ml::model_system(ml::FilePath(o.model)).name != "sinc")
+    ml::raise<usage_error>(102, o.model, ": --conjunction joins the texts of SINC");
   if (o.in_turn && generator.steps() == 0)
     ml::raise<usage_error>(102, o.model, ": --in-turn is for models of timelines (STMC); this is ", generator.system());
 }
@@ -370,6 +381,14 @@ void add_generate(CLI::App& app) {
       ->needs(keep);
   for (CLI::Option* option : {noise, reuse}) keep->excludes(option);
   c->add_flag("--in-turn", o->in_turn, in_turn_help);
+  CLI::Option* conjunction =
+      c->add_option(
+           "--conjunction", o->conjunction,
+           "SINC: how the texts of a timeline become a sentence. The default is same_time, as in the published "
+           "program; the paper says while")
+          ->transform(conjunction_names())
+          ->needs(timeline);
+  file_option(*c, "--tags", o->tags, about_tags)->needs(conjunction);
   o->missing.add_to(*c);
   const auto cut_texts =
       c->add_flag("--cut-texts,!--no-cut-texts", o->settings.cut_texts,

@@ -9,6 +9,7 @@
 #include <motionlang/weights/run_folder.hpp>
 
 #include "../commands.hpp"
+#include "../conjunctions.hpp"
 #include "../generate/generation.hpp"
 #include "../option_checks.hpp"
 #include "action_options.hpp"
@@ -211,19 +212,11 @@ void add_evaluate(CLI::App& app) {
       ->check(in_range(15, 100000));
   file_option(*c, "--keys", o->keys,
               "SINC, TEACH: list of items to measure, one per line, such as spatial_pairs-4242-0");
-  const std::map<std::string, ml::Conjunction> conjunctions{{"while", ml::Conjunction::while_},
-                                                            {"simultaneously", ml::Conjunction::simultaneously},
-                                                            {"comma", ml::Conjunction::comma},
-                                                            {"same_time", ml::Conjunction::same_time},
-                                                            {"during", ml::Conjunction::during}};
   c->add_option("--conjunction", o->conjunction,
                 "SINC: how two labels become a sentence. The default is same_time, as in the published program; the "
                 "paper says while")
-      ->transform(
-          CLI::CheckedTransformer(conjunctions).description("while, simultaneously, comma, same_time or during"));
-  file_option(*c, "--tags", o->tags,
-              "SINC: sentences tagged by spaCy, one per line: 'walk while wave#walk/VERB while/SCONJ "
-              "wave/VERB#0.0#0.0'. They give the -ing form after while and during");
+      ->transform(conjunction_names());
+  file_option(*c, "--tags", o->tags, about_tags);
   file_option(*c, "--body-parts", o->body_parts,
               "SINC: table as for training. Adds a motion for each single label, combined by body parts");
   folder_option(*c, "--temos", o->temos,

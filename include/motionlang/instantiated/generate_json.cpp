@@ -3,6 +3,7 @@
 #include <motionlang/generate/describe_files.ipp>
 #include <motionlang/generate/gallery_prompts.ipp>
 #include <motionlang/generate/guo_motions.ipp>
+#include <motionlang/generate/joined_timeline.ipp>
 #include <motionlang/generate/missing_parts.ipp>
 #include <motionlang/generate/motion_model_place.ipp>
 #include <motionlang/generate/mtt_runs.ipp>

@@ -9,6 +9,7 @@
 #include <motionlang/text/known_captions.ipp>
 #include <motionlang/text/known_words.ipp>
 #include <motionlang/text/mirror_caption.ipp>
+#include <motionlang/text/roberta_tokenizer.ipp>
 #include <motionlang/text/stranger_texts.ipp>
 #include <motionlang/text/text_completion.ipp>
 #include <motionlang/text/text_repair.ipp>

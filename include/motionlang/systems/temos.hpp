@@ -26,6 +26,7 @@ struct TemosConfig {
   Index nfeats = 64;                       // 135 for SMPL
   Index text_dim = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
+  Index text_layers = 0, text_heads = 0;  // of the text encoder; 0: as many
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   bool vae = true;
@@ -56,7 +57,7 @@ struct Temos {
   Temos() = default;
   /// Throws config_error 101 for a model without decoder.
   Temos(const TemosConfig& c, Rng auto& rng)
-      : textencoder(c.text_dim, c.vae, transformer_of(c), c.max_len, rng), config(c) {
+      : textencoder(c.text_dim, c.vae, text_transformer_of(c), c.max_len, rng), config(c) {
     if (c.motion_encoder == TemosNetwork::transformer)
       motionencoder.emplace(c.nfeats, c.vae, transformer_of(c), c.max_len, rng);
     if (c.motion_encoder == TemosNetwork::gru) gru_encoder.emplace(c.nfeats, c.vae, c.latent_dim, c.num_layers, rng);

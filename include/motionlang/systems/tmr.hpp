@@ -23,6 +23,7 @@ struct TmrConfig {
   static constexpr bool is_option = true;  // holds no tensors
   Index motion_nfeats = 263, text_nfeats = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
+  Index text_layers = 0, text_heads = 0;  // of the text encoder; 0: as many
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   bool vae = true;
@@ -45,7 +46,7 @@ struct Tmr {
   Tmr() = default;
   Tmr(const TmrConfig& c, Rng auto& rng)
       : motion_encoder(c.motion_nfeats, c.vae, transformer_of(c), c.max_len, rng),
-        text_encoder(c.text_nfeats, c.vae, transformer_of(c), c.max_len, rng),
+        text_encoder(c.text_nfeats, c.vae, text_transformer_of(c), c.max_len, rng),
         motion_decoder(c.motion_nfeats, transformer_of(c), c.max_len, rng),
         config(c) {}
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. They are one network. They differ in the names of their
+/// The BERT family: DistilBERT, BERT (MiniLM), RoBERTa and MPNet. They are one network. They differ in the names of their
 /// tensors, in token types, and in the counting of positions.
 ///
 ///     // weights/text_network_file.hpp
@@ -25,7 +25,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct BertConfig {
   Index vocabulary = 30522, width = 768, heads = 12, d_ff = 3072, layers = 6, positions = 512;
   Index token_types = 2, buckets = 32;  // only if the member has them
-  Index padding = 0;                    // the id of padding; positions of MPNet depend on it
+  Index padding = 0;                    // the id of padding; positions of MPNet and RoBERTa depend on it
   Activation activation = Activation::gelu;
   double eps = 1e-12;
   double dropout = 0.1;  // of training
@@ -33,6 +33,8 @@ struct BertConfig {
 
 inline constexpr BertConfig distilbert_base{};
 inline constexpr BertConfig minilm_l6{.width = 384, .d_ff = 1536};
+inline constexpr BertConfig roberta_base{
+    .vocabulary = 50265, .layers = 12, .positions = 514, .token_types = 1, .padding = 1, .eps = 1e-5};
 inline constexpr BertConfig mpnet_base{.vocabulary = 30527, .layers = 12, .positions = 514, .padding = 1, .eps = 1e-5};
 
 /// Names in the published state dicts (Hugging Face), and the parts of a member.
@@ -51,6 +53,11 @@ struct BertKeys {
                               *up = "intermediate.dense", *down = "output.dense", *norm = "output.LayerNorm";
   static constexpr bool token_types = true, relative_scores = false, positions_behind_padding = false,
                         attended_dropout = true;
+};
+/// BERT with one token type, whose positions count from behind that of padding.
+struct RobertaKeys : BertKeys {
+  static constexpr const char* model_type = "roberta";
+  static constexpr bool positions_behind_padding = true;
 };
 struct MpnetKeys {
   static constexpr const char *model_type = "mpnet", *layers = "encoder.layer", *query = "attention.attn.q",
@@ -127,8 +134,8 @@ struct BertLayer {
   }
 };
 
-/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); huggingface/transformers,
-///         modeling_distilbert.py, modeling_bert.py and modeling_mpnet.py. Without pooler and heads.
+/// Source  Sanh et al. (2019), Devlin et al. (2019), Liu et al. (2019), Song et al. (2020); huggingface/transformers,
+///         modeling_distilbert.py, modeling_bert.py, modeling_roberta.py and modeling_mpnet.py. Without pooler and heads.
 template <Backend B, class Keys>
 struct BertNetwork {
   Embedding<B> words, positions;
@@ -238,6 +245,8 @@ template <Backend B>
 using DistilBert = BertNetwork<B, DistilBertKeys>;
 template <Backend B>
 using Bert = BertNetwork<B, BertKeys>;
+template <Backend B>
+using Roberta = BertNetwork<B, RobertaKeys>;
 template <Backend B>
 using Mpnet = BertNetwork<B, MpnetKeys>;
 

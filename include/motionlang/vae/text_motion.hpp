@@ -58,6 +58,15 @@ TransformerConfig transformer_of(const Config& c) {
           .dropout = c.dropout};
 }
 
+/// That of the text encoder, which may have layers and heads of its own (thesis table 4.8).
+template <class Config>
+TransformerConfig text_transformer_of(const Config& c) {
+  TransformerConfig out = transformer_of(c);
+  if (c.text_layers > 0) out.layers = c.text_layers;
+  if (c.text_heads > 0) out.heads = c.text_heads;
+  return out;
+}
+
 /// How a reconstruction is averaged: over the padded batch (TEMOS, TMR, SINC), or over each sequence and then over all
 /// sequences (TEACH).
 enum class ReconstructionMean { padded_batch, sequences };

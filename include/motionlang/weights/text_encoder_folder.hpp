@@ -7,7 +7,7 @@
 ///     // The states of all words.
 ///     const auto words = load_text_encoder<B>("distilbert-base-uncased");
 ///
-/// Hugging Face  config.json with model_type clip, clip_text_model, distilbert, bert or mpnet; weights
+/// Hugging Face  config.json with model_type clip, clip_text_model, distilbert, bert, roberta or mpnet; weights
 ///               (weights/run_folder.hpp); a tokenizer.json, vocab.txt, or vocab.json with merges.txt
 /// OpenAI        a file or a folder with the tensors of CLIP (ViT-B-32.pt), and bpe_simple_vocab_16e6.txt.gz in the
 ///               same folder
@@ -23,7 +23,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// One of several networks; the file decides which.
 template <Backend B>
 struct AnyTextNetwork {
-  std::variant<ClipText<B>, DistilBert<B>, Bert<B>, Mpnet<B>> network;
+  std::variant<ClipText<B>, DistilBert<B>, Bert<B>, Mpnet<B>, Roberta<B>> network;
 
   bool is_clip() const { return network.index() == 0; }
   TextFeatures<B> operator()(const TokenBatch& batch) const {
@@ -66,7 +66,7 @@ AnyTokenizer tokenizer_of(const std::filesystem::path& folder, const TokenizerLi
 struct TextNetworkFiles {
   WeightFile weights;
   std::variant<ClipTextConfig, BertConfig> config;
-  std::string type;  // distilbert, bert or mpnet; unused for CLIP
+  std::string type;  // distilbert, bert, roberta or mpnet; unused for CLIP
 };
 /// file  its config.json. Throws config_error 103 for another model_type
 TextNetworkFiles text_network_files(const FilePath& file, const FilePath& folder);
@@ -77,6 +77,7 @@ AnyTextNetwork<B> text_network(const TextNetworkFiles& files) {
   const auto& config = std::get<BertConfig>(files.config);
   if (files.type == "distilbert") return {load_text_network<DistilBert<B>>(config, files.weights)};
   if (files.type == "bert") return {load_text_network<Bert<B>>(config, files.weights)};
+  if (files.type == "roberta") return {load_text_network<Roberta<B>>(config, files.weights)};
   return {load_text_network<Mpnet<B>>(config, files.weights)};
 }
 

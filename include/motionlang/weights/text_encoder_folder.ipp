@@ -37,8 +37,9 @@ MOTIONLANG_BODY TextNetworkFiles text_network_files(const FilePath& file, const 
   WeightFile weights = open_weights(folder);
   const auto type = config["model_type"].as<std::string>();
   if (type == "clip" || type == "clip_text_model") return {std::move(weights), clip_text_config(config), type};
-  if (type != "distilbert" && type != "bert" && type != "mpnet")
-    raise<config_error>(103, config.path(), ": model_type '", type, "' is not one of clip, distilbert, bert, mpnet");
+  if (type != "distilbert" && type != "bert" && type != "roberta" && type != "mpnet")
+    raise<config_error>(103, config.path(), ": model_type '", type,
+                        "' is not one of clip, distilbert, bert, roberta, mpnet");
   return {std::move(weights), bert_config(config, type), type};
 }
 

@@ -13,17 +13,23 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct TextMotionNetworkConfig {
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
+  Index text_layers = 0, text_heads = 0;  // of the text encoder alone; 0: as many as the others
   double dropout = 0.1;
   std::string activation = "gelu";  // core/activation.hpp
   bool vae = true;
   std::string motion_encoder = "transformer", motion_decoder = "transformer";  // or "gru"; encoder "none": TEMOS alone
 
-  void require_sound() const { require_sizes(*this); }
+  void require_sound() const {
+    require_sizes(*this);
+    require_value("text_layers", text_layers, text_layers >= 0 && text_layers <= 256, "0 to 256");
+    require_value("text_heads", text_heads, text_heads >= 0 && text_heads <= 65'536, "0 to 65536");
+  }
   static constexpr auto fields() {
     using C = TextMotionNetworkConfig;
     return motionlang::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers,
-                              "num_heads", &C::num_heads, "dropout", &C::dropout, "activation", &C::activation, "vae",
-                              &C::vae, "motion_encoder", &C::motion_encoder, "motion_decoder", &C::motion_decoder);
+                              "num_heads", &C::num_heads, "text_layers", &C::text_layers, "text_heads", &C::text_heads,
+                              "dropout", &C::dropout, "activation", &C::activation, "vae", &C::vae, "motion_encoder",
+                              &C::motion_encoder, "motion_decoder", &C::motion_decoder);
   }
 };
 

@@ -45,6 +45,8 @@ MOTIONLANG_BODY TmrConfig TrainedSystem<Tmr>::sizes(const TextMotionConfig& c, I
           .ff_size = n.ff_size,
           .num_layers = n.num_layers,
           .num_heads = n.num_heads,
+          .text_layers = n.text_layers,
+          .text_heads = n.text_heads,
           .dropout = n.dropout,
           .activation = parse_activation(n.activation),
           .vae = n.vae};
@@ -58,6 +60,8 @@ MOTIONLANG_BODY TemosConfig TrainedSystem<Temos>::sizes(const TextMotionConfig& 
           .ff_size = n.ff_size,
           .num_layers = n.num_layers,
           .num_heads = n.num_heads,
+          .text_layers = n.text_layers,
+          .text_heads = n.text_heads,
           .dropout = n.dropout,
           .activation = parse_activation(n.activation),
           .vae = n.vae,

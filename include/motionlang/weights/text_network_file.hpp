@@ -19,8 +19,8 @@
 ///          go to temporary files. If there is no place for such files, they are packed each time they are used
 /// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes,
 ///          102 for sizes far above those of the file; io_error 406, 407 if names or shapes do not match
-/// Source   huggingface/transformers, modeling_distilbert.py, modeling_bert.py, modeling_mpnet.py, modeling_clip.py;
-///          openai/CLIP clip/model.py
+/// Source   huggingface/transformers, modeling_distilbert.py, modeling_bert.py, modeling_roberta.py, modeling_mpnet.py,
+///          modeling_clip.py; openai/CLIP clip/model.py
 #pragma once
 
 #include <deque>  // stacked tensors
@@ -91,7 +91,7 @@ Network load_text_network(const BertConfig& config, const TensorSet& weights) {
   detail::pack_layers(network.layers);
   return network;
 }
-/// Network is DistilBert<B>, Bert<B> or Mpnet<B>.
+/// Network is DistilBert<B>, Bert<B>, Roberta<B> or Mpnet<B>.
 template <class Network>
 Network load_text_network(const JsonView& config, const TensorSet& weights) {
   return load_text_network<Network>(bert_config(config, Network::keys::model_type), weights);

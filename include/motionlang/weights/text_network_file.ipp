@@ -197,9 +197,10 @@ MOTIONLANG_BODY BertConfig bert_config(const JsonView& config, std::string_view 
   c.d_ff = config_size(config, distilled ? "hidden_dim" : "intermediate_size", 8 * detail::largest_width);
   c.positions = config_size(config, "max_position_embeddings", detail::largest_vocabulary);
   c.activation = detail::config_activation(config, distilled ? "activation" : "hidden_act");
-  c.padding = config.value_or("pad_token_id", Index{model_type == "mpnet" ? 1 : 0});
+  c.padding = config.value_or("pad_token_id", Index{model_type == "mpnet" || model_type == "roberta" ? 1 : 0});
   if (!distilled) c.eps = config.value_or("layer_norm_eps", 1e-12);
-  if (model_type == "bert") c.token_types = config_size(config, "type_vocab_size", detail::largest_vocabulary);
+  if (model_type == "bert" || model_type == "roberta")
+    c.token_types = config_size(config, "type_vocab_size", detail::largest_vocabulary);
   if (config.contains("relative_attention_num_buckets"))
     c.buckets = config_size(config, "relative_attention_num_buckets", detail::largest_vocabulary);
   if (c.buckets != 32) raise<config_error>(101, config.path(), ": ", c.buckets, " buckets of distances, expected 32");

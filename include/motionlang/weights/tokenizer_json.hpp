@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. They support the
-/// kinds that BERT, MPNet and CLIP use. Any other normaliser, splitter or template is refused by its name, because ids
-/// without it would be wrong and look right.
+/// kinds that BERT, MPNet, RoBERTa and CLIP use. Any other normaliser, splitter or template is refused by its name,
+/// because ids without it would be wrong and look right.
 ///
 ///     const AnyTokenizer tokenizer = read_tokenizer("all-mpnet-base-v2");   // a folder
 ///
@@ -9,8 +9,9 @@
 #pragma once
 
 #include <map>      // tokens
-#include <variant>  // BERT or CLIP
+#include <variant>  // BERT, CLIP or RoBERTa
 
+#include <motionlang/text/roberta_tokenizer.hpp>
 #include <motionlang/weights/tokenizer_files.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -22,6 +23,7 @@ class AnyTokenizer {
  public:
   AnyTokenizer(BertTokenizer t) : kind_(std::move(t)) {}
   AnyTokenizer(ClipTokenizer t) : kind_(std::move(t)) {}
+  AnyTokenizer(RobertaTokenizer t) : kind_(std::move(t)) {}
 
   std::vector<Index> encode(std::string_view text) const {
     return std::visit([&](const auto& t) { return t.encode(text); }, kind_);
@@ -35,20 +37,20 @@ class AnyTokenizer {
   Index pad_id() const {
     return std::visit([](const auto& t) { return t.pad_id(); }, kind_);
   }
-  /// Null if it is the other kind.
+  /// Null if it is another kind.
   const BertTokenizer* bert() const { return std::get_if<BertTokenizer>(&kind_); }
   const ClipTokenizer* clip() const { return std::get_if<ClipTokenizer>(&kind_); }
+  const RobertaTokenizer* roberta() const { return std::get_if<RobertaTokenizer>(&kind_); }
 
  private:
-  std::variant<BertTokenizer, ClipTokenizer> kind_;
+  std::variant<BertTokenizer, ClipTokenizer, RobertaTokenizer> kind_;
 };
 static_assert(Tokenizer<AnyTokenizer>);
 
 /// Choices of the caller. A tokenizer.json has them too, but the published systems do not apply those.
 struct TokenizerLimits {
-  std::optional<Index> longest =
-      {};  // ids of a text with its special tokens; by default 512 for BERT and MPNet, 77 for CLIP
-  std::optional<bool> truncate = {};  // by default BERT and MPNet refuse, CLIP cuts
+  std::optional<Index> longest = {};  // ids of a text with its special tokens; by default 512, for CLIP 77
+  std::optional<bool> truncate = {};  // by default CLIP cuts, others refuse
   bool stored = false;                // take both from the block "truncation" of the file, if it has one
   // For CLIP: as these files say; MDM and STMC were trained with the original.
   ClipCleaning cleaning = ClipCleaning::hugging_face;
@@ -92,7 +94,8 @@ inline bool file_exists(const FilePath& path) { return ::access(path.c_str(), R_
 }  // namespace detail
 
 /// The tokenizer in the folder of a model: its tokenizer.json, else vocab.txt (BERT, MPNet) or vocab.json and
-/// merges.txt (CLIP), with its tokenizer_config.json. model_max_length is not applied, as in the published systems.
+/// merges.txt (CLIP; RoBERTa, whose vocabulary has <s>), with its tokenizer_config.json. model_max_length is not
+/// applied, as in the published systems.
 /// Throws io_error 401 if all of these files are missing, and as their readers
 AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits& limits = {});
 

@@ -218,11 +218,35 @@ inline ClipTokenizer clip_from_json(const JsonView& document, const TokenizerLim
   return out;
 }
 
+inline RobertaTokenizer roberta_from_json(const JsonView& document, const TokenizerLimits& limits) {
+  const JsonView model = document["model"], splitter = document["pre_tokenizer"], post = document["post_processor"];
+  if (document.contains("normalizer") && !document["normalizer"].is_null())
+    unknown_kind(document["normalizer"], "none for RoBERTa");
+  require_value(splitter, "add_prefix_space", false);
+  require_value(splitter, "use_regex", true);
+  if (!has_type(post, "RobertaProcessing")) unknown_kind(post, "RobertaProcessing");
+  require_value(model, "byte_fallback", false);
+  require_value(model, "ignore_merges", false);
+  for (const char* key : {"continuing_subword_prefix", "end_of_word_suffix"}) require_value(model, key, std::string());
+  if (model.contains("dropout") && !model["dropout"].is_null())
+    raise<io_error>(404, model.path(), ": dropout of merges");
+  RobertaTokenizerOptions o;
+  o.begin = post["cls"][0].as<std::string>(), o.end = post["sep"][0].as<std::string>();
+  set_limits(o, document, limits);
+  const auto added = added_tokens(document);
+  o.special.clear();
+  for (const AddedToken& t : added) o.special.push_back(t.content);
+  return RobertaTokenizer(pieces_by_id(model["vocab"], added), merges_from_json(model["merges"]), std::move(o),
+                          document.path());
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY AnyTokenizer tokenizer_from_json(const JsonView& document, const TokenizerLimits& limits) {
   const JsonView model = document["model"];
   if (detail::has_type(model, "WordPiece")) return detail::bert_from_json(document, limits);
+  if (detail::has_type(model, "BPE") && detail::has_type(document["pre_tokenizer"], "ByteLevel"))
+    return detail::roberta_from_json(document, limits);
   if (detail::has_type(model, "BPE")) return detail::clip_from_json(document, limits);
   detail::unknown_kind(model, "WordPiece, BPE");
 }
@@ -284,13 +308,21 @@ inline BertTokenizer bert_from_folder(const std::string& folder, const Tokenizer
   return BertTokenizer(std::move(vocabulary), std::move(o), folder + "/vocab.txt");
 }
 
-inline ClipTokenizer clip_from_folder(const std::string& folder, const TokenizerLimits& limits) {
+/// vocab.json and merges.txt of RoBERTa, if the vocabulary has its marks, else of CLIP.
+inline AnyTokenizer byte_pairs_from_folder(const std::string& folder, const TokenizerLimits& limits) {
+  auto pieces = read_vocabulary_json(folder + "/vocab.json");
+  const auto merges = read_merges(folder + "/merges.txt");
+  if (std::find(pieces.begin(), pieces.end(), "<s>") != pieces.end()) {
+    RobertaTokenizerOptions o;
+    o.longest = limits.longest.value_or(o.longest);
+    o.truncate = limits.truncate.value_or(o.truncate);
+    return RobertaTokenizer(std::move(pieces), merges, std::move(o), folder);
+  }
   ClipTokenizerOptions o;
   o.cleaning = limits.cleaning;
   o.longest = limits.longest.value_or(o.longest);
   o.truncate = limits.truncate.value_or(o.truncate);
-  return ClipTokenizer(read_vocabulary_json(folder + "/vocab.json"), read_merges(folder + "/merges.txt"), std::move(o),
-                       folder);
+  return ClipTokenizer(std::move(pieces), merges, std::move(o), folder);
 }
 
 }  // namespace detail
@@ -304,7 +336,7 @@ MOTIONLANG_BODY AnyTokenizer read_tokenizer(const FilePath& folder, const Tokeni
     config = tokenizer_config_from_json(JsonView(document, file));
   }
   if (detail::file_exists(name + "/vocab.txt")) return detail::bert_from_folder(name, config, limits);
-  if (detail::file_exists(name + "/vocab.json")) return detail::clip_from_folder(name, limits);
+  if (detail::file_exists(name + "/vocab.json")) return detail::byte_pairs_from_folder(name, limits);
   raise<io_error>(401, name, ": neither tokenizer.json nor vocab.txt nor vocab.json");
 }
 

@@ -11,6 +11,7 @@
 #include <motionlang/generate/finish_motion.hpp>
 #include <motionlang/generate/gallery_prompts.hpp>
 #include <motionlang/generate/guo_motions.hpp>
+#include <motionlang/generate/joined_timeline.hpp>
 #include <motionlang/generate/judged_clips.hpp>
 #include <motionlang/generate/judged_prompts.hpp>
 #include <motionlang/generate/kept_clip_text.hpp>
@@ -36,6 +37,9 @@
 
 void precision_(Stmc<B> stmc) {
 #include "backend/precision.1.inc"
+}
+void joined_(const Timeline& timeline, const std::unique_ptr<MotionModel>& sinc) {
+#include "generate/joined_timeline.1.inc"
 }
 void describe_files(const MotionDescriber<B>& describer, const std::vector<std::string>& inputs) {
   std::vector<std::string> problems;

@@ -18,11 +18,15 @@
 #include <motionlang/weights/stmc_file.hpp>
 #include <motionlang/weights/text_network_file.hpp>
 #include <motionlang/weights/tokenizer_files.hpp>
+#include <motionlang/weights/tokenizer_json.hpp>
 #include <motionlang/weights/weight_file.hpp>
 #include <motionlang/weights/word_vector_file.hpp>
 
 #include <iostream>
 
+void roberta_() {
+#include "text/roberta_tokenizer.1.inc"
+}
 void bert_(const JsonView& config, const WeightFile& weights, const BertTokenizer& tokenizer,
            const std::vector<std::string>& texts) {
 #include "text/bert.1.inc"

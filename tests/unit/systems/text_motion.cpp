@@ -1,4 +1,6 @@
 // TEMOS and TMR: packing, seeds, dropout, branches and losses of all ablations, motions from texts, similarities.
+#include <set>
+
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/optim/adamw.hpp>
@@ -49,6 +51,33 @@ void check_packing(const Model& model, Index motion_width) {
 }
 
 }  // namespace
+
+TEST_CASE("the text encoder may have layers and heads of its own") {
+  const auto layers_of = [](auto& network) {
+    std::set<std::string> out;
+    for (const auto& t : ml::tensors_of(network)) {
+      const auto at = t.path.find("layers.");
+      if (at != t.path.npos) out.insert(t.path.substr(at + 7, 1));
+    }
+    return out;
+  };
+  ml::Philox rng{.seed = 1};
+  const ml::TemosConfig config{
+      .nfeats = 5, .text_dim = 6, .latent_dim = 8, .ff_size = 8, .num_layers = 2, .num_heads = 2, .text_layers = 1};
+  ml::Temos<B> temos(config, rng);
+  CHECK(layers_of(temos.textencoder) == std::set<std::string>{"0"});
+  CHECK(layers_of(*temos.motionencoder) == std::set<std::string>{"0", "1"});
+  ml::Tmr<B> tmr(ml::TmrConfig{.motion_nfeats = 5,
+                               .text_nfeats = 6,
+                               .latent_dim = 8,
+                               .ff_size = 8,
+                               .num_layers = 1,
+                               .num_heads = 2,
+                               .text_layers = 3},
+                 rng);
+  CHECK(layers_of(tmr.text_encoder) == std::set<std::string>{"0", "1", "2"});
+  CHECK(layers_of(tmr.motion_encoder) == std::set<std::string>{"0"});
+}
 
 TEST_CASE("a text and a motion have the same latents alone and among others") {
   check_packing(small::temos<B>(), 64);

@@ -85,6 +85,34 @@ TEST_CASE_TEMPLATE("MPNet", B, ml::ReferenceBackend<double>, ml::EigenBackend<fl
   CHECK(distance(scores, nlohmann::json::parse(network_numbers::mpnet)["bias_h0"]) < tolerance<B>);
 }
 
+TEST_CASE_TEMPLATE("RoBERTa is BERT with one token type, whose positions count from behind that of padding", B,
+                   ml::ReferenceBackend<double>, ml::EigenBackend<float>, ml::XtensorBackend<float>) {
+  auto numbers = by_formula(bert_shapes<ml::BertKeys>());
+  const auto width = static_cast<std::size_t>(tiny_bert.width);
+  auto& types = numbers.at("embeddings.token_type_embeddings.weight");
+  types.first[0] = 1;
+  types.second.resize(width);
+  const auto bert_of = [&](const Numbers& from) {
+    auto config = tiny_bert;
+    config.token_types = 1;
+    return ml::load_text_network<ml::Bert<B>>(config, file_of(from));
+  };
+  const auto bert = bert_of(numbers);
+  auto moved = numbers;
+  auto& positions = moved.at("embeddings.position_embeddings.weight");
+  positions.second.insert(positions.second.begin(), 2 * width, 9.0);  // of ids 0 and 1, which no text has
+  positions.second.resize(positions.second.size() - 2 * width);
+  Numbers prefixed;
+  for (const auto& [name, t] : moved) prefixed["roberta." + name] = t;
+  auto config = tiny_bert;
+  config.token_types = 1, config.padding = 1;
+  const auto roberta = ml::load_text_network<ml::Roberta<B>>(config, file_of(prefixed));
+  CHECK(roberta.longest() == tiny_bert.positions - 2);
+  const ml::TokenBatch batch{{0, 7, 3, 19, 2, 0, 9, 2}, {5, 3}};
+  const auto as_bert = bert(batch).tokens.rows.to_vector(), as_roberta = roberta(batch).tokens.rows.to_vector();
+  CHECK(as_bert == as_roberta);
+}
+
 TEST_CASE("the borders of MPNet's buckets") {
   const std::vector<std::pair<Index, Index>> first_of{{8, 8},   {12, 9},  {16, 10}, {23, 11},
                                                       {32, 12}, {46, 13}, {64, 14}, {91, 15}};

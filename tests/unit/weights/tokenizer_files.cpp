@@ -153,6 +153,52 @@ TEST_CASE("tokenizer.json of CLIP") {
   CHECK(clip.decode(Ids{11, 9, 1, 7, 5, 12}) == "walks a");
 }
 
+/// A tokenizer.json of RoBERTa with all symbols of bytes and one merge.
+std::string roberta_json() {
+  const auto symbols = ml::ClipTokenizer(ml::BytePairMerges{}).vocabulary();
+  std::string vocabulary = R"("<s>": 0, "<pad>": 1, "</s>": 2, "<unk>": 3)";
+  for (std::size_t i = 0; i < 256; ++i)
+    vocabulary += ", " + nlohmann::json(symbols[i]).dump() + ": " + std::to_string(4 + i);
+  return R"({"added_tokens": [{"id": 0, "content": "<s>", "normalized": true}, {"id": 261, "content": "<mask>"}],
+    "normalizer": null, "pre_tokenizer": {"type": "ByteLevel", "add_prefix_space": false, "trim_offsets": true},
+    "post_processor": {"type": "RobertaProcessing", "sep": ["</s>", 2], "cls": ["<s>", 0], "add_prefix_space": false},
+    "model": {"type": "BPE", "dropout": null, "unk_token": null, "continuing_subword_prefix": "",
+      "end_of_word_suffix": "", "vocab": {)" +
+         vocabulary + R"(, "wa": 260}, "merges": [["w", "a"]]}})";
+}
+
+TEST_CASE("tokenizer.json, or vocab.json and merges.txt, of RoBERTa") {
+  const auto document = ml::parse_json(roberta_json());
+  const auto tokenizer = ml::tokenizer_from_json(ml::JsonView(document));
+  REQUIRE(tokenizer.roberta() != nullptr);
+  CHECK((tokenizer.bert() == nullptr && tokenizer.clip() == nullptr));
+  const auto ids = tokenizer.encode("wa wa<mask>");
+  REQUIRE(ids.size() == 6);
+  CHECK((ids[0] == 0 && ids[1] == 260 && ids[3] == 260 && ids[4] == 261 && ids[5] == 2));
+  CHECK(tokenizer.decode(ids) == "wa wa");
+  CHECK((tokenizer.size() == 262 && tokenizer.pad_id() == 1));
+  CHECK(ml::tokenizer_from_json(ml::JsonView(document), {.longest = 4, .truncate = true}).encode("wa wa wa").size() ==
+        4);
+
+  const auto without = [&](const std::string& part, const std::string& with) {
+    std::string text = roberta_json();
+    text.replace(text.find(part), part.size(), with);
+    const auto changed = ml::parse_json(text);
+    return ml::tokenizer_from_json(ml::JsonView(changed));
+  };
+  CHECK_ERROR(without("RobertaProcessing", "BertProcessing"), "expected RobertaProcessing");
+  CHECK_ERROR(without(R"("add_prefix_space": false)", R"("add_prefix_space": true)"), "[motionlang.io.404]");
+  CHECK_ERROR(without(R"("normalizer": null)", R"("normalizer": {"type": "NFC"})"), "none for RoBERTa");
+  CHECK_ERROR(without(R"("dropout": null)", R"("dropout": 0.1)"), "dropout of merges");
+
+  const TemporaryFolder folder;
+  ml::write_file(folder / "vocab.json", document["model"]["vocab"].dump());
+  ml::write_file(folder / "merges.txt", std::string_view("#version: 0.2\nw a\n"));
+  const auto read = ml::read_tokenizer(folder.path);
+  REQUIRE(read.roberta() != nullptr);
+  CHECK(read.encode("wa wa") == tokenizer.encode("wa wa"));
+}
+
 TEST_CASE("tokenizer.json: what is not known is refused by its name") {
   const auto refused = [](const std::string& text, std::string_view part, std::string_view other, const char* message) {
     CAPTURE(other);
