@@ -29,6 +29,16 @@ for row in pelvis:Hips spine1:lowerback spine2:Chest spine3:Chest2 neck:Neck hea
 done > "$drawings/joints.tsv"
 "$program" convert "$drawings/jumping_jacks.bvh" "$drawings/upright.bvh" --joints "$drawings/joints.tsv" --scale 0.05
 mv "$drawings/upright.bvh" "$drawings/jumping_jacks.bvh"
+# Lying down on the back, and getting up: sitting down on the floor and lying are joined
+part=$clips/part
+mkdir -p "$part" "$clips/joined"
+"$program" convert "$clips/kaykit-animations/Rig_Medium_Simulation.glb" "$part/a.npz"
+"$program" convert "$clips/mesh2motion/8332a1e.glb" "$part/a.npz"
+"$program" convert "$part/a_Sit_Floor_Down.npz" "$part/down.npz" --speed 0.6
+"$program" convert "$part/a_Sit_Floor_StandUp.npz" "$part/up.npz" --speed 0.75
+"$program" join "$part/down.npz" "$part/a_Sleeping.npz" --blend 1.1 --output "$clips/joined/lie_down.npz"
+"$program" join "$part/a_Sleeping.npz" "$part/up.npz" --blend 1 --output "$clips/joined/get_up.npz"
+rm -r "$part"
 # Gestures by hand over people who stand still; needs Python 3 with NumPy
 k=0
 set --
