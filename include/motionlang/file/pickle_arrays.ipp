@@ -30,7 +30,7 @@ inline std::vector<Index> shape_of(const PickleValue& sizes) {
 }
 
 /// numpy.dtype('f8', False, True) with the state (3, '<', None, ...): "<f8".
-inline std::string dtype_of(const PickleValue& v) {
+inline std::string pickled_dtype(const PickleValue& v) {
   if (!is_numpy(v, "dtype")) v.fail(407, "an element type expected");
   std::string type(v.arguments()[0].text());
   if (type.starts_with('<') || type.starts_with('>') || type.starts_with('|')) return type;
@@ -52,17 +52,18 @@ MOTIONLANG_BODY PickledArray pickled_array(const PickleValue& v) {
   if (is_numpy(v, "_reconstruct")) {
     const PickleValue state = v.state();  // version, shape, element type, whether the first index is the fastest, bytes
     if (state[4].is(PickleKind::list)) v.fail(404, "an array of objects");
-    return {dtype_of(state[2]), state[3].boolean(), shape_of(state[1]), state[4].bytes(), where};
+    return {pickled_dtype(state[2]), state[3].boolean(), shape_of(state[1]), state[4].bytes(), where};
   }
   if (is_joblib_array(v)) {
     const PickleValue state = v.state();
-    return {dtype_of(state["dtype"]), state["order"].text() == "F", shape_of(state["shape"]), v.inline_bytes(), where};
+    return {pickled_dtype(state["dtype"]), state["order"].text() == "F", shape_of(state["shape"]), v.inline_bytes(),
+            where};
   }
   const PickleValue given = v.arguments();
   if (is_numpy(v, "_frombuffer")) {  // bytes, element type, shape, order
-    return {dtype_of(given[1]), given[3].text() == "F", shape_of(given[2]), given[0].bytes(), where};
+    return {pickled_dtype(given[1]), given[3].text() == "F", shape_of(given[2]), given[0].bytes(), where};
   }
-  return {dtype_of(given[0]), false, {}, given[1].bytes(), where};
+  return {pickled_dtype(given[0]), false, {}, given[1].bytes(), where};
 }
 
 inline NpyArray numpy_array(const PickleValue& v) {
@@ -168,8 +169,9 @@ MOTIONLANG_BODY InlineBytes joblib_array_bytes(const PickleValue& object, std::s
   if (alignment && !alignment->is(PickleKind::none)) {
     position += 1 + detail::load<std::uint8_t>(file, position, object.file(), "padding of an array");
   }
-  const NpyArray described = detail::described_array(detail::dtype_of(state["dtype"]), detail::shape_of(state["shape"]),
-                                                     concat_text(object.file(), ": array at byte ", object.at()));
+  const NpyArray described =
+      detail::described_array(detail::pickled_dtype(state["dtype"]), detail::shape_of(state["shape"]),
+                              concat_text(object.file(), ": array at byte ", object.at()));
   return {position, detail::checked_size(described.shape, described.item_size, object.file())};
 }
 

@@ -150,11 +150,12 @@ inline std::vector<std::byte> index_bytes(const MotionIndex& index, std::string_
   const auto rows = [&](const char* name, std::span<const float> values) {
     return tensor_view(name, {std::ssize(values) / width, width}, values);
   };
-  std::vector<TensorView> tensors{rows("clips", index.clip_rows()),
-                                  rows("moments", index.moment_rows()),
-                                  rows("captions", index.caption_rows()),
-                                  tensor_view<std::int64_t>("moment_frames", {std::ssize(index.moments()), 3}, frames),
-                                  {"about", DType::U8, {std::ssize(about)}, std::as_bytes(std::span(about))}};
+  std::vector<TensorView> tensors{
+      rows("clips", index.clip_rows()),
+      rows("moments", index.moment_rows()),
+      rows("captions", index.caption_rows()),
+      tensor_view<std::int64_t>("moment_frames", {std::ssize(index.moments()), 3}, frames),
+      {"about", DType::U8, {std::ssize(about)}, std::as_bytes(std::span<const char>(about))}};
   tensors.insert(tensors.end(), more.begin(), more.end());
   metadata["format"] = index_format, metadata["version"] = index_version;
   metadata["checksum"] = tensors_checksum(tensors);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The BERT family: DistilBERT, BERT (MiniLM), RoBERTa and MPNet. They are one network. They differ in the names of their
-/// tensors, in token types, and in the counting of positions.
+/// The BERT family: DistilBERT, BERT (MiniLM), RoBERTa and MPNet. They are one network. They differ in the names of
+/// their tensors, in token types, and in the counting of positions.
 ///
 ///     // weights/text_network_file.hpp
 ///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);
@@ -135,7 +135,7 @@ struct BertLayer {
 };
 
 /// Source  Sanh et al. (2019), Devlin et al. (2019), Liu et al. (2019), Song et al. (2020); huggingface/transformers,
-///         modeling_distilbert.py, modeling_bert.py, modeling_roberta.py and modeling_mpnet.py. Without pooler and heads.
+///         modeling_distilbert.py, modeling_bert.py, modeling_roberta.py, modeling_mpnet.py. Without pooler and heads.
 template <Backend B, class Keys>
 struct BertNetwork {
   Embedding<B> words, positions;
