@@ -11064,6 +11064,46 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_DELAYED_HPP  // <motionlang/kinematics/delayed.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_DELAYED_HPP
+/// A motion that begins later: its first frame stands until then.
+///
+///     const Motion kept = delayed(crop(dance, 40, 90), 2.5);  // to be kept at 2.5 s of a timeline (generate/)
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The number of frames in front is that of the seconds, rounded. Throws config_error 101 for seconds below 0 and for
+/// too many frames, shape_error 203 without a frame.
+Motion delayed(const Motion& motion, double seconds);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_DELAYED_IPP  // <motionlang/kinematics/delayed.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_DELAYED_IPP
+// Bodies of delayed.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Motion delayed(const Motion& motion, double seconds) {
+  if (motion.frames() == 0) raise<shape_error>(203, "delayed: '", motion.name, "' has no frame");
+  if (!(seconds >= 0) || !(seconds * motion.fps * motion.skeleton.size() <= max_rotations))
+    raise<config_error>(101, "delayed: ", seconds, " s before '", motion.name, "' at ", motion.fps,
+                        " frames per second");
+  const auto frames = static_cast<std::size_t>(std::llround(seconds * motion.fps));
+  Motion out = motion;
+  out.root.insert(out.root.begin(), frames, motion.root.front());
+  const auto first = motion.rotations(0);
+  std::vector<Quaternion<double>> still;
+  still.reserve(frames * first.size());
+  for (std::size_t f = 0; f < frames; ++f) still.insert(still.end(), first.begin(), first.end());
+  out.local.insert(out.local.begin(), still.begin(), still.end());
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_DESCRIBE_SKELETON_HPP  // <motionlang/kinematics/describe_skeleton.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_DESCRIBE_SKELETON_HPP
 /// A skeleton as text, for programs that show what a file holds.
@@ -14812,11 +14852,11 @@ struct Seq2SeqGru {
 
   /// For each token, the logits of the next one, packed like `inputs`, of which there must be one for each text.
   /// `forced`: the decoder reads the inputs. Otherwise it reads their first token and then its own most probable
-  /// tokens.
-  Tensor<B, 2> logits(const Sequences<B>& words, const IdSequences& inputs, bool forced) const {
+  /// tokens. `longest`: as for start.
+  Tensor<B, 2> logits(const Sequences<B>& words, const IdSequences& inputs, bool forced, Index longest = 0) const {
     const Index n = inputs.count();
     if (words.count() != n) raise<shape_error>(204, "Seq2SeqGru: ", n, " sequences for ", words.count(), " texts");
-    auto state = start(words);
+    auto state = start(words, longest);
     std::vector<Tensor<B, 2>> steps;
     std::vector<Index> previous(static_cast<std::size_t>(n));
     for (Index t = 0; t < inputs.offsets.longest(); ++t) {
@@ -20098,6 +20138,15 @@ TransformerConfig transformer_of(const Config& c) {
           .dropout = c.dropout};
 }
 
+/// That of the text encoder, which may have layers and heads of its own (thesis table 4.8).
+template <class Config>
+TransformerConfig text_transformer_of(const Config& c) {
+  TransformerConfig out = transformer_of(c);
+  if (c.text_layers > 0) out.layers = c.text_layers;
+  if (c.text_heads > 0) out.heads = c.text_heads;
+  return out;
+}
+
 /// How a reconstruction is averaged: over the padded batch (TEMOS, TMR, SINC), or over each sequence and then over all
 /// sequences (TEACH).
 enum class ReconstructionMean { padded_batch, sequences };
@@ -20173,6 +20222,24 @@ struct TmrLossOptions {
   Index padded_frames = 0;                         // as in TemosLossOptions
 };
 
+/// contrastive: the term that compares all samples of a batch; none if the options have none.
+/// x, y         samples of the latents of texts and motions, (batch, latent) each
+/// For sentences, temperature and strangers, see tmr_losses.
+template <Backend B>
+LossTerms<B> tmr_contrastive_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const Tensor<B, 2>* sentences,
+                                  const TmrLossOptions& options, const Tensor<B, 0>* temperature = nullptr,
+                                  const Tensor<B, 2>* strangers = nullptr) {
+  LossTerms<B> out;
+  if (options.contrastive_loss == ContrastiveLoss::none) return out;
+  const auto filtered =
+      sentences == nullptr ? std::vector<unsigned char>() : false_negatives(*sentences, options.threshold);
+  out.add("contrastive", options.contrastive,
+          options.contrastive_loss == ContrastiveLoss::margin ? margin_loss(x, y, options.margin, filtered)
+          : temperature != nullptr                            ? info_nce(x, y, *temperature, filtered, strangers)
+                                   : info_nce(x, y, options.temperature, filtered, strangers));
+  return out;
+}
+
 /// recons and kl (the sums of TEMOS' terms), latent, contrastive: only those that the model and the options have.
 /// sentences    (batch, width), rows of length 1, to find texts with the same meaning. Null: nothing is filtered
 /// temperature  a learned one for InfoNCE, instead of that of the options. Null: that of the options
@@ -20193,13 +20260,7 @@ LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B
   out.add("latent", options.latent, parts.sum_of("latent_"));
   if (options.contrastive_loss == ContrastiveLoss::none) return out;
   if (!branches.motion) raise<config_error>(101, "tmr_losses: contrastive without the latents of a motion encoder");
-  const Tensor<B, 2>&x = branches.text.z, &y = branches.motion->z;
-  const auto filtered =
-      sentences == nullptr ? std::vector<unsigned char>() : false_negatives(*sentences, options.threshold);
-  out.add("contrastive", options.contrastive,
-          options.contrastive_loss == ContrastiveLoss::margin ? margin_loss(x, y, options.margin, filtered)
-          : temperature != nullptr                            ? info_nce(x, y, *temperature, filtered, strangers)
-                                   : info_nce(x, y, options.temperature, filtered, strangers));
+  out.append(tmr_contrastive_loss(branches.text.z, branches.motion->z, sentences, options, temperature, strangers));
   return out;
 }
 
@@ -20497,9 +20558,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// A batch. The features of a pair are canonicalised and normalised as one motion, and then cut.
 template <Backend B>
 struct TeachPairs {
-  Sequences<B> first_text, second_text;      // the last states of the language model
-  Sequences<B> first_motion, second_motion;  // the second one: transition and action
-  Offsets transition;                        // frames of the transitions
+  Sequences<B> first_text, second_text;         // the last states of the language model
+  Sequences<B> first_motion, second_motion;     // the second one: transition and action
+  Offsets transition;                           // frames of the transitions
+  Index longest_first = 0, longest_second = 0;  // frames of the longest motions, if the batch has longer ones
 };
 template <Backend B>
 struct TeachNoise {
@@ -22542,8 +22604,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_BERT_HPP  // <motionlang/text/bert.hpp>
 #define MOTIONLANG_HAS_TEXT_BERT_HPP
-/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. They are one network. They differ in the names of their
-/// tensors, in token types, and in the counting of positions.
+/// The BERT family: DistilBERT, BERT (MiniLM), RoBERTa and MPNet. They are one network. They differ in the names of
+/// their tensors, in token types, and in the counting of positions.
 ///
 ///     // weights/text_network_file.hpp
 ///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);
@@ -22768,7 +22830,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct BertConfig {
   Index vocabulary = 30522, width = 768, heads = 12, d_ff = 3072, layers = 6, positions = 512;
   Index token_types = 2, buckets = 32;  // only if the member has them
-  Index padding = 0;                    // the id of padding; positions of MPNet depend on it
+  Index padding = 0;                    // the id of padding; positions of MPNet and RoBERTa depend on it
   Activation activation = Activation::gelu;
   double eps = 1e-12;
   double dropout = 0.1;  // of training
@@ -22776,6 +22838,8 @@ struct BertConfig {
 
 inline constexpr BertConfig distilbert_base{};
 inline constexpr BertConfig minilm_l6{.width = 384, .d_ff = 1536};
+inline constexpr BertConfig roberta_base{
+    .vocabulary = 50265, .layers = 12, .positions = 514, .token_types = 1, .padding = 1, .eps = 1e-5};
 inline constexpr BertConfig mpnet_base{.vocabulary = 30527, .layers = 12, .positions = 514, .padding = 1, .eps = 1e-5};
 
 /// Names in the published state dicts (Hugging Face), and the parts of a member.
@@ -22794,6 +22858,11 @@ struct BertKeys {
                               *up = "intermediate.dense", *down = "output.dense", *norm = "output.LayerNorm";
   static constexpr bool token_types = true, relative_scores = false, positions_behind_padding = false,
                         attended_dropout = true;
+};
+/// BERT with one token type, whose positions count from behind that of padding.
+struct RobertaKeys : BertKeys {
+  static constexpr const char* model_type = "roberta";
+  static constexpr bool positions_behind_padding = true;
 };
 struct MpnetKeys {
   static constexpr const char *model_type = "mpnet", *layers = "encoder.layer", *query = "attention.attn.q",
@@ -22870,8 +22939,8 @@ struct BertLayer {
   }
 };
 
-/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); huggingface/transformers,
-///         modeling_distilbert.py, modeling_bert.py and modeling_mpnet.py. Without pooler and heads.
+/// Source  Sanh et al. (2019), Devlin et al. (2019), Liu et al. (2019), Song et al. (2020); huggingface/transformers,
+///         modeling_distilbert.py, modeling_bert.py, modeling_roberta.py, modeling_mpnet.py. Without pooler and heads.
 template <Backend B, class Keys>
 struct BertNetwork {
   Embedding<B> words, positions;
@@ -22981,6 +23050,8 @@ template <Backend B>
 using DistilBert = BertNetwork<B, DistilBertKeys>;
 template <Backend B>
 using Bert = BertNetwork<B, BertKeys>;
+template <Backend B>
+using Roberta = BertNetwork<B, RobertaKeys>;
 template <Backend B>
 using Mpnet = BertNetwork<B, MpnetKeys>;
 
@@ -24975,6 +25046,14 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_TEXT_CLIP_TOKENIZER_IPP
 // Bodies of clip_tokenizer.hpp.
 
+#ifndef MOTIONLANG_HAS_TEXT_DETAIL_BYTE_PAIRS_HPP  // <motionlang/text/detail/byte_pairs.hpp>
+#define MOTIONLANG_HAS_TEXT_DETAIL_BYTE_PAIRS_HPP
+/// Byte-level pair encoding of single words, and a memory of words: what the tokenizers of CLIP and RoBERTa share. Only
+/// bodies (*.ipp) include it.
+///
+/// Source  Sennrich et al. (2016); openai/gpt-2 src/encoder.py
+
+#include <functional>     // order of merges, hash of words
 #include <queue>          // merges in their order
 
 #ifndef MOTIONLANG_HAS_TEXT_DETAIL_BYTE_SYMBOLS_HPP  // <motionlang/text/detail/byte_symbols.hpp>
@@ -25010,6 +25089,132 @@ struct ByteSymbols {
     static const ByteSymbols symbols;
     return symbols;
   }
+};
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+using BytePairMerges = std::vector<std::pair<std::string, std::string>>;
+
+namespace detail {
+
+/// Byte pair encoding of single words: merges pairs of neighbours in the order of their rank. A constant table.
+class BytePairs {
+ public:
+  /// Throws config_error 107 with the name `source` if a byte has no symbol and `unknown` < 0, or if a merge has a part
+  /// or a result that is not a piece.
+  BytePairs(const std::vector<std::string>& pieces, const BytePairMerges& merges, const std::string& word_end,
+            Index unknown, std::string_view source) {
+    std::unordered_map<std::string_view, Index> ids;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      if (!ids.emplace(pieces[i], static_cast<Index>(i)).second)
+        raise<config_error>(107, source, ": piece '", pieces[i], "' is duplicated, the second time as id ", i);
+    }
+    const auto id_of = [&](const std::string& piece) {
+      const auto found = ids.find(piece);
+      return found == ids.end() ? Index{-1} : found->second;
+    };
+    for (std::size_t b = 0; b < 256; ++b) {
+      const std::string& symbol = ByteSymbols::get().symbol[b];
+      for (const bool last : {false, true}) {
+        Index id = id_of(last ? symbol + word_end : symbol);
+        if (id < 0) id = unknown;
+        if (id < 0) raise<config_error>(107, source, ": no piece for byte ", b, last ? " at the end of a word" : "");
+        symbols_[last][b] = id;
+      }
+    }
+    for (std::size_t rank = 0; rank < merges.size(); ++rank) {
+      const auto& [left, right] = merges[rank];
+      const Index a = id_of(left), b = id_of(right), both = id_of(left + right);
+      for (const auto& [piece, id] : {std::pair(left, a), std::pair(right, b), std::pair(left + right, both)}) {
+        if (id < 0) raise<config_error>(107, source, ": merge ", rank, ": '", piece, "' is not a piece");
+      }
+      if (!merges_.emplace(key(a, b), Merge{rank, both}).second)
+        raise<config_error>(107, source, ": merge ", rank, ": '", left, "' and '", right, "' are duplicated");
+    }
+  }
+
+  /// Appends the ids of a word (bytes, not empty). O(n log n).
+  void append(std::vector<Index>& out, std::string_view word) const {
+    constexpr std::size_t none = static_cast<std::size_t>(-1);
+    struct Symbol {
+      Index id;  // -1: merged into the one before
+      std::size_t previous, next;
+    };
+    std::vector<Symbol> line(word.size());
+    for (std::size_t i = 0; i < word.size(); ++i)
+      line[i] = {symbols_[i + 1 == word.size()][static_cast<unsigned char>(word[i])], i - 1, i + 1};
+    line.front().previous = line.back().next = none;
+
+    struct Candidate {
+      std::size_t rank, at;
+      Index left, right, both;
+      bool operator>(const Candidate& o) const { return rank != o.rank ? rank > o.rank : at > o.at; }
+    };
+    std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> waiting;
+    const auto propose = [&](std::size_t at) {
+      if (at == none || line[at].next == none) return;
+      const Index left = line[at].id, right = line[line[at].next].id;
+      if (const auto m = merges_.find(key(left, right)); m != merges_.end())
+        waiting.push({m->second.rank, at, left, right, m->second.both});
+    };
+    for (std::size_t i = 0; i < word.size(); ++i) propose(i);
+    // All places of the pair of lowest rank, from left to right, before any new pairs.
+    for (std::vector<Candidate> round; !waiting.empty(); round.clear()) {
+      for (const std::size_t rank = waiting.top().rank; !waiting.empty() && waiting.top().rank == rank; waiting.pop())
+        round.push_back(waiting.top());
+      for (const Candidate& c : round) {
+        Symbol& left = line[c.at];
+        if (left.id != c.left || left.next == none || line[left.next].id != c.right) continue;
+        Symbol& right = line[left.next];
+        left.id = c.both, right.id = -1;
+        left.next = right.next;
+        if (left.next != none) line[left.next].previous = c.at;
+        propose(left.previous), propose(c.at);
+      }
+    }
+    for (std::size_t i = 0; i != none; i = line[i].next) out.push_back(line[i].id);
+  }
+
+ private:
+  struct Merge {
+    std::size_t rank;
+    Index both;
+  };
+  static std::uint64_t key(Index a, Index b) {
+    return static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
+  }
+  std::array<std::array<Index, 256>, 2> symbols_{};  // [at the end of the word][byte]
+  std::unordered_map<std::uint64_t, Merge> merges_;
+};
+
+/// The ids of words seen so far. It is emptied when full. One thread at a time.
+class WordCache {
+ public:
+  explicit WordCache(std::size_t most) : most_(most) {}
+  static constexpr std::size_t longest = 64;  // bytes of a word to keep
+
+  const std::vector<Index>* find(std::string_view word) const {
+    const auto found = ids_.find(word);
+    return found == ids_.end() ? nullptr : &found->second;
+  }
+  void keep(std::string_view word, std::span<const Index> ids) {
+    if (word.size() > longest || most_ == 0) return;
+    if (ids_.size() >= most_) ids_.clear();
+    ids_.emplace(std::string(word), std::vector<Index>(ids.begin(), ids.end()));
+  }
+  std::mutex mutex;  // for the owner
+
+ private:
+  struct Hash : std::hash<std::string_view> {
+    using is_transparent = void;
+  };
+  std::size_t most_;
+  std::unordered_map<std::string, std::vector<Index>, Hash, std::equal_to<>> ids_;
 };
 
 }  // namespace detail
@@ -25731,125 +25936,6 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-/// Byte pair encoding of single words: merges pairs of neighbours in the order of their rank. A constant table.
-class BytePairs {
- public:
-  /// Throws config_error 107 with the name `source` if a byte has no symbol and `unknown` < 0, or if a merge has a part
-  /// or a result that is not a piece.
-  BytePairs(const std::vector<std::string>& pieces, const BytePairMerges& merges, const std::string& word_end,
-            Index unknown, std::string_view source) {
-    std::unordered_map<std::string_view, Index> ids;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      if (!ids.emplace(pieces[i], static_cast<Index>(i)).second)
-        raise<config_error>(107, source, ": piece '", pieces[i], "' is duplicated, the second time as id ", i);
-    }
-    const auto id_of = [&](const std::string& piece) {
-      const auto found = ids.find(piece);
-      return found == ids.end() ? Index{-1} : found->second;
-    };
-    for (std::size_t b = 0; b < 256; ++b) {
-      const std::string& symbol = ByteSymbols::get().symbol[b];
-      for (const bool last : {false, true}) {
-        Index id = id_of(last ? symbol + word_end : symbol);
-        if (id < 0) id = unknown;
-        if (id < 0) raise<config_error>(107, source, ": no piece for byte ", b, last ? " at the end of a word" : "");
-        symbols_[last][b] = id;
-      }
-    }
-    for (std::size_t rank = 0; rank < merges.size(); ++rank) {
-      const auto& [left, right] = merges[rank];
-      const Index a = id_of(left), b = id_of(right), both = id_of(left + right);
-      for (const auto& [piece, id] : {std::pair(left, a), std::pair(right, b), std::pair(left + right, both)}) {
-        if (id < 0) raise<config_error>(107, source, ": merge ", rank, ": '", piece, "' is not a piece");
-      }
-      if (!merges_.emplace(key(a, b), Merge{rank, both}).second)
-        raise<config_error>(107, source, ": merge ", rank, ": '", left, "' and '", right, "' are duplicated");
-    }
-  }
-
-  /// Appends the ids of a word (bytes, not empty). O(n log n).
-  void append(std::vector<Index>& out, std::string_view word) const {
-    constexpr std::size_t none = static_cast<std::size_t>(-1);
-    struct Symbol {
-      Index id;  // -1: merged into the one before
-      std::size_t previous, next;
-    };
-    std::vector<Symbol> line(word.size());
-    for (std::size_t i = 0; i < word.size(); ++i)
-      line[i] = {symbols_[i + 1 == word.size()][static_cast<unsigned char>(word[i])], i - 1, i + 1};
-    line.front().previous = line.back().next = none;
-
-    struct Candidate {
-      std::size_t rank, at;
-      Index left, right, both;
-      bool operator>(const Candidate& o) const { return rank != o.rank ? rank > o.rank : at > o.at; }
-    };
-    std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> waiting;
-    const auto propose = [&](std::size_t at) {
-      if (at == none || line[at].next == none) return;
-      const Index left = line[at].id, right = line[line[at].next].id;
-      if (const auto m = merges_.find(key(left, right)); m != merges_.end())
-        waiting.push({m->second.rank, at, left, right, m->second.both});
-    };
-    for (std::size_t i = 0; i < word.size(); ++i) propose(i);
-    // All places of the pair of lowest rank, from left to right, before any new pairs.
-    for (std::vector<Candidate> round; !waiting.empty(); round.clear()) {
-      for (const std::size_t rank = waiting.top().rank; !waiting.empty() && waiting.top().rank == rank; waiting.pop())
-        round.push_back(waiting.top());
-      for (const Candidate& c : round) {
-        Symbol& left = line[c.at];
-        if (left.id != c.left || left.next == none || line[left.next].id != c.right) continue;
-        Symbol& right = line[left.next];
-        left.id = c.both, right.id = -1;
-        left.next = right.next;
-        if (left.next != none) line[left.next].previous = c.at;
-        propose(left.previous), propose(c.at);
-      }
-    }
-    for (std::size_t i = 0; i != none; i = line[i].next) out.push_back(line[i].id);
-  }
-
- private:
-  struct Merge {
-    std::size_t rank;
-    Index both;
-  };
-  static std::uint64_t key(Index a, Index b) {
-    return static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
-  }
-  std::array<std::array<Index, 256>, 2> symbols_{};  // [at the end of the word][byte]
-  std::unordered_map<std::uint64_t, Merge> merges_;
-};
-
-/// The ids of words seen so far. It is emptied when full. One thread at a time.
-class WordCache {
- public:
-  explicit WordCache(std::size_t most) : most_(most) {}
-  static constexpr std::size_t longest = 64;  // bytes of a word to keep
-
-  const std::vector<Index>* find(std::string_view word) const {
-    const auto found = ids_.find(word);
-    return found == ids_.end() ? nullptr : &found->second;
-  }
-  void keep(std::string_view word, std::span<const Index> ids) {
-    if (word.size() > longest || most_ == 0) return;
-    if (ids_.size() >= most_) ids_.clear();
-    ids_.emplace(std::string(word), std::vector<Index>(ids.begin(), ids.end()));
-  }
-  std::mutex mutex;  // for the owner
-
- private:
-  struct Hash : std::hash<std::string_view> {
-    using is_transparent = void;
-  };
-  std::size_t most_;
-  std::unordered_map<std::string, std::vector<Index>, Hash, std::equal_to<>> ids_;
-};
-
-}  // namespace detail
-
 MOTIONLANG_BODY ClipTokenizer::ClipTokenizer(const BytePairMerges& merges, const ClipTokenizerOptions& options,
                                              std::string_view source)
     : ClipTokenizer(openai_pieces(merges, options), merges, options, source) {}
@@ -26380,8 +26466,6 @@ MOTIONLANG_NAMESPACE_END
 ///     words    = sum_w rarity_w max_v alike(w, v) / sum_w rarity_w
 ///     rarity_w = log((1 + texts) / (1 + texts with w))
 ///     alike    = 1 for the same word, else the cosine between the words' vectors, and 0 without these
-
-#include <functional>   // encoders
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -27195,6 +27279,203 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_TEXT_ROBERTA_TOKENIZER_HPP  // <motionlang/text/roberta_tokenizer.hpp>
+#define MOTIONLANG_HAS_TEXT_ROBERTA_TOKENIZER_HPP
+/// The tokenizer of RoBERTa, which is that of GPT-2 with other marks: byte-level pair encoding of words that keep the
+/// blank before them. Case and white space matter. weights/tokenizer_json.hpp reads its files.
+///
+///     const RobertaTokenizer roberta(read_vocabulary_json("vocab.json"), read_merges("merges.txt"));
+///     roberta.encode("a person walks.");   // <s> a Ġperson Ġwalks . </s>, where Ġ is the blank
+///
+/// Words are the endings 's 't 're 've 'm 'll 'd, runs of letters, of numbers, and of other characters, each with one
+/// blank before it if there is one. White space beyond that is a word of its own.
+/// Source   Liu et al., "RoBERTa" (2019); Radford et al. (2019), openai/gpt-2 src/encoder.py; huggingface/transformers,
+///          tokenization_roberta.py
+/// Differs  white space before <mask> stays
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct RobertaTokenizerOptions {
+  std::string begin = "<s>", end = "</s>", pad = "<pad>", unknown = "<unk>";
+  std::vector<std::string> special{"<s>", "<pad>", "</s>", "<unk>",
+                                   "<mask>"};  // found before words, if they are pieces
+  Index longest = 512;                         // ids of a text with its frame; the number of positions of the network
+  bool truncate = false;                       // cut a longer text, else refuse it
+  std::size_t cached_words = 16384;            // words with cached ids
+};
+
+namespace detail {
+
+class BytePairs;
+class WordCache;
+
+}  // namespace detail
+
+class RobertaTokenizer {
+ public:
+  using Merges = std::vector<std::pair<std::string, std::string>>;
+
+  /// pieces  the piece of every id
+  /// Throws  config_error 107, naming `source`, if begin, end or pad is not a piece, a piece is duplicated, a byte has
+  ///         none or a merge needs an unknown piece; 101 if options.longest leaves no room for the frame
+  RobertaTokenizer(std::vector<std::string> pieces, const Merges& merges, RobertaTokenizerOptions options = {},
+                   std::string_view source = "RobertaTokenizer");
+
+  const RobertaTokenizerOptions& options() const { return options_; }
+  const std::vector<std::string>& vocabulary() const { return *pieces_; }
+  Index size() const { return static_cast<Index>(pieces_->size()); }
+  Index pad_id() const { return pad_; }
+
+  /// The framed ids of a text. Throws config_error 101 if there are more than options().longest and they may not be
+  /// cut.
+  std::vector<Index> encode(std::string_view text) const;
+  /// Two texts in one frame, <s> A </s></s> B </s>, which is never cut.
+  TokenPair encode_pair(std::string_view a, std::string_view b) const;
+  /// The ids without a frame, in any number.
+  std::vector<Index> encode_words(std::string_view text) const;
+  /// The text for these ids, without special tokens. Throws shape_error 203 for an unknown id.
+  std::string decode(std::span<const Index> ids) const;
+
+ private:
+  void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const;
+
+  RobertaTokenizerOptions options_;
+  std::shared_ptr<const std::vector<std::string>> pieces_;
+  std::shared_ptr<const detail::BytePairs> pairs_;
+  std::shared_ptr<detail::WordCache> cache_;
+  detail::AddedTokenSearch special_;
+  Index pad_ = 0;
+  std::vector<FramePart> single_, pair_;
+};
+
+static_assert(Tokenizer<RobertaTokenizer>);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_ROBERTA_TOKENIZER_IPP  // <motionlang/text/roberta_tokenizer.ipp>
+#define MOTIONLANG_HAS_TEXT_ROBERTA_TOKENIZER_IPP
+// Bodies of roberta_tokenizer.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY RobertaTokenizer::RobertaTokenizer(std::vector<std::string> pieces, const Merges& merges,
+                                                   RobertaTokenizerOptions options, std::string_view source)
+    : options_(std::move(options)) {
+  const auto find = [&](const std::string& piece) -> Index {
+    const auto found = std::find(pieces.begin(), pieces.end(), piece);
+    return found == pieces.end() ? Index{-1} : static_cast<Index>(found - pieces.begin());
+  };
+  const auto required = [&](const std::string& piece) {
+    const Index id = find(piece);
+    if (id < 0) raise<config_error>(107, source, ": ", pieces.size(), " pieces lack '", piece, "'");
+    return id;
+  };
+  const Index begin = required(options_.begin), end = required(options_.end);
+  pad_ = required(options_.pad);
+  std::vector<AddedToken> special;
+  for (const std::string& token : options_.special) {
+    if (const Index id = find(token); id >= 0) special.push_back({token, id});
+  }
+  special_ = detail::AddedTokenSearch(std::move(special));
+  pairs_ = std::make_shared<const detail::BytePairs>(pieces, merges, "", find(options_.unknown), source);
+  cache_ = std::make_shared<detail::WordCache>(options_.cached_words);
+  pieces_ = std::make_shared<const std::vector<std::string>>(std::move(pieces));
+  using enum FramePart::Kind;
+  single_ = {{token, begin}, {text_a}, {token, end}};
+  pair_ = {{token, begin}, {text_a}, {token, end}, {token, end}, {text_b}, {token, end}};
+  if (const auto frame = static_cast<Index>(detail::frame_size(pair_)); options_.longest < frame)
+    raise<config_error>(101, source, ": at most ", options_.longest, " ids, the frame has ", frame);
+}
+
+MOTIONLANG_BODY std::vector<Index> RobertaTokenizer::encode(std::string_view text) const {
+  return detail::framed_text("RobertaTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
+}
+
+MOTIONLANG_BODY TokenPair RobertaTokenizer::encode_pair(std::string_view a, std::string_view b) const {
+  return detail::framed_pair("RobertaTokenizer", pair_, encode_words(a), encode_words(b), options_.longest);
+}
+
+MOTIONLANG_BODY std::vector<Index> RobertaTokenizer::encode_words(std::string_view text) const {
+  std::vector<Index> ids;
+  const std::unique_lock lock(cache_->mutex, std::try_to_lock);  // a second thread works without the cache
+  detail::WordCache* cache = lock.owns_lock() ? cache_.get() : nullptr;
+  special_.split(
+      text, [&](std::string_view part) { append_words(ids, is_utf8(part) ? part : to_utf8(to_utf32(part)), cache); },
+      [&](Index id) { ids.push_back(id); });
+  return ids;
+}
+
+MOTIONLANG_BODY std::string RobertaTokenizer::decode(std::span<const Index> ids) const {
+  std::string out;
+  for (const Index id : ids) {
+    if (id < 0 || id >= size()) raise<shape_error>(203, "RobertaTokenizer: id ", id, " of ", size());
+    if (special_.has(id) || id == pad_ || id == single_.front().id || id == single_.back().id) continue;
+    const std::string_view piece = (*pieces_)[static_cast<std::size_t>(id)];
+    for (std::size_t at = 0; at < piece.size();) {
+      const auto byte = detail::ByteSymbols::get().byte.find(decode_utf8(piece, at));
+      if (byte != detail::ByteSymbols::get().byte.end()) out += static_cast<char>(byte->second);
+    }
+  }
+  return out;
+}
+
+namespace detail {
+
+/// The kind of the character at `at`, which moves behind it: a letter, a number, white space or another one.
+inline unsigned word_kind(std::string_view text, std::size_t& at) {
+  return char_class(decode_utf8(text, at)) & (CharClass::letter | CharClass::number | CharClass::white_space);
+}
+
+/// The end of the run of one kind that starts at `at`.
+inline std::size_t end_of_run(std::string_view text, std::size_t at) {
+  const unsigned kind = word_kind(text, at);
+  for (std::size_t next = at; at < text.size(); at = next) {
+    if (word_kind(text, next) != kind) break;
+  }
+  return at;
+}
+
+/// The end of the word of GPT-2 that starts at `at`:
+///     's|'t|'re|'ve|'m|'ll|'d| ?\p{L}+| ?\p{N}+| ?[^\s\p{L}\p{N}]+|\s+(?!\S)|\s+
+inline std::size_t end_of_word(std::string_view text, std::size_t at) {
+  for (const std::string_view ending : {"'s", "'t", "'re", "'ve", "'m", "'ll", "'d"}) {
+    if (text.substr(at).starts_with(ending)) return at + ending.size();
+  }
+  const auto is_white = [&](std::size_t place) { return word_kind(text, place) == CharClass::white_space; };
+  if (!is_white(at)) return end_of_run(text, at);
+  if (text[at] == ' ' && at + 1 < text.size() && !is_white(at + 1)) return end_of_run(text, at + 1);
+  const std::size_t end = end_of_run(text, at);
+  if (end == text.size()) return end;
+  std::size_t last = at;  // the last character of the white space goes with the next word
+  for (std::size_t next = at; next < end;) {
+    last = next;
+    word_kind(text, next);
+  }
+  return last > at ? last : end;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void RobertaTokenizer::append_words(std::vector<Index>& ids, std::string_view text,
+                                                    detail::WordCache* cache) const {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = detail::end_of_word(text, at);
+    const std::string_view word = text.substr(at, end - at);
+    at = end;
+    if (const auto* known = cache != nullptr ? cache->find(word) : nullptr; known != nullptr) {
+      ids.insert(ids.end(), known->begin(), known->end());
+      continue;
+    }
+    const std::size_t before = ids.size();
+    pairs_->append(ids, word);
+    if (cache != nullptr) cache->keep(word, std::span(ids).subspan(before));
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_TEXT_STRANGER_TEXTS_HPP  // <motionlang/text/stranger_texts.hpp>
 #define MOTIONLANG_HAS_TEXT_STRANGER_TEXTS_HPP
 /// Texts that no motion shows, made of words at random. A search model learns that no motion is near them, and its
@@ -27316,6 +27597,90 @@ MOTIONLANG_BODY std::vector<std::string> StrangerTexts::draw(Index count, Philox
     }
     out.push_back(std::move(text));
   }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_TEXT_COMPLETION_HPP  // <motionlang/text/text_completion.hpp>
+#define MOTIONLANG_HAS_TEXT_TEXT_COMPLETION_HPP
+/// Texts that a model knows, for somebody who has begun to write one.
+///
+///     for (const KnownText& known : known_texts(captions, "walk b", 8)) offer(known.text);  // "walk backwards", ...
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A caption that a model learned from, and its action.
+struct KnownText {
+  std::string text;
+  KnownAction action{};
+};
+
+/// At most `count` captions, each once. First come those that begin with the text, then those of which a word begins
+/// with its last word and that have its other words, then those nearest in meaning. Capital letters do not matter. An
+/// empty text gives the first captions.
+std::vector<KnownText> known_texts(const KnownCaptions& captions, const std::string& begun, Index count);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_TEXT_COMPLETION_IPP  // <motionlang/text/text_completion.ipp>
+#define MOTIONLANG_HAS_TEXT_TEXT_COMPLETION_IPP
+// Bodies of text_completion.hpp.
+
+#include <sstream>    // words
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The words of a text with small letters.
+inline std::vector<std::string> small_words(std::string text) {
+  for (char& c : text) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  std::istringstream in(text);
+  std::vector<std::string> out;
+  for (std::string word; in >> word;) out.push_back(word);
+  return out;
+}
+
+/// 0: the text begins with what is begun; 1: it has its words, and one that begins with its last word; 2: neither.
+inline int completion_rank(const std::vector<std::string>& text, const std::vector<std::string>& begun) {
+  if (begun.empty()) return 0;
+  const std::span whole(begun.data(), begun.size() - 1);
+  if (text.size() >= begun.size() && std::equal(whole.begin(), whole.end(), text.begin()) &&
+      text[whole.size()].starts_with(begun.back()))
+    return 0;
+  const bool has_all = std::all_of(whole.begin(), whole.end(), [&](const std::string& w) {
+    return std::find(text.begin(), text.end(), w) != text.end();
+  });
+  const bool has_begun =
+      std::any_of(text.begin(), text.end(), [&](const std::string& w) { return w.starts_with(begun.back()); });
+  return has_all && has_begun ? 1 : 2;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<KnownText> known_texts(const KnownCaptions& captions, const std::string& begun,
+                                                   Index count) {
+  std::vector<KnownText> out;
+  const std::size_t known = captions.actions().size();  // texts that were tried follow the captions
+  const auto add = [&](std::size_t row, const std::string& text) {
+    const bool again = std::any_of(out.begin(), out.end(), [&](const KnownText& k) { return k.text == text; });
+    if (!again && std::ssize(out) < count) out.push_back({text, captions.actions()[row]});
+  };
+  if (known == 0) return out;
+  const auto words = detail::small_words(begun);
+  const auto& texts = captions.table().texts();
+  for (int rank = 0; rank < 2; ++rank) {
+    for (std::size_t row = 0; row < known && std::ssize(out) < count; ++row) {
+      if (detail::completion_rank(detail::small_words(texts[row]), words) == rank) add(row, texts[row]);
+    }
+  }
+  if (words.empty() || std::ssize(out) >= count) return out;
+  for (const NearText& near : captions.nearest(begun, count)) add(static_cast<std::size_t>(near.row), near.text);
   return out;
 }
 
@@ -36478,19 +36843,20 @@ struct Teach {
       return latent_branch(std::move(g), eps, fact,
                            [&](const Tensor<B, 2>& z) { return decode(z, motion.offsets, context); });
     };
-    const auto& [first_text, second_text, first, second, transition] = pairs;
+    const auto &first = pairs.first_motion, &second = pairs.second_motion;
     TeachBranches<B> out;
     const auto& text = out.first.text =
-        branch(encode_text(first_text, {}, context), noise.first.text, noise.first.fact, first);
+        branch(encode_text(pairs.first_text, {}, context), noise.first.text, noise.first.fact, first);
     const auto past = past_of(teacher_forcing ? first : first.with(text.frames), text.z);
     out.past = *past.frames;
-    out.second.text = branch(encode_text(second_text, past, context), noise.second.text, noise.second.fact, second);
+    out.second.text =
+        branch(encode_text(pairs.second_text, past, context), noise.second.text, noise.second.fact, second);
     if (!motionencoder) return out;
-    auto encode = [&](const Sequences<B>& motion) {
-      return encode_motion(config.mask_padding ? motion : from_equal(to_padded(motion)), context);
+    auto encode = [&](const Sequences<B>& motion, Index longest) {
+      return encode_motion(config.mask_padding ? motion : from_equal(to_padded(motion, 0, longest)), context);
     };
-    out.first.motion = branch(encode(first), noise.first.motion, noise.first.fact, first);
-    out.second.motion = branch(encode(second), noise.second.motion, noise.second.fact, second);
+    out.first.motion = branch(encode(first, pairs.longest_first), noise.first.motion, noise.first.fact, first);
+    out.second.motion = branch(encode(second, pairs.longest_second), noise.second.motion, noise.second.fact, second);
     return out;
   }
 
@@ -36596,6 +36962,7 @@ struct TemosConfig {
   Index nfeats = 64;                       // 135 for SMPL
   Index text_dim = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
+  Index text_layers = 0, text_heads = 0;  // of the text encoder; 0: as many
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   bool vae = true;
@@ -36626,7 +36993,7 @@ struct Temos {
   Temos() = default;
   /// Throws config_error 101 for a model without decoder.
   Temos(const TemosConfig& c, Rng auto& rng)
-      : textencoder(c.text_dim, c.vae, transformer_of(c), c.max_len, rng), config(c) {
+      : textencoder(c.text_dim, c.vae, text_transformer_of(c), c.max_len, rng), config(c) {
     if (c.motion_encoder == TemosNetwork::transformer)
       motionencoder.emplace(c.nfeats, c.vae, transformer_of(c), c.max_len, rng);
     if (c.motion_encoder == TemosNetwork::gru) gru_encoder.emplace(c.nfeats, c.vae, c.latent_dim, c.num_layers, rng);
@@ -37025,6 +37392,7 @@ struct TmrConfig {
   static constexpr bool is_option = true;  // holds no tensors
   Index motion_nfeats = 263, text_nfeats = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
+  Index text_layers = 0, text_heads = 0;  // of the text encoder; 0: as many
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   bool vae = true;
@@ -37047,7 +37415,7 @@ struct Tmr {
   Tmr() = default;
   Tmr(const TmrConfig& c, Rng auto& rng)
       : motion_encoder(c.motion_nfeats, c.vae, transformer_of(c), c.max_len, rng),
-        text_encoder(c.text_nfeats, c.vae, transformer_of(c), c.max_len, rng),
+        text_encoder(c.text_nfeats, c.vae, text_transformer_of(c), c.max_len, rng),
         motion_decoder(c.motion_nfeats, transformer_of(c), c.max_len, rng),
         config(c) {}
 
@@ -37103,6 +37471,11 @@ std::vector<Vec3<typename B::scalar>> tmr_joints(const Normalizer<B>& normalizer
 
 MOTIONLANG_NAMESPACE_END
 #endif
+
+#ifndef MOTIONLANG_HAS_SEARCH_CLIP_STORE_HPP  // <motionlang/search/clip_store.hpp>
+#define MOTIONLANG_HAS_SEARCH_CLIP_STORE_HPP
+/// A collection of clips that an update changes: an index in memory (StoreOfIndex) or a folder of shards (ShardStore in
+/// search/index_shards.hpp).
 
 #ifndef MOTIONLANG_HAS_SEARCH_MOTION_INDEX_HPP  // <motionlang/search/motion_index.hpp>
 #define MOTIONLANG_HAS_SEARCH_MOTION_INDEX_HPP
@@ -37443,6 +37816,116 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Laws  clips keep their order, and new ones come last
+class ClipStore {
+ public:
+  virtual ~ClipStore() = default;
+
+  virtual const IndexModel& model() const = 0;
+  virtual std::span<const IndexedClip> clips() const = 0;
+  virtual Index moment_count() const = 0;
+  Index count() const { return std::ssize(clips()); }
+
+  /// As MotionIndex has them.
+  virtual void add(EncodedClip c) = 0;
+  virtual void rename(const std::string& from, const std::string& to) = 0;
+  virtual void set_license(const std::string& path, const std::string& license) = 0;
+  virtual void move_model(std::string path, std::string text_encoder) = 0;
+  /// gone  true for each clip that is removed, of all clips
+  virtual void remove(const std::vector<bool>& gone) = 0;
+  /// Removes the clips for which f(clip) is true. Returns their number.
+  template <class F>
+  Index remove_if(F f) {
+    std::vector<bool> gone;
+    Index removed = 0;
+    for (const IndexedClip& c : clips()) {
+      gone.push_back(f(c));
+      removed += gone.back() ? 1 : 0;
+    }
+    if (removed > 0) remove(gone);
+    return removed;
+  }
+
+ protected:
+  ClipStore() = default;
+  ClipStore(const ClipStore&) = default;
+  ClipStore& operator=(const ClipStore&) = default;
+};
+
+/// An index that outlives the object.
+class StoreOfIndex : public ClipStore {
+ public:
+  explicit StoreOfIndex(MotionIndex& index) : index_(index) {}
+
+  const IndexModel& model() const override { return index_.model(); }
+  std::span<const IndexedClip> clips() const override { return index_.clips(); }
+  Index moment_count() const override { return std::ssize(index_.moments()); }
+  void add(EncodedClip c) override { index_.add(std::move(c)); }
+  void rename(const std::string& from, const std::string& to) override { index_.rename(from, to); }
+  void set_license(const std::string& path, const std::string& license) override { index_.set_license(path, license); }
+  void move_model(std::string path, std::string text_encoder) override {
+    index_.move_model(std::move(path), std::move(text_encoder));
+  }
+  void remove(const std::vector<bool>& gone) override {
+    std::size_t i = 0;
+    index_.remove_if([&](const IndexedClip&) { return bool(gone[i++]); });
+  }
+
+ private:
+  MotionIndex& index_;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_SEARCH_INDEX_TABLES_HPP  // <motionlang/search/index_tables.hpp>
+#define MOTIONLANG_HAS_SEARCH_INDEX_TABLES_HPP
+/// The clips, moments and captions of an index by their numbers, as a search asks for them. A MotionIndex has
+/// them in memory, and IndexShards (search/index_shards.hpp) reads the few that are found.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Laws  numbers of clips, moments and captions count from 0, and moments and captions are in the order of their clips
+class IndexTables {
+ public:
+  virtual ~IndexTables() = default;
+
+  virtual const IndexModel& model() const = 0;
+  virtual Index clip_count() const = 0;
+  virtual Index moment_count() const = 0;
+  virtual Index caption_count() const = 0;
+  virtual IndexedClip clip(Index i) const = 0;
+  virtual MotionIndex::Moment moment(Index i) const = 0;
+  virtual Index clip_of_caption(Index i) const = 0;
+
+ protected:
+  IndexTables() = default;
+  IndexTables(const IndexTables&) = default;
+  IndexTables& operator=(const IndexTables&) = default;
+};
+
+/// Those of an index that outlives the object.
+class TablesOfIndex : public IndexTables {
+ public:
+  explicit TablesOfIndex(const MotionIndex& index) : index_(index) {}
+
+  const IndexModel& model() const override { return index_.model(); }
+  Index clip_count() const override { return index_.count(); }
+  Index moment_count() const override { return std::ssize(index_.moments()); }
+  Index caption_count() const override { return std::ssize(index_.caption_clips()); }
+  IndexedClip clip(Index i) const override { return index_.clips()[static_cast<std::size_t>(i)]; }
+  MotionIndex::Moment moment(Index i) const override { return index_.moments()[static_cast<std::size_t>(i)]; }
+  Index clip_of_caption(Index i) const override { return index_.caption_clips()[static_cast<std::size_t>(i)]; }
+
+ private:
+  const MotionIndex& index_;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_SEARCH_MOTION_SEARCH_HPP  // <motionlang/search/motion_search.hpp>
 #define MOTIONLANG_HAS_SEARCH_MOTION_SEARCH_HPP
 /// The clips, moments and captions of a MotionIndex that are nearest to a vector of a text or a motion.
@@ -37552,12 +38035,20 @@ struct RowScan {
   std::span<const S> rows;                // (count, width)
   std::span<const std::uint16_t> halves;  // the same in bfloat16, or empty
   Index count = 0, width = 0;
-  double half_error = 0;  // largest |x - bfloat16(x)|
+  double half_error = 0;                 // largest |x - bfloat16(x)|
+  std::span<const std::int8_t> codes{};  // the same in eight bits (to_codes), or empty
+  std::span<const S> bounds{};           // (count, 2) of the codes
+  std::string name{};                    // of the codes, for messages
 
-  /// queries (n, width) of length 1
-  std::vector<std::vector<Neighbour>> nearest(std::span<const S> queries, Index k) const;
+  /// queries  (n, width) of length 1
+  /// least    for each query a score that must be reached, or none
+  /// Throws   io_error 403 with the row if an exact score exceeds the bound of its code
+  std::vector<std::vector<Neighbour>> nearest(std::span<const S> queries, Index k, std::span<const S> least = {}) const;
   /// Rounds rows to bfloat16. Returns the largest |x - bfloat16(x)|.
   static double to_halves(std::span<const S> rows, Index width, std::uint16_t* halves);
+  /// Rounds each row x to codes c in -127 ... 127 and its bounds (s, e): e is at least |x - s c|, so the cosine with a
+  /// query q is at most s <c, q> + e.
+  static void to_codes(std::span<const S> rows, Index width, std::int8_t* codes, S* bounds);
   /// out[r] = <row r, query>, in float.
   using DotFunction = void (*)(const S* rows, Index count, Index width, const S* query, S* out);
   static DotFunction dot_function();
@@ -39302,6 +39793,10 @@ template <class S>
 struct ScanKernels {
   void (*dot_rows)(const S* rows, Index count, Index width, const S* query, S* out);
   void (*dot_half_rows)(const std::uint16_t* rows, Index count, Index width, const S* pairs, S* out);
+  void (*dot_code_rows)(const std::int8_t* rows, const S* bounds, Index count, Index width, const S* query, S* out);
+  void (*widen_codes)(const std::int8_t* x, Index width, S* y);
+  void (*bound_rows)(S* c, const S* bounds, Index rows, Index pitch, Index columns);
+  void (*split_quads)(const S* x, Index width, S* y);
   void (*split_pairs)(const S* query, Index width, S* pairs);
   void (*widen_row)(const std::uint16_t* x, Index width, S* y);
   void (*column_maxima)(const S* c, Index rows, Index pitch, Index columns, S* out);
@@ -39363,20 +39858,28 @@ namespace detail {
 template <class S>
 class Candidates {
  public:
-  Candidates(const RowScan<S>& scan, std::span<const S> queries, Index k, double error)
+  Candidates(const RowScan<S>& scan, std::span<const S> queries, Index k, double error, std::span<const S> least)
       : scan_(scan),
         queries_(queries),
         error_(error),
         best_(queries.size() / static_cast<std::size_t>(scan.width), NearestK(k)),
-        limits_(best_.size(), -std::numeric_limits<S>::infinity()) {}
+        least_(least.begin(), least.end()) {
+    least_.resize(best_.size(), -std::numeric_limits<S>::infinity());
+    for (const S wanted : least_) limits_.push_back(static_cast<S>(wanted - error_));
+  }
 
   /// A fast score that is not above the limit of its query does not need an exact one.
   S limit(Index query) const { return limits_[static_cast<std::size_t>(query)]; }
-  void compare(Index query, Index row) {
+  /// score  the fast one
+  void compare(Index query, Index row, S score) {
     const auto q = static_cast<std::size_t>(query);
-    best_[q].offer(
-        {row, exact_cosine(queries_.data() + query * scan_.width, scan_.rows.data() + row * scan_.width, scan_.width)});
-    limits_[q] = static_cast<S>(best_[q].least() - error_);
+    const S exact =
+        exact_cosine(queries_.data() + query * scan_.width, scan_.rows.data() + row * scan_.width, scan_.width);
+    if (!scan_.codes.empty() && !(exact <= score + error_))
+      raise<io_error>(403, scan_.name, ": damaged: a cosine of ", exact, " above the bound ", score,
+                      " of its code, at vector ", row, " of ", scan_.count);
+    best_[q].offer({row, exact});
+    limits_[q] = static_cast<S>(std::max(best_[q].least(), least_[q]) - error_);
   }
   void merge(const Candidates& other) {
     for (std::size_t q = 0; q < best_.size(); ++q) {
@@ -39390,7 +39893,7 @@ class Candidates {
   std::span<const S> queries_;
   double error_;
   std::vector<NearestK> best_;
-  std::vector<S> limits_;
+  std::vector<S> least_, limits_;
 };
 
 /// Few queries: the gallery is read once, and each row is compared with all of them.
@@ -39403,12 +39906,15 @@ void scan_with_few(const RowScan<S>& scan, const ScanKernels<S>& kernel, std::sp
   for (Index top = first; top < last; top += block) {
     const Index rows = std::min(block, last - top);
     for (Index q = 0; q < count; ++q) {
-      if (scan.halves.empty())
+      if (!scan.codes.empty())
+        kernel.dot_code_rows(scan.codes.data() + top * width, scan.bounds.data() + 2 * top, rows, width,
+                             queries.data() + q * width, scores);
+      else if (scan.halves.empty())
         kernel.dot_rows(scan.rows.data() + top * width, rows, width, queries.data() + q * width, scores);
       else
         kernel.dot_half_rows(scan.halves.data() + top * width, rows, width, queries.data() + q * width, scores);
       for (Index r = -1; (r = kernel.first_above(scores, r + 1, rows, candidates.limit(q))) < rows;)
-        candidates.compare(q, top + r);
+        candidates.compare(q, top + r, scores[r]);
     }
   }
 }
@@ -39452,7 +39958,9 @@ void scan_with_panels(const RowScan<S>& scan, const Panels<S>& queries, Index fi
   for (Index top = first; top < last; top += block.rows) {
     const Index rows = std::min(block.rows, last - top);
     for (Index r = 0; r < rows; ++r) {
-      if (scan.halves.empty())
+      if (!scan.codes.empty())
+        scanner.widen_codes(scan.codes.data() + (top + r) * width, width, gallery + r * pitch);
+      else if (scan.halves.empty())
         std::memcpy(gallery + r * pitch, scan.rows.data() + (top + r) * width,
                     static_cast<std::size_t>(width) * sizeof(S));
       else
@@ -39467,25 +39975,29 @@ void scan_with_panels(const RowScan<S>& scan, const Panels<S>& queries, Index fi
       } else {
         current_bf16_kernels()->gemm_block(product, queries.bf16(), 0, rows, 0, block.panels, scratch);
       }
+      if (!scan.codes.empty())
+        scanner.bound_rows(scores, scan.bounds.data() + 2 * top, rows, block.pitch(), block.columns());
       scanner.column_maxima(scores, rows, block.pitch(), block.columns(), maxima);
       for (Index c = 0; c < std::min(block.columns(), queries.n - j * w); ++c) {
         const Index query = j * w + c;
         if (!(maxima[c] > candidates.limit(query))) continue;
         for (Index r = 0; r < rows; ++r) {
-          if (scores[r * block.pitch() + c] > candidates.limit(query)) candidates.compare(query, top + r);
+          const S score = scores[r * block.pitch() + c];
+          if (score > candidates.limit(query)) candidates.compare(query, top + r, score);
         }
       }
     }
   }
 }
 
-/// Queries for scan_with_few, in the order that its kernel wants.
+/// Queries in the order that the kernels want: for halves those of scan_with_few, for codes all.
 template <class S>
 std::vector<S> ordered_queries(const RowScan<S>& scan, std::span<const S> queries) {
   std::vector<S> out(queries.begin(), queries.end());
-  if (scan.halves.empty()) return out;
+  if (scan.halves.empty() && scan.codes.empty()) return out;
+  const auto& kernel = scan_kernels(kernels<S>());
   for (Index q = 0; q < std::ssize(queries); q += scan.width)
-    scan_kernels(kernels<S>()).split_pairs(queries.data() + q, scan.width, out.data() + q);
+    (scan.codes.empty() ? kernel.split_pairs : kernel.split_quads)(queries.data() + q, scan.width, out.data() + q);
   return out;
 }
 
@@ -39497,7 +40009,8 @@ double rounding_of(std::span<const S> queries, Index width) {
 }
 
 template <std::same_as<float> S>
-std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queries, Index k) const {
+std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queries, Index k,
+                                                        std::span<const S> least) const {
   constexpr Index group = 1024, few = 8;  // queries: a group that shares a cache, and a number too small for a product
   const Kernels<S>& kernel = kernels<S>();
   const Index total = std::ssize(queries) / width, threads = thread_count();
@@ -39508,27 +40021,33 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
   for (Index begin = 0; begin < total; begin += group) {
     const Index n = std::min(group, total - begin);
     const auto mine = queries.subspan(static_cast<std::size_t>(begin * width), static_cast<std::size_t>(n * width));
-    const bool product = n > few, rounded = product && !halves.empty();
+    const bool product = n > few, rounded = product && (!halves.empty() || !codes.empty());
     // Errors of float sums, and 1 % for smaller effects: lengths of 1.001, the rounding of the exact score and of the
     // limit.
-    const double error =
-        1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error + (rounded ? rounding_of(mine, width) : 0));
-    std::vector<Candidates<S>> seen(static_cast<std::size_t>(threads), Candidates<S>(*this, mine, k, error));
+    // A rounded row is longer than its row by at most half a unit of every code.
+    const double longest = codes.empty() ? 1 : 1 + std::sqrt(static_cast<double>(width)) / 254;
+    const double error = 1.01 * longest *
+                         (static_cast<double>(width + (codes.empty() ? 2 : 4)) * 0x1p-24 + half_error +
+                          (rounded ? rounding_of(mine, width) : 0));
+    const auto limits =
+        least.empty() ? least : least.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(n));
+    std::vector<Candidates<S>> seen(static_cast<std::size_t>(threads), Candidates<S>(*this, mine, k, error, limits));
     const auto for_rows = [&](auto f) {
       parallel_for(tasks, [&](Index i) {
         f(blocks * i / tasks * block, std::min(count, blocks * (i + 1) / tasks * block),
           seen[static_cast<std::size_t>(thread_number())]);
       });
     };
+    const auto ordered = product && codes.empty() ? std::vector<S>() : ordered_queries<S>(*this, mine);
     if (product) {
       if (rounded) use_bf16_products();
-      const auto panels = pack_panels<S>(mine.data(), width, n, 1, width, rounded ? Precision::bf16 : Precision::fp32);
+      const auto panels = pack_panels<S>(codes.empty() ? mine.data() : ordered.data(), width, n, 1, width,
+                                         rounded ? Precision::bf16 : Precision::fp32);
       const Scratch<S> scratch(ScoreBlock<S>(panels).scratch(width));
       for_rows([&](Index first, Index last, Candidates<S>& c) {
         scan_with_panels<S>(*this, panels, first, last, scratch.mine(), c);
       });
     } else {
-      const auto ordered = ordered_queries<S>(*this, mine);
       for_rows([&](Index first, Index last, Candidates<S>& c) {
         scan_with_few<S>(*this, scan_kernels(kernel), ordered, first, last, c);
       });
@@ -39558,6 +40077,28 @@ double RowScan<S>::to_halves(std::span<const S> rows, Index width, std::uint16_t
     }
   });
   return worst.empty() ? 0 : *std::max_element(worst.begin(), worst.end());
+}
+
+template <std::same_as<float> S>
+void RowScan<S>::to_codes(std::span<const S> rows, Index width, std::int8_t* codes, S* bounds) {
+  constexpr Index at_once = 256;
+  const Index count = std::ssize(rows) / width;
+  parallel_for(parts(count, at_once), [&](Index part) {
+    for (Index r = part * at_once; r < std::min(count, (part + 1) * at_once); ++r) {
+      const S* x = rows.data() + r * width;
+      S largest = 0;
+      for (Index i = 0; i < width; ++i) largest = std::max(largest, std::abs(x[i]));
+      const S scale = largest > 0 ? largest / 127 : 1;
+      double square = 0;
+      for (Index i = 0; i < width; ++i) {
+        const auto code = static_cast<std::int8_t>(std::lround(std::clamp<S>(x[i] / scale, -127, 127)));
+        codes[r * width + i] = code;
+        const double d = static_cast<double>(x[i]) - static_cast<double>(scale) * static_cast<double>(code);
+        square += d * d;
+      }
+      bounds[2 * r] = scale, bounds[2 * r + 1] = static_cast<S>(std::sqrt(square) * 1.0001);  // and its own rounding
+    }
+  });
 }
 
 template <std::same_as<float> S>
@@ -39650,6 +40191,14 @@ class MotionSearch {
   explicit MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips = {},
                         std::shared_ptr<const VectorSearch> moments = {}, ScanStorage storage = ScanStorage::float32);
 
+  /// Searches `clips`, `moments` and `captions`, whose vectors have the numbers of these tables.
+  MotionSearch(std::shared_ptr<const IndexTables> tables, std::shared_ptr<const VectorSearch> clips,
+               std::shared_ptr<const VectorSearch> moments, std::shared_ptr<const VectorSearch> captions)
+      : tables_(std::move(tables)),
+        clips_(std::move(clips)),
+        moments_(std::move(moments)),
+        captions_(std::move(captions)) {}
+
   /// The k nearest clips. Throws what VectorSearch throws.
   std::vector<MotionHit> clips(std::span<const float> query, Index k) const;
   /// The k nearest moments that are apart. Throws config_error 102 if the index has no moments.
@@ -39658,9 +40207,6 @@ class MotionSearch {
   std::vector<MotionHit> captions(std::span<const float> query, Index k) const;
 
  private:
-  std::shared_ptr<const VectorSearch> scan(std::span<const float> rows, ScanStorage storage) const {
-    return std::make_shared<VectorScan>(rows, index_.model().width, std::shared_ptr<const void>{}, storage);
-  }
   static std::vector<Neighbour> nearest(const VectorSearch& search, std::span<const float> query, Index k);
   /// `choose` takes the best results and drops some. Later results do not affect earlier choices. Asks for more results
   /// until k are left, or all have been seen.
@@ -39675,7 +40221,7 @@ class MotionSearch {
   }
   MotionHit whole(Index clip, float score) const;
 
-  const MotionIndex& index_;
+  std::shared_ptr<const IndexTables> tables_;
   std::shared_ptr<const VectorSearch> clips_, moments_, captions_;
 };
 
@@ -39702,28 +40248,46 @@ MOTIONLANG_BODY std::vector<FrameSlice> indexed_moments(Index frames, const Inde
   return out;
 }
 
-MOTIONLANG_BODY std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
-                                                        std::span<const MotionIndex::Moment> moments, double most_iou,
-                                                        Index k) {
+namespace detail {
+
+/// moment_of  the moment with a number
+template <class F>
+std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first, const F& moment_of, double most_iou,
+                                        Index k) {
   std::vector<Neighbour> out;
+  std::vector<MotionIndex::Moment> kept;
   for (const Neighbour& n : best_first) {
     if (std::ssize(out) == k) break;
-    const auto& mine = moments[static_cast<std::size_t>(n.index)];
-    const bool overlaps = std::any_of(out.begin(), out.end(), [&](const Neighbour& better) {
-      const auto& other = moments[static_cast<std::size_t>(better.index)];
+    const MotionIndex::Moment mine = moment_of(n.index);
+    const bool overlaps = std::any_of(kept.begin(), kept.end(), [&](const MotionIndex::Moment& other) {
       return other.clip == mine.clip && temporal_iou(other.frames, mine.frames) > most_iou;
     });
-    if (!overlaps) out.push_back(n);
+    if (overlaps) continue;
+    out.push_back(n);
+    kept.push_back(mine);
   }
   return out;
 }
 
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
+                                                        std::span<const MotionIndex::Moment> moments, double most_iou,
+                                                        Index k) {
+  return detail::separate_moments(
+      best_first, [&](Index i) { return moments[static_cast<std::size_t>(i)]; }, most_iou, k);
+}
+
 MOTIONLANG_BODY MotionSearch::MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips,
                                            std::shared_ptr<const VectorSearch> moments, ScanStorage storage)
-    : index_(index),
-      clips_(clips ? std::move(clips) : scan(index.clip_rows(), storage)),
-      moments_(moments ? std::move(moments) : scan(index.moment_rows(), storage)),
-      captions_(scan(index.caption_rows(), storage)) {}
+    : tables_(std::make_shared<TablesOfIndex>(index)), clips_(std::move(clips)), moments_(std::move(moments)) {
+  const auto scan = [&](std::span<const float> rows) {
+    return std::make_shared<VectorScan>(rows, index.model().width, std::shared_ptr<const void>{}, storage);
+  };
+  if (!clips_) clips_ = scan(index.clip_rows());
+  if (!moments_) moments_ = scan(index.moment_rows());
+  captions_ = scan(index.caption_rows());
+}
 
 MOTIONLANG_BODY std::vector<MotionHit> MotionSearch::clips(std::span<const float> query, Index k) const {
   std::vector<MotionHit> out;
@@ -39733,16 +40297,17 @@ MOTIONLANG_BODY std::vector<MotionHit> MotionSearch::clips(std::span<const float
 
 MOTIONLANG_BODY std::vector<MotionHit> MotionSearch::moments(std::span<const float> query, Index k,
                                                              double most_iou) const {
-  if (index_.model().windows.empty())
+  if (tables_->model().windows.empty())
     raise<config_error>(102, "MotionSearch: this index has no moments, only whole clips");
   std::vector<MotionHit> out;
   const auto apart = enough(*moments_, query, k, [&](std::span<const Neighbour> best) {
-    return separate_moments(best, index_.moments(), most_iou, k);
+    return detail::separate_moments(
+        best, [&](Index i) { return tables_->moment(i); }, most_iou, k);
   });
   for (const Neighbour& n : apart) {
-    const auto& m = index_.moments()[static_cast<std::size_t>(n.index)];
+    const MotionIndex::Moment m = tables_->moment(n.index);
     MotionHit hit = whole(m.clip, n.score);
-    const double fps = index_.model().fps, begin = hit.start;
+    const double fps = tables_->model().fps, begin = hit.start;
     hit.start = begin + static_cast<double>(m.frames.first) / fps;
     hit.end = std::min(hit.end, begin + static_cast<double>(m.frames.first + m.frames.length) / fps);
     out.push_back(hit);
@@ -39755,7 +40320,7 @@ MOTIONLANG_BODY std::vector<MotionHit> MotionSearch::captions(std::span<const fl
   const auto first_of_clips = [&](std::span<const Neighbour> best) {
     std::vector<Neighbour> kept;
     for (const Neighbour& n : best) {
-      const Index clip = index_.caption_clips()[static_cast<std::size_t>(n.index)];
+      const Index clip = tables_->clip_of_caption(n.index);
       const bool known =
           std::any_of(kept.begin(), kept.end(), [&](const Neighbour& other) { return other.index == clip; });
       if (!known && std::ssize(kept) < k) kept.push_back({clip, n.score});
@@ -39775,7 +40340,7 @@ MOTIONLANG_BODY std::vector<Neighbour> MotionSearch::nearest(const VectorSearch&
 }
 
 MOTIONLANG_BODY MotionHit MotionSearch::whole(Index clip, float score) const {
-  const IndexedClip& c = index_.clips()[static_cast<std::size_t>(clip)];
+  const IndexedClip c = tables_->clip(clip);
   return {clip, c.start, c.end, score};
 }
 
@@ -40030,6 +40595,7 @@ inline void* map(int file, std::size_t size) {
   return data;
 }
 inline void forget(void*, std::size_t) {}  // there is no other copy
+inline void will_read(const void*, std::size_t) {}
 inline bool rename_over(const char* from, const char* to) {
   constexpr unsigned long replace = 1;
   if (::MoveFileExA(from, to, replace) != 0) return true;
@@ -40070,6 +40636,8 @@ inline void* map(int file, std::size_t size) {
 inline void unmap(void* data, std::size_t size) { ::munmap(data, size); }
 /// Releases the memory of a mapping. Later reads load it from the file again.
 inline void forget(void* data, std::size_t size) { ::madvise(data, size, MADV_DONTNEED); }
+/// Begins to load a part of a mapping, from the beginning of a page on.
+inline void will_read(const void* data, std::size_t size) { ::madvise(const_cast<void*>(data), size, MADV_WILLNEED); }
 inline bool rename_over(const char* from, const char* to) { return std::rename(from, to) == 0; }
 inline bool make_folder(const char* path) { return ::mkdir(path, 0777) == 0; }
 
@@ -41462,28 +42030,39 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-inline nlohmann::ordered_json index_about(const MotionIndex& index) {
-  const IndexModel& m = index.model();
-  nlohmann::ordered_json clips = nlohmann::ordered_json::array();
+inline nlohmann::ordered_json index_model_json(const IndexModel& m) {
+  return {{"id", m.id},        {"path", m.path}, {"text_encoder", m.text_encoder},
+          {"width", m.width},  {"fps", m.fps},   {"windows", m.windows},
+          {"stride", m.stride}};
+}
+
+inline nlohmann::ordered_json indexed_clip_json(const IndexedClip& c) {
+  nlohmann::ordered_json clip{{"path", c.path}, {"modified", c.modified}, {"bytes", c.bytes},  {"start", c.start},
+                              {"end", c.end},   {"fps", c.fps},           {"frames", c.frames}};
+  if (!c.content.empty()) clip["content"] = c.content;
+  if (!c.lines.empty()) clip["lines"] = c.lines;
+  if (!c.name.empty()) clip["name"] = c.name;
+  if (!c.captions.empty()) clip["captions"] = c.captions;
+  if (!c.license.empty()) clip["license"] = c.license;
+  return clip;
+}
+
+/// In one line; bytes that are not UTF-8 are replaced.
+inline std::string index_text(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// places  receives the first byte of each clip in the text, and the byte behind its last
+inline std::string index_about(const MotionIndex& index, std::vector<std::int64_t>* places = nullptr) {
+  std::string out = "{\"model\":" + index_text(index_model_json(index.model())) + ",\"clips\":[";
+  bool first = true;
   for (const IndexedClip& c : index.clips()) {
-    nlohmann::ordered_json clip{{"path", c.path}, {"modified", c.modified}, {"bytes", c.bytes},  {"start", c.start},
-                                {"end", c.end},   {"fps", c.fps},           {"frames", c.frames}};
-    if (!c.content.empty()) clip["content"] = c.content;
-    if (!c.lines.empty()) clip["lines"] = c.lines;
-    if (!c.name.empty()) clip["name"] = c.name;
-    if (!c.captions.empty()) clip["captions"] = c.captions;
-    if (!c.license.empty()) clip["license"] = c.license;
-    clips.push_back(std::move(clip));
+    if (!std::exchange(first, false)) out += ',';
+    const std::int64_t begin = std::ssize(out);
+    out += index_text(indexed_clip_json(c));
+    if (places != nullptr) places->insert(places->end(), {begin, std::ssize(out)});
   }
-  return {{"model",
-           {{"id", m.id},
-            {"path", m.path},
-            {"text_encoder", m.text_encoder},
-            {"width", m.width},
-            {"fps", m.fps},
-            {"windows", m.windows},
-            {"stride", m.stride}}},
-          {"clips", std::move(clips)}};
+  return out + "]}";
 }
 
 inline IndexModel index_model(const JsonView& v) {
@@ -41577,23 +42156,36 @@ MOTIONLANG_BODY MotionIndex MotionIndexFile::read(const SafetensorsFile& file) {
                      std::move(moment_rows), std::move(caption_rows));
 }
 
-MOTIONLANG_BODY std::vector<std::byte> motion_index_bytes(const MotionIndex& index, const IndexExtras& extras) {
+namespace detail {
+
+/// more, metadata  further tensors and entries of the file
+inline std::vector<std::byte> index_bytes(const MotionIndex& index, std::string_view about,
+                                          std::span<const TensorView> more,
+                                          std::map<std::string, std::string> metadata = {}) {
   const Index width = index.model().width;
-  const std::string about = detail::index_about(index).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   std::vector<std::int64_t> frames;
   for (const auto& m : index.moments()) frames.insert(frames.end(), {m.clip, m.frames.first, m.frames.length});
   const auto rows = [&](const char* name, std::span<const float> values) {
     return tensor_view(name, {std::ssize(values) / width, width}, values);
   };
-  std::vector<TensorView> tensors{rows("clips", index.clip_rows()),
-                                  rows("moments", index.moment_rows()),
-                                  rows("captions", index.caption_rows()),
-                                  tensor_view<std::int64_t>("moment_frames", {std::ssize(index.moments()), 3}, frames),
-                                  {"about", DType::U8, {std::ssize(about)}, std::as_bytes(std::span(about))}};
-  for (const auto& [name, bytes] : extras) tensors.push_back({name, DType::U8, {std::ssize(bytes)}, bytes});
-  return safetensors_bytes(
-      tensors,
-      {{"format", detail::index_format}, {"version", detail::index_version}, {"checksum", tensors_checksum(tensors)}});
+  std::vector<TensorView> tensors{
+      rows("clips", index.clip_rows()),
+      rows("moments", index.moment_rows()),
+      rows("captions", index.caption_rows()),
+      tensor_view<std::int64_t>("moment_frames", {std::ssize(index.moments()), 3}, frames),
+      {"about", DType::U8, {std::ssize(about)}, std::as_bytes(std::span<const char>(about))}};
+  tensors.insert(tensors.end(), more.begin(), more.end());
+  metadata["format"] = index_format, metadata["version"] = index_version;
+  metadata["checksum"] = tensors_checksum(tensors);
+  return safetensors_bytes(tensors, metadata);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<std::byte> motion_index_bytes(const MotionIndex& index, const IndexExtras& extras) {
+  std::vector<TensorView> more;
+  for (const auto& [name, bytes] : extras) more.push_back({name, DType::U8, {std::ssize(bytes)}, bytes});
+  return detail::index_bytes(index, detail::index_about(index), more);
 }
 
 MOTIONLANG_BODY void write_motion_index(const FilePath& path, const MotionIndex& index, const IndexExtras& extras) {
@@ -41996,7 +42588,8 @@ inline const IndexedClip& clip_of(const MotionIndex& index, const MotionHit& hit
 /// The cosine of a hit as a score from 0 to 1.
 inline double score_of(const MotionHit& hit) { return (static_cast<double>(hit.score) + 1) / 2; }
 /// The number of clips, moments or captions that are compared with a query.
-Index gallery_size(const MotionIndex& index, SearchFor what);
+Index gallery_size(const IndexTables& index, SearchFor what);
+inline Index gallery_size(const MotionIndex& index, SearchFor what) { return gallery_size(TablesOfIndex(index), what); }
 
 MOTIONLANG_NAMESPACE_END
 
@@ -42024,16 +42617,16 @@ MOTIONLANG_BODY std::vector<MotionHit> search(const MotionIndexFile& index, std:
   return search(open_motion_search(index, options.exact, options.storage), query, options);
 }
 
-MOTIONLANG_BODY Index gallery_size(const MotionIndex& index, SearchFor what) {
+MOTIONLANG_BODY Index gallery_size(const IndexTables& index, SearchFor what) {
   switch (what) {
     case SearchFor::moments:
-      return std::ssize(index.moments());
+      return index.moment_count();
     case SearchFor::captions:
-      return std::ssize(index.caption_clips());
+      return index.caption_count();
     case SearchFor::clips:
       break;
   }
-  return index.count();
+  return index.clip_count();
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -44177,6 +44770,74 @@ void split_pairs(const S* query, Index width, S* pairs) {
   for (Index i = whole; i < width; ++i) pairs[i] = query[i];
 }
 
+/// Codes of four rows of lanes from 4 * lanes bytes: y[j] has the bytes j, j + 4, j + 8, ... (GCC 12 widens bytes one
+/// after the other, so these are shifts.)
+template <class S>
+MOTIONLANG_INLINE void widen_quads(const std::int8_t* x, Vec<S>* y) {
+  Words words;
+  std::memcpy(&words, x, sizeof words);
+  y[0] = __builtin_convertvector((Mask<S>)(words << 24) >> 24, Vec<S>);
+  y[1] = __builtin_convertvector((Mask<S>)(words << 16) >> 24, Vec<S>);
+  y[2] = __builtin_convertvector((Mask<S>)(words << 8) >> 24, Vec<S>);
+  y[3] = __builtin_convertvector((Mask<S>)words >> 24, Vec<S>);
+}
+
+/// The order that codes have in registers: of every 4 * lanes values first those of y[0], then those of y[1], and so
+/// on. Those after the last whole group keep their order.
+template <class S>
+void split_quads(const S* x, Index width, S* y) {
+  constexpr Index l = lanes<S>;
+  const Index whole = width / (4 * l) * (4 * l);
+  for (Index i = 0; i < whole; i += 4 * l) {
+    for (Index j = 0; j < 4 * l; ++j) y[i + j % 4 * l + j / 4] = x[i + j];
+  }
+  for (Index i = whole; i < width; ++i) y[i] = x[i];
+}
+
+/// out[r] = scale * <row r, query> + allowance of rows of whole numbers: bounds[2 r] has the scale, bounds[2 r + 1] the
+/// allowance. The query is in the order of split_quads.
+template <class S>
+void dot_code_rows(const std::int8_t* rows, const S* bounds, Index count, Index width, const S* query, S* out) {
+  constexpr int l = lanes<S>;
+  const Index whole = width / (4 * l) * (4 * l);
+  for (Index r = 0; r < count; ++r) {
+    const std::int8_t* x = rows + r * width;
+    Vec<S> s0{}, s1{}, s2{}, s3{}, y[4];
+    for (Index i = 0; i < whole; i += 4 * l) {
+      fetch(x + i + scan_ahead<std::int8_t>, 4 * l);
+      widen_quads<S>(x + i, y);
+      s0 += y[0] * load(query + i), s1 += y[1] * load(query + i + l);
+      s2 += y[2] * load(query + i + 2 * l), s3 += y[3] * load(query + i + 3 * l);
+    }
+    S t = reduce_add<S>((s0 + s1) + (s2 + s3));
+    for (Index i = whole; i < width; ++i) t += static_cast<S>(x[i]) * query[i];
+    out[r] = bounds[2 * r] * t + bounds[2 * r + 1];
+  }
+}
+
+/// In the order of split_quads.
+template <class S>
+void widen_codes(const std::int8_t* x, Index width, S* y) {
+  constexpr Index l = lanes<S>;
+  const Index whole = width / (4 * l) * (4 * l);
+  for (Index i = 0; i < whole; i += 4 * l) {
+    Vec<S> quads[4];
+    widen_quads<S>(x + i, quads);
+    for (Index j = 0; j < 4; ++j) store(y + i + j * l, quads[j]);
+  }
+  for (Index i = whole; i < width; ++i) y[i] = static_cast<S>(x[i]);
+}
+
+/// Rows of c, which are `pitch` apart: c = scale * c + allowance. columns is a multiple of 2 * lanes.
+template <class S>
+void bound_rows(S* c, const S* bounds, Index rows, Index pitch, Index columns) {
+  constexpr int l = lanes<S>;
+  for (Index r = 0; r < rows; ++r) {
+    const Vec<S> scale = splat(bounds[2 * r]), allowance = splat(bounds[2 * r + 1]);
+    for (Index j = r * pitch; j < r * pitch + columns; j += l) store(c + j, load(c + j) * scale + allowance);
+  }
+}
+
 template <class S>
 void widen_row(const std::uint16_t* x, Index width, S* y) {
   constexpr Index l = lanes<S>;
@@ -44217,6 +44878,10 @@ template <class S>
 const ScanKernels<S>& scan_table() {
   static constexpr ScanKernels<S> t{.dot_rows = &dot_rows<S>,
                                     .dot_half_rows = &dot_half_rows<S>,
+                                    .dot_code_rows = &dot_code_rows<S>,
+                                    .widen_codes = &widen_codes<S>,
+                                    .bound_rows = &bound_rows<S>,
+                                    .split_quads = &split_quads<S>,
                                     .split_pairs = &split_pairs<S>,
                                     .widen_row = &widen_row<S>,
                                     .column_maxima = &column_maxima<S>,

@@ -3146,7 +3146,7 @@ inline std::vector<Index> shape_of(const PickleValue& sizes) {
 }
 
 /// numpy.dtype('f8', False, True) with the state (3, '<', None, ...): "<f8".
-inline std::string dtype_of(const PickleValue& v) {
+inline std::string pickled_dtype(const PickleValue& v) {
   if (!is_numpy(v, "dtype")) v.fail(407, "an element type expected");
   std::string type(v.arguments()[0].text());
   if (type.starts_with('<') || type.starts_with('>') || type.starts_with('|')) return type;
@@ -3168,17 +3168,18 @@ MOTIONLANG_BODY PickledArray pickled_array(const PickleValue& v) {
   if (is_numpy(v, "_reconstruct")) {
     const PickleValue state = v.state();  // version, shape, element type, whether the first index is the fastest, bytes
     if (state[4].is(PickleKind::list)) v.fail(404, "an array of objects");
-    return {dtype_of(state[2]), state[3].boolean(), shape_of(state[1]), state[4].bytes(), where};
+    return {pickled_dtype(state[2]), state[3].boolean(), shape_of(state[1]), state[4].bytes(), where};
   }
   if (is_joblib_array(v)) {
     const PickleValue state = v.state();
-    return {dtype_of(state["dtype"]), state["order"].text() == "F", shape_of(state["shape"]), v.inline_bytes(), where};
+    return {pickled_dtype(state["dtype"]), state["order"].text() == "F", shape_of(state["shape"]), v.inline_bytes(),
+            where};
   }
   const PickleValue given = v.arguments();
   if (is_numpy(v, "_frombuffer")) {  // bytes, element type, shape, order
-    return {dtype_of(given[1]), given[3].text() == "F", shape_of(given[2]), given[0].bytes(), where};
+    return {pickled_dtype(given[1]), given[3].text() == "F", shape_of(given[2]), given[0].bytes(), where};
   }
-  return {dtype_of(given[0]), false, {}, given[1].bytes(), where};
+  return {pickled_dtype(given[0]), false, {}, given[1].bytes(), where};
 }
 
 inline NpyArray numpy_array(const PickleValue& v) {
@@ -3284,8 +3285,9 @@ MOTIONLANG_BODY InlineBytes joblib_array_bytes(const PickleValue& object, std::s
   if (alignment && !alignment->is(PickleKind::none)) {
     position += 1 + detail::load<std::uint8_t>(file, position, object.file(), "padding of an array");
   }
-  const NpyArray described = detail::described_array(detail::dtype_of(state["dtype"]), detail::shape_of(state["shape"]),
-                                                     concat_text(object.file(), ": array at byte ", object.at()));
+  const NpyArray described =
+      detail::described_array(detail::pickled_dtype(state["dtype"]), detail::shape_of(state["shape"]),
+                              concat_text(object.file(), ": array at byte ", object.at()));
   return {position, detail::checked_size(described.shape, described.item_size, object.file())};
 }
 
@@ -3496,6 +3498,99 @@ MOTIONLANG_BODY std::string encode_png(const Picture& picture) {
 }
 
 MOTIONLANG_BODY void write_png(const FilePath& path, const Picture& picture) { write_file(path, encode_png(picture)); }
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FILE_PROJECT_FOLDER_HPP  // <motionlang/file/project_folder.hpp>
+#define MOTIONLANG_HAS_FILE_PROJECT_FOLDER_HPP
+/// One folder, whose files somebody reads and writes by their names alone. Names are checked by the caller's rule, and
+/// links are not followed, so no file elsewhere is reached.
+///
+///     const ProjectFolder folder("my project", is_studio_file);
+///     folder.write("walk.bvh", bytes);
+///     for (const std::string& name : folder.names()) offer(name);
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+class ProjectFolder {
+ public:
+  using Rule = std::function<bool(std::string_view)>;
+
+  /// The folder must exist. The rule is true for names that are allowed. Throws io_error 401.
+  ProjectFolder(const std::filesystem::path& folder, Rule is_allowed);
+
+  /// The files with allowed names, sorted; at most 1000. Links and folders are left out.
+  std::vector<std::string> names() const;
+  /// Throws config_error 103 for a name that is not allowed, io_error 401 unless it is a file of its own, and for one
+  /// that is larger.
+  std::string read(const std::string& name, std::size_t most) const;
+  /// Throws config_error 103 and io_error 401, also for a name that a link or a folder has.
+  void write(const std::string& name, std::span<const std::byte> contents) const;
+
+ private:
+  std::filesystem::path path_of(const std::string& name) const;
+
+  std::filesystem::path folder_;
+  Rule is_allowed_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_PROJECT_FOLDER_IPP  // <motionlang/file/project_folder.ipp>
+#define MOTIONLANG_HAS_FILE_PROJECT_FOLDER_IPP
+// Bodies of project_folder.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY ProjectFolder::ProjectFolder(const std::filesystem::path& folder, Rule is_allowed)
+    : is_allowed_(std::move(is_allowed)) {
+  std::error_code failed;
+  folder_ = std::filesystem::canonical(folder, failed);
+  if (failed || !std::filesystem::is_directory(folder_))
+    raise<io_error>(401, folder.string(), ": there is no such folder");
+}
+
+MOTIONLANG_BODY std::vector<std::string> ProjectFolder::names() const {
+  constexpr std::size_t most = 1000;
+  std::vector<std::string> out;
+  std::error_code failed;
+  for (std::filesystem::directory_iterator at(folder_, failed), end; !failed && at != end; at.increment(failed)) {
+    const std::string name = at->path().filename().string();
+    std::error_code unknown;
+    if (is_allowed_(name) && std::filesystem::is_regular_file(at->symlink_status(unknown)) && out.size() < most)
+      out.push_back(name);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+MOTIONLANG_BODY std::filesystem::path ProjectFolder::path_of(const std::string& name) const {
+  const std::filesystem::path file(name);
+  if (!is_allowed_(name) || file != file.filename())
+    raise<config_error>(103, "'", name, "' cannot be the name of a file of the project");
+  return folder_ / file;
+}
+
+MOTIONLANG_BODY std::string ProjectFolder::read(const std::string& name, std::size_t most) const {
+  const auto path = path_of(name);
+  std::error_code failed;
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(path, failed)))
+    raise<io_error>(401, name, ": there is no such file in the project");
+  const auto size = std::filesystem::file_size(path, failed);
+  if (failed || size > most) raise<io_error>(401, name, ": ", failed ? 0 : size, " bytes, at most ", most);
+  return read_file(path);
+}
+
+MOTIONLANG_BODY void ProjectFolder::write(const std::string& name, std::span<const std::byte> contents) const {
+  const auto path = path_of(name);
+  std::error_code failed;
+  const auto status = std::filesystem::symlink_status(path, failed);
+  if (status.type() != std::filesystem::file_type::not_found && !std::filesystem::is_regular_file(status))
+    raise<io_error>(401, name, ": something else in the project has this name");
+  write_file(path, contents);
+}
 
 MOTIONLANG_NAMESPACE_END
 #endif
@@ -10862,6 +10957,368 @@ inline std::vector<std::string> action_labels(std::string_view dataset, Index cl
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_DATASETS_ACTION_RECORDINGS_HPP  // <motionlang/datasets/action_recordings.hpp>
+#define MOTIONLANG_HAS_DATASETS_ACTION_RECORDINGS_HPP
+/// The data sets of ACTOR in their own files: HumanAct12, UESTC and NTU-13. The pickles are read without executing
+/// anything, and each array only when its recording is wanted.
+///
+///     read_action_recordings("humanact12", "data/HumanAct12Poses", 30, [&](ActionRecording r) { use(r.motion); });
+///
+///    humanact12  humanact12poses.pkl: poses, joints3D and y of each recording
+///    uestc       vibe_cache_refined.pkl, info/names.txt and num_frames_min.txt. VIBE found the poses in videos, whose
+///                camera gives the path. Videos of the second camera are turned to the front
+///    ntu13       ntu_vibe_list.txt, the paths of joblib files with the person 1 of a video
+///
+/// The classes of UESTC and NTU-13 are numbers from 0 on, as in published models.
+/// The files name no frame rate: motions keep their frames, and have the rate of the caller. They are turned from the
+/// world of a camera (Y down) to ours.
+/// Source   thesis 3.3.1; ACTOR src/datasets/humanact12poses.py, uestc.py, ntu13.py
+/// Differs  positions follow from the rotations on the library's own skeleton, where the published representation xyz
+///          has the joints of the files. NTU-13's person 1 of a file of another action is left out and counted
+
+#ifndef MOTIONLANG_HAS_DATASETS_LEFT_OUT_HPP  // <motionlang/datasets/left_out.hpp>
+#define MOTIONLANG_HAS_DATASETS_LEFT_OUT_HPP
+/// Items that a reader of a data set leaves out, with the reasons.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+class LeftOut {
+ public:
+  void add(const std::string& why, const std::string& name, Index times = 1) {
+    if (times == 0) return;
+    Reason& reason = reasons_[why];
+    reason.count += times;
+    reason.name(name);
+  }
+  void add(const LeftOut& other) {
+    for (const auto& [why, theirs] : other.reasons_) {
+      Reason& reason = reasons_[why];
+      reason.count += theirs.count;
+      for (const std::string& name : theirs.names) reason.name(name);
+      reason.more = reason.more || theirs.more;
+    }
+  }
+  /// "5 left out: 3 too short (a, b), 2 without a label (d, e)", with the first names for each reason; or "0 left out".
+  std::string text() const {
+    Index all = 0;
+    for (const auto& [why, reason] : reasons_) all += reason.count;
+    const auto text_of = [](const auto& entry) {
+      const auto& [why, reason] = entry;
+      return concat_text(reason.count, " ", why, " (", join_text(reason.names), reason.more ? ", ...)" : ")");
+    };
+    return concat_text(all, " left out", all > 0 ? ": " : "", join_text(reasons_, ", ", text_of));
+  }
+
+ private:
+  struct Reason {
+    Index count = 0;
+    std::vector<std::string> names{};  // the first ones, each once
+    bool more = false;
+
+    void name(const std::string& name) {
+      if (std::find(names.begin(), names.end(), name) != names.end()) return;
+      if (names.size() < 5)
+        names.push_back(name);
+      else
+        more = true;
+    }
+  };
+  std::map<std::string, Reason> reasons_;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct ActionRecording {
+  std::string id;      // a number (HumanAct12), or the name of the video
+  std::string action;  // name of the class
+  Motion motion;       // on SMPL's 24 joints
+  bool training = true, test = true;
+};
+
+/// The name of the data set whose files a folder has; "" for other folders.
+std::string action_data_set(const std::filesystem::path& folder);
+
+/// Reads all recordings, in the order of the published lists.
+/// fps     of the motions
+/// Throws  config_error 103 for another name; io_error 401 to 407 of files whose arrays do not fit
+LeftOut read_action_recordings(std::string_view name, const FilePath& folder, double fps,
+                               const std::function<void(ActionRecording)>& use, Progress progress = {});
+
+/// A video of UESTC: a12_d3_p045_c2_color.avi.
+struct UestcVideo {
+  int action = 0, view = 0, subject = 0, camera = 0;
+};
+/// Throws io_error 403.
+UestcVideo parse_uestc_video(std::string_view name);
+
+/// True for the 51 of 118 people whose videos are for training.
+bool trains_with_uestc_subject(int subject);
+
+/// The path of the camera's view, relative to the first frame. The depth is 500 times the extent of the joints over
+/// that of their picture.
+/// camera  (frames, 4): scale across and down, shift across and down
+/// joints  (frames, joints) of each frame
+std::vector<Vec3<double>> uestc_path(std::span<const double> camera, std::span<const Vec3<double>> joints);
+
+/// The class of a file of NTU-13, 0 to 12, by the number behind the first "A" of its path; -1 for another action.
+/// Throws io_error 403 for a path without one.
+int ntu13_class(std::string_view path);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_ACTION_RECORDINGS_IPP  // <motionlang/datasets/action_recordings.ipp>
+#define MOTIONLANG_HAS_DATASETS_ACTION_RECORDINGS_IPP
+// Bodies of action_recordings.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::size_t vibe_joints = 49, vibe_hip = 8;  // SPIN's joints; the middle of the hips
+inline constexpr int uestc_action_count = 40;
+
+/// An array of a pickle whose rows have `width` numbers.
+inline std::vector<double> pickled_rows(const PickleValue& value, Index width) {
+  const NpyArray array = to_array(value);
+  Index in_row = 1;
+  for (std::size_t i = 1; i < array.shape.size(); ++i) in_row *= array.shape[i];
+  if (array.shape.empty() || in_row != width)
+    value.fail(407, "an array ", shape_text(array.shape), ", expected rows of ", counted(width, "number"));
+  auto out = array.to<double>();
+  if (!std::all_of(out.begin(), out.end(), [](double x) { return std::isfinite(x); }))
+    value.fail(403, "an array with numbers that are not finite");
+  return out;
+}
+
+inline std::vector<Vec3<double>> pickled_points(const PickleValue& value, Index per_frame) {
+  const auto numbers = pickled_rows(value, 3 * per_frame);
+  std::vector<Vec3<double>> out;
+  for (std::size_t i = 0; i < numbers.size(); i += 3) out.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+  return out;
+}
+
+/// A motion in our world, from what a camera sees: across, down, away.
+/// poses  (frames, 72) rotation vectors
+/// turn   of the whole in the world of the camera
+inline Motion seen_motion(std::span<const double> poses, std::span<const Vec3<double>> root,
+                          const Quaternion<double>& turn, double fps) {
+  const auto upright = from_axis_angle(Vec3<double>{1, 0, 0}, std::numbers::pi) * turn;
+  Motion out{smpl24_skeleton(), fps, {}, {}, {}};
+  for (const auto& p : root) out.root.push_back(rotate(upright, p));
+  for (std::size_t i = 0; i < 72 * root.size(); i += 3) {
+    const auto q = to_quaternion(AxisAngle<double>{{poses[i], poses[i + 1], poses[i + 2]}});
+    out.local.push_back(i % 72 == 0 ? upright * q : q);
+  }
+  return out;
+}
+
+/// Throws io_error 407 unless there are as many poses as root positions.
+inline void require_same_frames(const PickleValue& at, std::size_t poses, std::size_t points) {
+  if (poses != 72 * points || points == 0)
+    at.fail(407, counted(poses / 72, "pose"), " and ", counted(points, "frame"), " of joints");
+}
+
+inline LeftOut read_humanact12(const FilePath& folder, double fps, const std::function<void(ActionRecording)>& use,
+                               Progress progress) {
+  const FilePath path = folder.string() + "/humanact12poses.pkl";
+  const Pickle file = Pickle::open(path, {.inline_bytes = joblib_array_bytes});
+  const PickleValue poses = file.root()["poses"], joints = file.root()["joints3D"], classes = file.root()["y"];
+  if (poses.size() != joints.size() || poses.size() != classes.size())
+    raise<io_error>(407, path.string(), ": ", poses.size(), " poses, ", joints.size(), " joints3D and ", classes.size(),
+                    " y");
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto rotations = pickled_rows(poses[i], 72);
+    const auto points = pickled_points(joints[i], 24);
+    require_same_frames(poses[i], rotations.size(), points.size() / 24);
+    const auto action = to_array(classes[i]).value<std::int64_t>();
+    if (action < 0 || action >= std::ssize(humanact12_actions))
+      classes[i].fail(403, "class ", action, " of ", std::size(humanact12_actions));
+    std::vector<Vec3<double>> root;
+    for (std::size_t at = 0; at < points.size(); at += 24) root.push_back(points[at]);
+    use({std::to_string(i), std::string(humanact12_actions[action]),
+         seen_motion(rotations, root, Quaternion<double>::identity(), fps)});
+    progress(static_cast<Index>(i) + 1, static_cast<Index>(poses.size()));
+  }
+  return {};
+}
+
+/// The number in a text. Throws io_error 403.
+inline int whole_number(std::string_view digits, std::string_view where) {
+  int value = 0;
+  const auto [end, problem] = from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (problem != std::errc() || end != digits.data() + digits.size() || digits.empty() || value < 0)
+    raise<io_error>(403, where, ": '", utf8_head(digits, 40), "' is not a whole number");
+  return value;
+}
+
+inline std::vector<std::string> filled_lines(const FilePath& path) {
+  std::vector<std::string> out;
+  for_each_line(read_file(path), [&](std::string_view line, Index) {
+    if (!trim(line).empty()) out.emplace_back(trim(line));
+  });
+  return out;
+}
+
+inline LeftOut read_uestc(const FilePath& folder, double fps, const std::function<void(ActionRecording)>& use,
+                          Progress progress) {
+  const FilePath path = folder.string() + "/vibe_cache_refined.pkl",
+                 lengths_path = folder.string() + "/info/num_frames_min.txt";
+  const auto names = filled_lines(folder.string() + "/info/names.txt"), lengths = filled_lines(lengths_path);
+  constexpr std::size_t most = 40'000'000;  // 25600 videos of seven arrays
+  const Pickle file = Pickle::open(path, {.max_values = most, .inline_bytes = joblib_array_bytes});
+  const PickleValue poses = file.root()["pose"], joints = file.root()["joints3d"], cameras = file.root()["orig_cam"];
+  for (const std::size_t n : {lengths.size(), poses.size(), joints.size(), cameras.size()}) {
+    if (n != names.size())
+      raise<io_error>(407, path.string(), ": ", names.size(), " names, ", lengths.size(), " num_frames_min, ",
+                      poses.size(), " pose, ", joints.size(), " joints3d and ", cameras.size(), " orig_cam");
+  }
+  LeftOut left_out;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    progress(static_cast<Index>(i) + 1, static_cast<Index>(names.size()));
+    const UestcVideo video = parse_uestc_video(names[i]);
+    if (video.action >= uestc_action_count)
+      raise<io_error>(403, folder.string(), "/info/names.txt: ", names[i], ": action ", video.action, " of ",
+                      uestc_action_count);
+    if (video.camera != 1 && video.view == 8) {
+      left_out.add("of a camera that moves", names[i]);
+      continue;
+    }
+    const auto rotations = pickled_rows(poses[i], 72), camera = pickled_rows(cameras[i], 4);
+    const auto points = pickled_points(joints[i], vibe_joints);
+    const std::size_t found = points.size() / vibe_joints;
+    require_same_frames(poses[i], rotations.size(), found);
+    if (camera.size() != 4 * found) cameras[i].fail(407, counted(camera.size() / 4, "frame"), ", expected ", found);
+    const auto frames = std::min(found, static_cast<std::size_t>(whole_number(lengths[i], lengths_path.string())));
+    if (frames == 0) {
+      left_out.add("without frames", names[i]);
+      continue;
+    }
+    const auto path_of_root = uestc_path(camera, points);
+    std::vector<Vec3<double>> root;
+    for (std::size_t f = 0; f < frames; ++f) root.push_back(points[f * vibe_joints + vibe_hip] + path_of_root[f]);
+    const double angle = video.camera == 1 ? 0 : -video.view * std::numbers::pi / 4;
+    const bool training = trains_with_uestc_subject(video.subject);
+    use({names[i], std::to_string(video.action),
+         seen_motion(rotations, root, from_axis_angle(Vec3<double>{0, 1, 0}, angle), fps), training, !training});
+  }
+  return left_out;
+}
+
+/// The value at the whole number `key` of a dictionary.
+inline std::optional<PickleValue> numbered_entry(const PickleValue& dictionary, std::int64_t key) {
+  for (std::size_t i = 0; dictionary.keyed() && i < dictionary.size(); ++i) {
+    const PickleValue k = dictionary.key(i);
+    if (k.is(PickleKind::integer) ? k.integer() == key : is_numpy_scalar(k) && to_array(k).value<std::int64_t>() == key)
+      return dictionary.value(i);
+  }
+  return std::nullopt;
+}
+
+inline LeftOut read_ntu13(const FilePath& folder, double fps, const std::function<void(ActionRecording)>& use,
+                          Progress progress) {
+  const auto paths = read_ids(folder.string() + "/ntu_vibe_list.txt");
+  LeftOut left_out;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    progress(static_cast<Index>(i) + 1, static_cast<Index>(paths.size()));
+    const int action = ntu13_class(paths[i]);
+    if (action < 0) {
+      left_out.add("of another action", paths[i]);
+      continue;
+    }
+    const Pickle file = Pickle::open(folder.string() + "/" + paths[i], {.inline_bytes = joblib_array_bytes});
+    const auto person = numbered_entry(file.root(), 1);
+    if (!person) {
+      left_out.add("without a person 1", paths[i]);
+      continue;
+    }
+    const auto rotations = pickled_rows((*person)["pose"], 72);
+    const auto points = pickled_points((*person)["joints3d"], vibe_joints);
+    require_same_frames(*person, rotations.size(), points.size() / vibe_joints);
+    std::vector<Vec3<double>> root;
+    for (std::size_t at = vibe_hip; at < points.size(); at += vibe_joints) root.push_back(points[at]);
+    use({paths[i], std::to_string(action), seen_motion(rotations, root, Quaternion<double>::identity(), fps)});
+  }
+  return left_out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string action_data_set(const std::filesystem::path& folder) {
+  for (const auto& [name, file] : {std::pair("humanact12", "humanact12poses.pkl"),
+                                   {"uestc", "vibe_cache_refined.pkl"},
+                                   {"ntu13", "ntu_vibe_list.txt"}}) {
+    if (std::filesystem::exists(folder / file)) return name;
+  }
+  return "";
+}
+
+MOTIONLANG_BODY LeftOut read_action_recordings(std::string_view name, const FilePath& folder, double fps,
+                                               const std::function<void(ActionRecording)>& use, Progress progress) {
+  if (name == "humanact12") return detail::read_humanact12(folder, fps, use, progress);
+  if (name == "ntu13") return detail::read_ntu13(folder, fps, use, progress);
+  if (name == "uestc") return detail::read_uestc(folder, fps, use, progress);
+  raise<config_error>(103, "data set '", name, "' is not humanact12, uestc or ntu13");
+}
+
+MOTIONLANG_BODY UestcVideo parse_uestc_video(std::string_view name) {
+  UestcVideo out;
+  std::size_t at = 0;
+  for (const auto& [letter, value] :
+       {std::pair('a', &out.action), {'d', &out.view}, {'p', &out.subject}, {'c', &out.camera}}) {
+    const std::size_t end = std::min(name.find('_', at), name.size());
+    if (at >= name.size() || name[at] != letter)
+      raise<io_error>(403, "'", utf8_head(name, 60), "' is not the name of a video, such as a12_d3_p045_c2_color.avi");
+    *value = detail::whole_number(name.substr(at + 1, end - at - 1), name);
+    at = end + 1;
+  }
+  return out;
+}
+
+MOTIONLANG_BODY bool trains_with_uestc_subject(int subject) {
+  constexpr int people[] = {1,  2,  6,  12, 13, 16, 21, 24, 28, 29, 30,  31,  33,  35,  39,  41,  42,
+                            45, 47, 50, 52, 54, 55, 57, 59, 61, 63, 64,  67,  69,  70,  71,  73,  77,
+                            81, 84, 86, 87, 88, 90, 91, 93, 96, 99, 102, 103, 104, 107, 108, 112, 113};
+  return std::binary_search(std::begin(people), std::end(people), subject);
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> uestc_path(std::span<const double> camera,
+                                                     std::span<const Vec3<double>> joints) {
+  const std::size_t frames = camera.size() / 4, count = frames == 0 ? 0 : joints.size() / frames;
+  constexpr double focal = 500, height = 540;
+  std::vector<Vec3<double>> out;
+  for (std::size_t f = 0; f < frames; ++f) {
+    const double scale = camera[4 * f], x = camera[4 * f + 2], y = camera[4 * f + 3];
+    Vec3<double> least = joints[f * count], most = least;
+    for (std::size_t j = 1; j < count; ++j) {
+      const Vec3<double>& p = joints[f * count + j];
+      least = {std::min(least.x, p.x), std::min(least.y, p.y), 0};
+      most = {std::max(most.x, p.x), std::max(most.y, p.y), 0};
+    }
+    const double across = most.x - least.x, down = most.y - least.y, extent = std::sqrt(across * across + down * down);
+    const double in_picture = std::abs(scale) * 0.5 * height * extent;  // shifts do not change it
+    out.push_back({x, y, in_picture > 0 ? focal * extent / in_picture : 0});
+  }
+  for (std::size_t f = frames; f-- > 0;) out[f] = out[f] - out[0];
+  return out;
+}
+
+MOTIONLANG_BODY int ntu13_class(std::string_view path) {
+  constexpr int kept[] = {6, 7, 8, 9, 22, 23, 24, 38, 80, 93, 99, 100, 102};
+  const std::size_t letter = path.find('A');
+  if (letter == path.npos || path.size() < letter + 5)
+    raise<io_error>(403, "'", utf8_head(path, 60), "' has no number of an action behind an A");
+  const int action = detail::whole_number(path.substr(letter + 1, path.size() - 4 - letter - 1), path);
+  const auto found = std::find(std::begin(kept), std::end(kept), action);
+  return found == std::end(kept) ? -1 : static_cast<int>(found - std::begin(kept));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_DATASETS_ACTOR_CLIPS_HPP  // <motionlang/datasets/actor_clips.hpp>
 #define MOTIONLANG_HAS_DATASETS_ACTOR_CLIPS_HPP
 /// Motions in the form that ACTOR and its classifiers read: rows of rotations and the path of the root, windows of
@@ -11101,59 +11558,6 @@ struct DataConfig {
                               &C::test_share, "validation_share", &C::validation_share, "split_seed", &C::split_seed,
                               "mirror", &C::mirror, "actions", &C::actions);
   }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_DATASETS_LEFT_OUT_HPP  // <motionlang/datasets/left_out.hpp>
-#define MOTIONLANG_HAS_DATASETS_LEFT_OUT_HPP
-/// Items that a reader of a data set leaves out, with the reasons.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-class LeftOut {
- public:
-  void add(const std::string& why, const std::string& name, Index times = 1) {
-    if (times == 0) return;
-    Reason& reason = reasons_[why];
-    reason.count += times;
-    reason.name(name);
-  }
-  void add(const LeftOut& other) {
-    for (const auto& [why, theirs] : other.reasons_) {
-      Reason& reason = reasons_[why];
-      reason.count += theirs.count;
-      for (const std::string& name : theirs.names) reason.name(name);
-      reason.more = reason.more || theirs.more;
-    }
-  }
-  /// "5 left out: 3 too short (a, b), 2 without a label (d, e)", with the first names for each reason; or "0 left out".
-  std::string text() const {
-    Index all = 0;
-    for (const auto& [why, reason] : reasons_) all += reason.count;
-    const auto text_of = [](const auto& entry) {
-      const auto& [why, reason] = entry;
-      return concat_text(reason.count, " ", why, " (", join_text(reason.names), reason.more ? ", ...)" : ")");
-    };
-    return concat_text(all, " left out", all > 0 ? ": " : "", join_text(reasons_, ", ", text_of));
-  }
-
- private:
-  struct Reason {
-    Index count = 0;
-    std::vector<std::string> names{};  // the first ones, each once
-    bool more = false;
-
-    void name(const std::string& name) {
-      if (std::find(names.begin(), names.end(), name) != names.end()) return;
-      if (names.size() < 5)
-        names.push_back(name);
-      else
-        more = true;
-    }
-  };
-  std::map<std::string, Reason> reasons_;
 };
 
 MOTIONLANG_NAMESPACE_END
@@ -12628,12 +13032,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Training (0), validation (1) or test (2) of every clip: by lists of ids, else at random.
 class ClipSplit {
  public:
-  /// lists: folder of train.txt, val.txt and test.txt. "": at random, by the shares of `config`
+  /// lists: folder of train.txt, val.txt, test.txt, or, as in TEMOS, train, val, test. "": at random, by the shares
   ClipSplit(const std::filesystem::path& lists, const DataConfig& config, std::vector<std::string> clips) {
     if (!lists.empty()) {
       for (const int part : {0, 1, 2}) {
-        const auto list =
-            lists / (std::array{"train", "val", "test"}[static_cast<std::size_t>(part)] + std::string(".txt"));
+        const auto plain = lists / std::array{"train", "val", "test"}[static_cast<std::size_t>(part)];
+        const auto with_ending = std::filesystem::path(plain.string() + ".txt");
+        const auto& list = std::filesystem::is_regular_file(plain) ? plain : with_ending;
         if (part != 0 && !std::filesystem::exists(list)) continue;
         for (const std::string& id : read_ids(list)) part_.emplace(id, part);
       }
@@ -12662,6 +13067,181 @@ class ClipSplit {
 };
 
 MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_DATASETS_KIT_RECORDINGS_HPP  // <motionlang/datasets/kit_recordings.hpp>
+#define MOTIONLANG_HAS_DATASETS_KIT_RECORDINGS_HPP
+/// Raw KIT Motion-Language, as TEMOS reads it: texts, and joint positions at 100 frames per second.
+///
+///     <id>_annotations.json   ["A person waves.", ...]
+///     <id>_meta.json          {"nb_annotations": 1, ...}
+///    <id>_fke.csv            a header line; then an index and x, y, z of MMM's 21 joints on each line, millimetres
+///
+/// kitml_amass_path.json of TEMOS names the same recordings in AMASS.
+///
+/// Source  Plappert et al. (2016); the csv files from the preprocessing of Ghosh et al., which TEMOS
+///         reads; thesis 4.3.1
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct KitRecording {
+  static constexpr double fps = 100;
+  static constexpr std::size_t joint_count = 21;
+  std::string id;
+  std::vector<std::string> annotations;
+  std::vector<Vec3<double>> joints;  // (frames, 21), joint fastest; in the units and axes of the file
+
+  Index frames() const { return static_cast<Index>(joints.size() / joint_count); }
+};
+
+/// The positions in the text of a _fke.csv. Throws io_error 403, with the line, unless every line has 64 numbers. The
+/// first is an index, which is only checked.
+std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name = "fke.csv");
+
+/// True for a folder that has a _meta.json.
+bool is_kit_recordings(const std::filesystem::path& folder);
+
+/// The file kitml_amass_path.json: {"00001": {"path": "3/walk_poses.npz", "identifier": "kit"}, ...}.
+class KitAmassPaths {
+ public:
+  /// Throws what JsonMembers::open throws.
+  explicit KitAmassPaths(const FilePath& path) : members_(JsonMembers::open(path)) {}
+
+  /// The file of a recording in the folder of AMASS: below KIT, or below CMU or else EKUT. It may have the name of a
+  /// later release (_stageii.npz). "" if the list or the folder lacks it. Throws io_error 403 for a path that leads
+  /// out of the folder or another collection, config_error 107.
+  std::filesystem::path file(const std::string& id, const std::filesystem::path& amass) const;
+  bool has(const std::string& id) const { return members_.has(id); }
+
+ private:
+  JsonMembers members_;
+};
+
+/// A folder that is open for reading. Nothing is kept in memory: every call reads its files.
+class KitRecordings {
+ public:
+  explicit KitRecordings(FilePath folder) : folder_(std::move(folder)) {}
+
+  /// All ids with a _meta.json, sorted. Throws io_error 401.
+  std::vector<std::string> ids() const;
+  /// The texts of a recording. None if its metadata say so; TEMOS skips such recordings. Throws io_error 401, 403
+  /// (malformed; another number of texts than announced), config_error 107.
+  std::vector<std::string> annotations(const std::string& id) const;
+  /// Throws as annotations and parse_kit_joints.
+  KitRecording load(const std::string& id) const;
+
+ private:
+  FilePath file(const std::string& id, std::string_view ending) const;
+  FilePath folder_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_KIT_RECORDINGS_IPP  // <motionlang/datasets/kit_recordings.ipp>
+#define MOTIONLANG_HAS_DATASETS_KIT_RECORDINGS_IPP
+// Bodies of kit_recordings.hpp.
+
+#include <dirent.h>   // opendir
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name) {
+  constexpr std::size_t columns = 1 + 3 * KitRecording::joint_count;
+  std::vector<Vec3<double>> joints;
+  Index lines = 0;
+  detail::for_each_line(text, [&](std::string_view line, Index number) {
+    line = detail::trim(line);
+    if (line.empty() || ++lines == 1) return;
+    double values[columns];
+    std::size_t n = 0;
+    for (std::size_t at = 0; at <= line.size(); ++n) {
+      const std::size_t end = std::min(line.find(',', at), line.size());
+      const std::string_view field = detail::trim(line.substr(at, end - at));
+      double value = 0;
+      const auto [last, status] = detail::from_chars(field.data(), field.data() + field.size(), value);
+      if (status != std::errc{} || last != field.data() + field.size() || !std::isfinite(value))
+        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is not a number");
+      if (n < columns) values[n] = value;
+      at = end + 1;
+    }
+    if (n != columns)
+      raise<io_error>(403, name, ":", number, ": ", counted(n, "number"), ", ", columns, " are expected");
+    for (std::size_t i = 1; i < columns; i += 3) joints.push_back({values[i], values[i + 1], values[i + 2]});
+  });
+  if (lines == 0) raise<io_error>(402, name, ": the file is empty");
+  return joints;
+}
+
+MOTIONLANG_BODY bool is_kit_recordings(const std::filesystem::path& folder) {
+  std::error_code problem;
+  for (std::filesystem::directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
+    if (at->path().filename().string().ends_with("_meta.json")) return true;
+  }
+  return false;
+}
+
+MOTIONLANG_BODY std::filesystem::path KitAmassPaths::file(const std::string& id,
+                                                          const std::filesystem::path& amass) const {
+  if (!members_.has(id)) return {};
+  const nlohmann::json entry = members_.load(id);
+  const JsonView view(entry, members_.place(id));
+  const auto path = view["path"].as<std::string>(), collection = view["identifier"].as<std::string>();
+  if (!detail::is_clip_id(path)) raise<io_error>(403, view.path(), ": '", path, "' is not a path of a clip");
+  if (collection != "kit" && collection != "cmu")
+    raise<io_error>(403, view.path(), ": collection '", collection, "' is not kit or cmu");
+  std::vector<std::string> names{path};
+  constexpr std::string_view old_ending = "_poses.npz";
+  if (path.ends_with(old_ending)) names.push_back(path.substr(0, path.size() - old_ending.size()) + "_stageii.npz");
+  const auto folders = collection == "kit" ? std::vector{"KIT"} : std::vector{"CMU", "EKUT"};
+  for (const char* folder : folders) {
+    for (const std::string& name : names) {
+      if (const auto found = amass / folder / name; std::filesystem::exists(found)) return found;
+    }
+  }
+  return {};
+}
+
+MOTIONLANG_BODY std::vector<std::string> KitRecordings::ids() const {
+  constexpr std::string_view ending = "_meta.json";
+  DIR* const folder = ::opendir(folder_.c_str());
+  if (folder == nullptr) raise<io_error>(401, "cannot read the folder ", folder_.string());
+  std::vector<std::string> out;
+  while (const dirent* entry = ::readdir(folder)) {
+    const std::string_view name = entry->d_name;
+    if (name.size() > ending.size() && name.ends_with(ending))
+      out.emplace_back(name.substr(0, name.size() - ending.size()));
+  }
+  ::closedir(folder);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> KitRecordings::annotations(const std::string& id) const {
+  const FilePath meta_path = file(id, "_meta.json"), texts_path = file(id, "_annotations.json");
+  const nlohmann::json meta = read_json(meta_path);
+  const auto count = JsonView(meta, meta_path.string())["nb_annotations"].as<Index>();
+  if (count == 0) return {};
+  const nlohmann::json texts = read_json(texts_path);
+  auto out = JsonView(texts, texts_path.string()).as<std::vector<std::string>>();
+  if (std::ssize(out) != count) {
+    raise<io_error>(403, texts_path.string(), ": ", counted(out.size(), "text"), ", ", meta_path.string(), " has ",
+                    count);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY KitRecording KitRecordings::load(const std::string& id) const {
+  const FilePath path = file(id, "_fke.csv");
+  return {id, annotations(id), parse_kit_joints(detail::as_text(MappedFile::open(path)->bytes()), path.string())};
+}
+
+MOTIONLANG_BODY FilePath KitRecordings::file(const std::string& id, std::string_view ending) const {
+  if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is not an id of a clip");
+  return concat_text(folder_.string(), "/", id, ending);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_DATASETS_SEGMENT_MOTION_HPP  // <motionlang/datasets/segment_motion.hpp>
@@ -13026,6 +13606,94 @@ inline void add_annotations(DescribedMotions& out, const DataSources& sources, c
   }
 }
 
+/// The rows of a raw recording of KIT-ML: every 8th frame at 12.5 frames per second, as published.
+inline std::vector<float> kit_rows(const KitRecording& recording, const RowMaker& maker) {
+  std::vector<Vec3<double>> joints;
+  for (const Index f : every_nth_frame(recording.frames(), KitRecording::fps, maker.fps)) {
+    constexpr std::ptrdiff_t count = KitRecording::joint_count;
+    const auto first = recording.joints.begin() + f * count;
+    joints.insert(joints.end(), first, first + count);
+  }
+  const auto rows = rifke_features(temos_rifke(), std::span<const Vec3<double>>(joints)).features;
+  return {rows.begin(), rows.end()};
+}
+
+/// Raw KIT-ML: its own positions as rifke64. Other features are those of its motions in AMASS, which a folder amass and
+/// kitml_amass_path.json beside the recordings name.
+inline void add_kit_recordings(DescribedMotions& out, const DataSources& sources, const DataConfig& config,
+                               const RowMaker& maker, Progress progress) {
+  const KitRecordings recordings(sources.data);
+  const auto ids = recordings.ids();
+  const ClipSplit split(sources.splits, config, ids);
+  const auto list = sources.data / "kitml_amass_path.json", amass = sources.data / "amass";
+  std::optional<KitAmassPaths> paths;
+  if (maker.name != "rifke64") {
+    if (!std::filesystem::exists(list) || !std::filesystem::exists(amass))
+      raise<config_error>(102, sources.data.string(), " has positions of MMM's joints, which become rifke64. For '",
+                          maker.name, "' it needs ", list.string(), " of TEMOS, and AMASS as ", amass.string());
+    paths.emplace(FilePath(list));
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    progress(static_cast<Index>(i) + 1, std::ssize(ids));
+    const std::string& id = ids[i];
+    const int part = split.of(id);
+    if (part < 0) continue;
+    const auto texts = recordings.annotations(id);
+    if (texts.empty()) {
+      out.left_out.add("without a text", id);
+      continue;
+    }
+    DescribedMotion d{id, id, {}, {}};
+    double seconds = 0;
+    if (paths) {
+      const auto file = paths->file(id, amass);
+      if (file.empty()) {
+        out.left_out.add(paths->has(id) ? "without a file in AMASS" : "that the list of AMASS lacks", id);
+        continue;
+      }
+      const Motion motion = on_smpl(read_amass(file).motion);
+      seconds = motion.seconds();
+      d.rows = made_rows(maker, resample(motion, maker.fps));
+    } else {
+      constexpr Index step = 8;  // lengths count at 12.5 frames per second, whatever the rate of the rows
+      const KitRecording recording = recordings.load(id);
+      seconds = static_cast<double>((recording.frames() + step - 1) / step) * step / KitRecording::fps;
+      if (recording.frames() > fewest_rows * step) d.rows = kit_rows(recording, maker);
+    }
+    const Index frames = std::ssize(d.rows) / maker.width;
+    if (part < 2 && (seconds < config.min_seconds || seconds > config.max_seconds)) {
+      out.left_out.add(why_other_length(config), id);
+      continue;
+    }
+    if (frames < fewest_rows) {
+      out.left_out.add(why_few_frames, id);
+      continue;
+    }
+    for (const std::string& text : texts) d.texts.push_back({text, {0, frames}});
+    out.numbered_part(part).push_back(std::move(d));
+  }
+}
+
+/// Motions keep their frames, whatever their rate was. Lengths are for training only, as published.
+inline void add_action_recordings(DescribedMotions& out, const std::string& dataset, const std::filesystem::path& data,
+                                  const DataConfig& config, const RowMaker& maker, Progress progress) {
+  const auto use = [&](const ActionRecording& r) {
+    if (!config.actions.empty() &&
+        std::find(config.actions.begin(), config.actions.end(), r.action) == config.actions.end()) {
+      out.left_out.add("of other actions", r.id);
+      return;
+    }
+    DescribedMotion d{r.id, r.id, made_rows(maker, r.motion), {}};
+    d.texts.push_back({r.action, {0, r.motion.frames()}});
+    const double seconds = r.motion.seconds();
+    const bool fits = seconds >= config.min_seconds && seconds <= config.max_seconds;
+    if (r.training && !fits) out.left_out.add(why_other_length(config), r.id);
+    if (r.test) out.test.push_back(d);
+    if (r.training && fits) out.training.push_back(std::move(d));
+  };
+  out.left_out.add(read_action_recordings(dataset, data.string(), maker.fps, use, progress));
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY RowMaker row_maker(const std::string& features) {
@@ -13067,14 +13735,22 @@ MOTIONLANG_BODY DescribedMotions read_described_motions(const DataSources& sourc
   DescribedMotions out{rows.width, rows.fps, {}, {}, {}};
   const bool captions = !sources.captions.empty(), annotations = !sources.annotations.empty();
   sources.require_sound();
-  if (sources.actions && !annotations && sources.labels.empty())
-    raise<config_error>(102, "actions need labels: `labels` names a table of them, `annotations` a file that has some");
+  const bool own_labels = sources.actions && !annotations && sources.labels.empty();
+  const std::string dataset = own_labels ? action_data_set(sources.data) : "";
+  if (own_labels && dataset.empty())
+    raise<config_error>(102,
+                        "actions need labels: `labels` names a table of them, `annotations` a file that has some; or "
+                        "`data` has the files of HumanAct12, UESTC or NTU-13");
+  if (!dataset.empty() && !sources.splits.empty())
+    raise<config_error>(102, sources.data.string(), ": ", dataset, " has parts of its own: no `splits` with it");
   if (!config.actions.empty() && !sources.labelled())
     raise<config_error>(102, "data.actions selects labels, but this training learns texts");
   DataSources listed = sources;  // a data set has its own lists
   if (listed.splits.empty() && is_data_set(sources.data) && std::filesystem::exists(sources.data / "train.txt"))
     listed.splits = sources.data;
-  if (captions)
+  if (!dataset.empty())
+    detail::add_action_recordings(out, dataset, sources.data, config, rows, progress);
+  else if (captions)
     detail::add_clip_lines(out, detail::one_per_segment(read_captions(sources.captions, sources.data)), listed, config,
                            rows, progress);
   else if (annotations && sources.labelled())
@@ -13086,9 +13762,12 @@ MOTIONLANG_BODY DescribedMotions read_described_motions(const DataSources& sourc
     detail::add_annotations(out, sources, config, rows, progress);
   else if (is_data_set(sources.data))
     detail::add_humanml3d(out, sources, rows, progress);
+  else if (is_kit_recordings(sources.data))
+    detail::add_kit_recordings(out, sources, config, rows, progress);
   else
-    raise<config_error>(102, sources.data.string(),
-                        " has no new_joint_vecs; clips need a table of captions or labels, or an annotation file");
+    raise<config_error>(
+        102, sources.data.string(),
+        " has no new_joint_vecs and no _meta.json; clips need a table of captions or labels, or an annotation file");
   if (out.training.empty())
     raise<io_error>(403, sources.data.string(), ": nothing to train on (", out.left_out.text(), ")");
   return out;
@@ -14567,131 +15246,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_DATASETS_KIT_RECORDINGS_HPP  // <motionlang/datasets/kit_recordings.hpp>
-#define MOTIONLANG_HAS_DATASETS_KIT_RECORDINGS_HPP
-/// Raw KIT Motion-Language, as TEMOS reads it: texts, and joint positions at 100 frames per second.
-///
-///     <id>_annotations.json   ["A person waves.", ...]
-///     <id>_meta.json          {"nb_annotations": 1, ...}
-///    <id>_fke.csv            a header line; then an index and x, y, z of MMM's 21 joints on each line, millimetres
-///
-/// Source  Plappert et al. (2016); the csv files from the preprocessing of Ghosh et al., which TEMOS
-///         reads; thesis 4.3.1
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct KitRecording {
-  static constexpr double fps = 100;
-  static constexpr std::size_t joint_count = 21;
-  std::string id;
-  std::vector<std::string> annotations;
-  std::vector<Vec3<double>> joints;  // (frames, 21), joint fastest; in the units and axes of the file
-
-  Index frames() const { return static_cast<Index>(joints.size() / joint_count); }
-};
-
-/// The positions in the text of a _fke.csv. Throws io_error 403, with the line, unless every line has 64 numbers. The
-/// first is an index, which is only checked.
-std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name = "fke.csv");
-
-/// A folder that is open for reading. Nothing is kept in memory: every call reads its files.
-class KitRecordings {
- public:
-  explicit KitRecordings(FilePath folder) : folder_(std::move(folder)) {}
-
-  /// All ids with a _meta.json, sorted. Throws io_error 401.
-  std::vector<std::string> ids() const;
-  /// The texts of a recording. None if its metadata say so; TEMOS skips such recordings. Throws io_error 401, 403
-  /// (malformed; another number of texts than announced), config_error 107.
-  std::vector<std::string> annotations(const std::string& id) const;
-  /// Throws as annotations and parse_kit_joints.
-  KitRecording load(const std::string& id) const;
-
- private:
-  FilePath file(const std::string& id, std::string_view ending) const;
-  FilePath folder_;
-};
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_DATASETS_KIT_RECORDINGS_IPP  // <motionlang/datasets/kit_recordings.ipp>
-#define MOTIONLANG_HAS_DATASETS_KIT_RECORDINGS_IPP
-// Bodies of kit_recordings.hpp.
-
-#include <dirent.h>   // opendir
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name) {
-  constexpr std::size_t columns = 1 + 3 * KitRecording::joint_count;
-  std::vector<Vec3<double>> joints;
-  Index lines = 0;
-  detail::for_each_line(text, [&](std::string_view line, Index number) {
-    line = detail::trim(line);
-    if (line.empty() || ++lines == 1) return;
-    double values[columns];
-    std::size_t n = 0;
-    for (std::size_t at = 0; at <= line.size(); ++n) {
-      const std::size_t end = std::min(line.find(',', at), line.size());
-      const std::string_view field = detail::trim(line.substr(at, end - at));
-      double value = 0;
-      const auto [last, status] = detail::from_chars(field.data(), field.data() + field.size(), value);
-      if (status != std::errc{} || last != field.data() + field.size() || !std::isfinite(value))
-        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is not a number");
-      if (n < columns) values[n] = value;
-      at = end + 1;
-    }
-    if (n != columns)
-      raise<io_error>(403, name, ":", number, ": ", counted(n, "number"), ", ", columns, " are expected");
-    for (std::size_t i = 1; i < columns; i += 3) joints.push_back({values[i], values[i + 1], values[i + 2]});
-  });
-  if (lines == 0) raise<io_error>(402, name, ": the file is empty");
-  return joints;
-}
-
-MOTIONLANG_BODY std::vector<std::string> KitRecordings::ids() const {
-  constexpr std::string_view ending = "_meta.json";
-  DIR* const folder = ::opendir(folder_.c_str());
-  if (folder == nullptr) raise<io_error>(401, "cannot read the folder ", folder_.string());
-  std::vector<std::string> out;
-  while (const dirent* entry = ::readdir(folder)) {
-    const std::string_view name = entry->d_name;
-    if (name.size() > ending.size() && name.ends_with(ending))
-      out.emplace_back(name.substr(0, name.size() - ending.size()));
-  }
-  ::closedir(folder);
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
-MOTIONLANG_BODY std::vector<std::string> KitRecordings::annotations(const std::string& id) const {
-  const FilePath meta_path = file(id, "_meta.json"), texts_path = file(id, "_annotations.json");
-  const nlohmann::json meta = read_json(meta_path);
-  const auto count = JsonView(meta, meta_path.string())["nb_annotations"].as<Index>();
-  if (count == 0) return {};
-  const nlohmann::json texts = read_json(texts_path);
-  auto out = JsonView(texts, texts_path.string()).as<std::vector<std::string>>();
-  if (std::ssize(out) != count) {
-    raise<io_error>(403, texts_path.string(), ": ", counted(out.size(), "text"), ", ", meta_path.string(), " has ",
-                    count);
-  }
-  return out;
-}
-
-MOTIONLANG_BODY KitRecording KitRecordings::load(const std::string& id) const {
-  const FilePath path = file(id, "_fke.csv");
-  return {id, annotations(id), parse_kit_joints(detail::as_text(MappedFile::open(path)->bytes()), path.string())};
-}
-
-MOTIONLANG_BODY FilePath KitRecordings::file(const std::string& id, std::string_view ending) const {
-  if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is not an id of a clip");
-  return concat_text(folder_.string(), "/", id, ending);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
 #ifndef MOTIONLANG_HAS_DATASETS_LABEL_SENTENCES_HPP  // <motionlang/datasets/label_sentences.hpp>
 #define MOTIONLANG_HAS_DATASETS_LABEL_SENTENCES_HPP
 /// Joins labels of simultaneous actions to sentences. If a file marks the verbs among their words, the second verb gets
@@ -15904,6 +16458,31 @@ struct IndexReport {
   bool changed() const { return added + removed + renamed + relicensed > 0; }
 };
 
+/// A file that an update reads.
+struct FileToIndex {
+  std::filesystem::path path{};
+  std::int64_t modified = 0, bytes = 0;
+  std::optional<std::vector<ClipLine>> lines{};  // the captions that cut it into clips, if they name it
+};
+/// A clip of such a file with its vectors, except those of its captions; or the reason why it cannot be indexed.
+struct ClipToIndex {
+  EncodedClip clip{};
+  std::string problem{};
+};
+/// Reads and encodes files, for IndexUpdate::run. Several processes share this work (train/shared_index.hpp).
+class FileEncoder {
+ public:
+  virtual ~FileEncoder() = default;
+  /// The number of files that it wants at once.
+  virtual Index at_once() const = 0;
+  /// The clips of each file, in the order of the files.
+  virtual std::vector<std::vector<ClipToIndex>> encode(std::span<const FileToIndex> files) = 0;
+};
+/// The clips of files. Threads share the reading, and inside the model the encoding. Equal files give equal clips,
+/// independent of the other files.
+std::vector<std::vector<ClipToIndex>> encode_files(std::span<const FileToIndex> files, const SearchEncoder& encoder,
+                                                   const IndexModel& model, const MotionReadOptions& read = {});
+
 /// An update of an index from a folder and its subfolders. It has two steps, so that the caller can announce the amount
 /// of work.
 class IndexUpdate {
@@ -15911,6 +16490,7 @@ class IndexUpdate {
   /// Looks at the files: forgets clips of deleted files, and renames moved ones. Encodes the texts of captions. Index
   /// and encoder must outlive the object.
   /// Throws  io_error 401 if the folder cannot be read, and what SearchEncoder::encode_texts throws
+  IndexUpdate(ClipStore& index, const FilePath& folder, const SearchEncoder& encoder, IndexOptions options = {});
   IndexUpdate(MotionIndex& index, const FilePath& folder, const SearchEncoder& encoder, IndexOptions options = {});
 
   /// Motion files below the folder, and those of them that will be read.
@@ -15920,24 +16500,13 @@ class IndexUpdate {
 
   /// Reads, encodes and adds new clips. A file that fails does not stop the others.
   /// progress  is called after every few files, with the number of finished files
+  /// others    reads and encodes instead of this process alone
   /// Throws    cancelled if `progress` stops it; clips that are already encoded are then in the index
-  void run(Progress progress = {});
+  void run(Progress progress = {}, FileEncoder* others = nullptr);
 
   const IndexReport& report() const { return report_; }
 
  private:
-  /// The state of a file in the file system.
-  struct FileState {
-    std::filesystem::path path;
-    std::int64_t modified = 0, bytes = 0;
-  };
-  /// A clip for the index, or the reason why it cannot be added.
-  struct Prepared {
-    IndexedClip clip;
-    std::vector<float> rows;
-    std::string problem;
-  };
-
   void look_at_files();
   void take_captions();
   void find_changes();
@@ -15945,16 +16514,15 @@ class IndexUpdate {
   void keep(const IndexedClip& c, const std::string& path);
   std::string license_of(const std::filesystem::path& path, const std::string& before);
   const std::string& license_beside(const std::filesystem::path& folder);
-  void add(std::span<const FileState> files);
-  std::vector<Prepared> prepare(const FileState& file) const;
-  void encode(Prepared p);
+  void take(const FileToIndex& file, std::vector<ClipToIndex> clips);
 
-  MotionIndex& index_;
+  std::shared_ptr<ClipStore> own_;  // of a MotionIndex
+  ClipStore& index_;
   const SearchEncoder& encoder_;
   std::filesystem::path folder_;
   IndexOptions options_;
   IndexReport report_;
-  std::vector<FileState> files_, fresh_;
+  std::vector<FileToIndex> files_, fresh_;
   std::map<std::string, std::vector<ClipLine>> lines_of_;  // by the path of their file
   std::map<std::string, std::vector<float>> vector_of_;    // of captions
   std::map<std::string, std::string> license_before_;      // of files that are read again for their captions
@@ -15970,13 +16538,21 @@ std::filesystem::path indexed_path(const FilePath& path);
 /// True if an absolute path is the folder or in it.
 bool is_below(const std::filesystem::path& path, const std::filesystem::path& folder);
 /// Removes the clips of a file, or of all files below a folder, from an index. Returns the number of these clips.
-Index remove_below(MotionIndex& index, const FilePath& path);
+Index remove_below(ClipStore& index, const FilePath& path);
+inline Index remove_below(MotionIndex& index, const FilePath& path) {
+  StoreOfIndex store(index);
+  return remove_below(store, path);
+}
 
 /// A line for each clip of an index, with tabs: path and animation, start, end, frames per second, frames, captions,
 /// licence.
-std::string listed_clips(const MotionIndex& index);
+std::string listed_clips(std::span<const IndexedClip> clips);
+inline std::string listed_clips(const MotionIndex& index) { return listed_clips(index.clips()); }
 /// The size of an index after an update, and what the update changed, as lines.
-std::string describe_update(const MotionIndex& index, const IndexReport& report);
+std::string describe_update(Index clips, Index moments, const IndexReport& report);
+inline std::string describe_update(const MotionIndex& index, const IndexReport& report) {
+  return describe_update(index.count(), std::ssize(index.moments()), report);
+}
 
 MOTIONLANG_NAMESPACE_END
 
@@ -16036,7 +16612,7 @@ MOTIONLANG_BODY bool is_below(const std::filesystem::path& path, const std::file
   return end == folder.end();
 }
 
-MOTIONLANG_BODY Index remove_below(MotionIndex& index, const FilePath& path) {
+MOTIONLANG_BODY Index remove_below(ClipStore& index, const FilePath& path) {
   const std::filesystem::path whole = indexed_path(path);
   return index.remove_if([&](const IndexedClip& c) { return is_below(c.path, whole); });
 }
@@ -16052,6 +16628,17 @@ MOTIONLANG_BODY IndexModel index_model(const SearchEncoder& encoder, const Momen
 
 MOTIONLANG_BODY IndexUpdate::IndexUpdate(MotionIndex& index, const FilePath& folder, const SearchEncoder& encoder,
                                          IndexOptions options)
+    : own_(std::make_shared<StoreOfIndex>(index)),
+      index_(*own_),
+      encoder_(encoder),
+      folder_(indexed_path(folder)),
+      options_(std::move(options)) {
+  take_captions();
+  look_at_files();
+  find_changes();
+}
+MOTIONLANG_BODY IndexUpdate::IndexUpdate(ClipStore& index, const FilePath& folder, const SearchEncoder& encoder,
+                                         IndexOptions options)
     : index_(index), encoder_(encoder), folder_(indexed_path(folder)), options_(std::move(options)) {
   take_captions();
   look_at_files();
@@ -16063,7 +16650,7 @@ MOTIONLANG_BODY void IndexUpdate::look_at_files() {
   for (const fs::path& path : motion_files_below(folder_, "", &report_.folder_notes)) {
     const auto time =
         std::chrono::duration_cast<std::chrono::nanoseconds>(fs::last_write_time(path).time_since_epoch());
-    files_.push_back({path.lexically_normal(), time.count(), static_cast<std::int64_t>(fs::file_size(path))});
+    files_.push_back({path.lexically_normal(), time.count(), static_cast<std::int64_t>(fs::file_size(path)), {}});
   }
 }
 
@@ -16091,13 +16678,13 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
   std::map<std::string, IndexedClip> known;  // a clip of each file
   std::set<std::string> now;
   for (const IndexedClip& c : index_.clips()) known.emplace(c.path, c);
-  for (const FileState& f : files_) now.insert(f.path.string());
+  for (const FileToIndex& f : files_) now.insert(f.path.string());
   std::map<std::pair<std::int64_t, std::string>, IndexedClip> moved;  // missing from their old places: time, content
   for (const auto& [path, c] : known) {
     if (!c.content.empty() && is_below(path, folder_) && !now.contains(path)) moved[{c.modified, c.content}] = c;
   }
   std::set<std::string> outdated;
-  for (const FileState& f : files_) {
+  for (const FileToIndex& f : files_) {
     const std::string path = f.path.string();
     const auto before = known.find(path);
     auto from = moved.end();
@@ -16119,7 +16706,9 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
         outdated.insert(path);
         if (!options_.again && before->second.modified == f.modified) license_before_[path] = before->second.license;
       }
+      const auto lines = lines_of_.find(path);
       fresh_.push_back(f);
+      if (lines != lines_of_.end()) fresh_.back().lines = lines->second;
     }
   }
   report_.removed = index_.remove_if([&](const IndexedClip& c) {
@@ -16160,92 +16749,119 @@ MOTIONLANG_BODY const std::string& IndexUpdate::license_beside(const std::filesy
   return licenses_[folder] = std::move(text);
 }
 
-MOTIONLANG_BODY void IndexUpdate::run(Progress progress) {
-  // A few files at a time: here threads share the reading, and inside the model the encoding.
-  const auto at_once = static_cast<std::size_t>(8 * thread_count());
-  const std::vector<FileState> fresh = std::exchange(fresh_, {});
+MOTIONLANG_BODY void IndexUpdate::run(Progress progress, FileEncoder* others) {
+  const auto at_once = static_cast<std::size_t>(others != nullptr ? others->at_once() : 8 * thread_count());
+  const std::vector<FileToIndex> fresh = std::exchange(fresh_, {});
   for (std::size_t begin = 0; begin < fresh.size(); begin += at_once) {
     const auto some = std::span(fresh).subspan(begin, std::min(at_once, fresh.size() - begin));
-    add(some);
+    auto clips = others != nullptr ? others->encode(some) : encode_files(some, encoder_, index_.model(), options_.read);
+    for (std::size_t f = 0; f < some.size(); ++f) take(some[f], std::move(clips[f]));
     progress(static_cast<Index>(begin + some.size()), std::ssize(fresh));
   }
 }
 
-MOTIONLANG_BODY void IndexUpdate::add(std::span<const FileState> files) {
-  std::vector<std::vector<Prepared>> prepared(files.size());
-  parallel_for(std::ssize(files), [&](Index i) {
-    const auto f = static_cast<std::size_t>(i);
-    const auto fail = [&](const error& e) {
-      prepared[f] = {{{.path = files[f].path.string()}, {}, e.what()}};
-      return true;
-    };
-    detail::guard<error>([&] { prepared[f] = prepare(files[f]); }, fail);
-  });
-  for (std::size_t f = 0; f < files.size(); ++f) {
-    for (Prepared& p : prepared[f]) {
-      const auto before = license_before_.find(files[f].path.string());
-      p.clip.license = license_of(files[f].path, before != license_before_.end() ? before->second : "");
-      encode(std::move(p));
-    }
-  }
-}
+namespace detail {
+
+/// A clip that was read: its rows, or the reason why there are none.
+struct ReadClip {
+  IndexedClip clip;
+  std::vector<float> rows;
+  std::string problem;
+};
 
 /// The whole motions of a file, or the parts of its motion that the captions name.
-MOTIONLANG_BODY std::vector<IndexUpdate::Prepared> IndexUpdate::prepare(const FileState& file) const {
-  std::vector<Prepared> out;
+inline std::vector<ReadClip> read_clips(const FileToIndex& file, const SearchEncoder& encoder,
+                                        const MotionReadOptions& read) {
+  std::vector<ReadClip> out;
   if (!is_utf8(file.path.string())) raise<io_error>(404, "the path is not UTF-8; an index keeps only such paths");
-  const auto motions = read_motions(file.path, options_for_file(options_.read, file.path));
-  const auto found = lines_of_.find(file.path.string());
-  const std::string content = detail::checksum_of_file(file.path),
-                    lines = found != lines_of_.end() ? detail::checksum_of_lines(found->second) : "";
+  const auto motions = read_motions(file.path, options_for_file(read, file.path));
+  const std::string content = checksum_of_file(file.path), lines = file.lines ? checksum_of_lines(*file.lines) : "";
   const auto take = [&](const Motion& m, const ClipLine* line) {
-    Prepared& p = out.emplace_back();
+    ReadClip& p = out.emplace_back();
     p.clip.path = file.path.string(), p.clip.modified = file.modified, p.clip.bytes = file.bytes;
     p.clip.content = content, p.clip.lines = lines;
     if (motions.size() > 1) p.clip.name = m.name;
     if (line != nullptr) p.clip.start = line->start, p.clip.captions = line->texts;
-    const auto read = [&] {
+    const auto rows = [&] {
       const Motion part = line != nullptr ? segment_of(m, *line, 2) : m;
       part.validate();
       p.clip.end = p.clip.start + part.seconds(), p.clip.fps = part.fps, p.clip.frames = part.frames();
-      p.rows = encoder_.rows_of(part);
+      p.rows = encoder.rows_of(part);
     };
-    detail::guard<error>(read, [&](const error& e) {
+    guard<error>(rows, [&](const error& e) {
       p.problem = e.what();
       return true;
     });
   };
   for (const Motion& m : motions) {
-    if (found == lines_of_.end())
+    if (!file.lines)
       take(m, nullptr);
     else
-      for (const ClipLine& line : found->second) {
+      for (const ClipLine& line : *file.lines) {
         if (line.animation.empty() || line.animation == m.name) take(m, &line);
       }
   }
   return out;
 }
 
-MOTIONLANG_BODY void IndexUpdate::encode(Prepared p) {
-  const std::string name = p.clip.path + (p.clip.name.empty() ? "" : "#" + p.clip.name);
-  const auto put_in = [&] {
-    EncodedClip c{.clip = std::move(p.clip), .vector = encode_clip(encoder_, p.rows)};
-    c.moments = indexed_moments(encoder_.frames(p.rows), index_.model());
-    c.moment_vectors = encoder_.encode_windows(p.rows, c.moments);
-    for (const std::string& text : c.clip.captions) {
-      const auto& v = vector_of_.at(text);
-      c.caption_vectors.insert(c.caption_vectors.end(), v.begin(), v.end());
-    }
-    index_.add(std::move(c));
-    ++report_.added;
-  };
-  if (p.problem.empty()) {
-    detail::guard<numeric_error>(put_in, [&](const numeric_error& e) {  // vectors of length 0
-      p.problem = e.what();
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<std::vector<ClipToIndex>> encode_files(std::span<const FileToIndex> files,
+                                                                   const SearchEncoder& encoder,
+                                                                   const IndexModel& model,
+                                                                   const MotionReadOptions& read) {
+  std::vector<std::vector<detail::ReadClip>> read_clips(files.size());
+  parallel_for(std::ssize(files), [&](Index i) {
+    const auto f = static_cast<std::size_t>(i);
+    const auto fail = [&](const error& e) {
+      read_clips[f] = {{{.path = files[f].path.string()}, {}, e.what()}};
       return true;
-    });
+    };
+    detail::guard<error>([&] { read_clips[f] = detail::read_clips(files[f], encoder, read); }, fail);
+  });
+  std::vector<std::vector<ClipToIndex>> out(files.size());
+  for (std::size_t f = 0; f < files.size(); ++f) {
+    for (detail::ReadClip& p : read_clips[f]) {
+      ClipToIndex& c = out[f].emplace_back();
+      c.clip.clip = std::move(p.clip), c.problem = std::move(p.problem);
+      if (!c.problem.empty()) continue;
+      const auto encode = [&] {
+        c.clip.vector = encode_clip(encoder, p.rows);
+        c.clip.moments = indexed_moments(encoder.frames(p.rows), model);
+        c.clip.moment_vectors = encoder.encode_windows(p.rows, c.clip.moments);
+      };
+      detail::guard<numeric_error>(encode, [&](const numeric_error& e) {  // vectors of length 0
+        c.problem = e.what();
+        return true;
+      });
+      p.rows = {};
+    }
   }
-  if (!p.problem.empty()) report_.skipped.push_back(name + ": " + p.problem);
+  return out;
+}
+
+MOTIONLANG_BODY void IndexUpdate::take(const FileToIndex& file, std::vector<ClipToIndex> clips) {
+  const auto before = license_before_.find(file.path.string());
+  for (ClipToIndex& c : clips) {
+    IndexedClip& clip = c.clip.clip;
+    clip.license = license_of(file.path, before != license_before_.end() ? before->second : "");
+    const std::string name = clip.path + (clip.name.empty() ? "" : "#" + clip.name);
+    const auto put_in = [&] {
+      for (const std::string& text : clip.captions) {
+        const auto& v = vector_of_.at(text);
+        c.clip.caption_vectors.insert(c.clip.caption_vectors.end(), v.begin(), v.end());
+      }
+      index_.add(std::move(c.clip));
+      ++report_.added;
+    };
+    if (c.problem.empty()) {
+      detail::guard<numeric_error>(put_in, [&](const numeric_error& e) {  // vectors of length 0
+        c.problem = e.what();
+        return true;
+      });
+    }
+    if (!c.problem.empty()) report_.skipped.push_back(name + ": " + c.problem);
+  }
 }
 
 MOTIONLANG_BODY IndexReport update_index(MotionIndex& index, const FilePath& folder, const SearchEncoder& encoder,
@@ -16255,9 +16871,9 @@ MOTIONLANG_BODY IndexReport update_index(MotionIndex& index, const FilePath& fol
   return update.report();
 }
 
-MOTIONLANG_BODY std::string listed_clips(const MotionIndex& index) {
+MOTIONLANG_BODY std::string listed_clips(std::span<const IndexedClip> clips) {
   std::string out;
-  for (const IndexedClip& c : index.clips()) {
+  for (const IndexedClip& c : clips) {
     out += printable(c.path + (c.name.empty() ? "" : "#" + c.name));
     out += formatted("\t%.2f\t%.2f\t%g\t%td\t", c.start, c.end, c.fps, c.frames);
     out += printable(join_text(c.captions, " | ")) + "\t" + printable(c.license) + "\n";
@@ -16265,9 +16881,9 @@ MOTIONLANG_BODY std::string listed_clips(const MotionIndex& index) {
   return out;
 }
 
-MOTIONLANG_BODY std::string describe_update(const MotionIndex& index, const IndexReport& report) {
-  std::string out = concat_text(counted(index.count(), "clip"), ", ", counted(index.moments().size(), "moment"), " (",
-                                report.added, " added, ", report.removed, " removed, ", report.renamed, " renamed, ",
+MOTIONLANG_BODY std::string describe_update(Index clips, Index moments, const IndexReport& report) {
+  std::string out = concat_text(counted(clips, "clip"), ", ", counted(moments, "moment"), " (", report.added,
+                                " added, ", report.removed, " removed, ", report.renamed, " renamed, ",
                                 report.unchanged, " unchanged, ", report.skipped.size(), " skipped)\n");
   if (report.relicensed > 0) out += counted(report.relicensed, "file has", "files have") + " another license now\n";
   return out;
@@ -16277,14 +16893,722 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_SEARCH_INDEX_SHARDS_HPP  // <motionlang/search/index_shards.hpp>
+#define MOTIONLANG_HAS_SEARCH_INDEX_SHARDS_HPP
+/// An index that is larger than memory: a folder of files of a stated size (shards), which are searched where they lie.
+/// A search finds exactly what it finds in one index of all clips.
+///
+///     ShardStore store("moves.shards", index_model(tmr), Index{256} << 20);      // files of at most 256 MiB
+///     store.add(clip);                                                           // again and again
+///     store.write();
+///
+///     const auto shards = IndexShards::open("moves.shards");
+///     const MotionSearch search = open_motion_search(shards);
+///
+/// Layout   shards.json lists the files with their sizes, checksums and numbers of clips, moments and captions. It is
+///          written last, so a reader has the old shards or the new ones. A shard is an index file
+///          (search/motion_index_file.hpp) with further tensors:
+///             clips_codes, moments_codes, captions_codes      I8 (n, width): each row in eight bits
+///             clips_bounds, moments_bounds, captions_bounds   F32 (n, 2): scale s and allowance e of each row
+///             clip_places     I64 (clips, 2): where the text of each clip begins and ends in `about`
+///             caption_clips   I64 (captions): the clip of each caption
+/// Scan     reads the codes c, a quarter of the vectors. The cosine of a row x with a query q of length 1 is
+///             <x, q> = s <c, q> + <x - s c, q>  <=  s <c, q> + e,    as e >= |x - s c|
+///          Only rows whose bound reaches the k-th best cosine are read and compared by exact_cosine.
+/// Checked  When the folder is opened: the list, the size, the header, the model and the tables' shapes of each shard.
+///          When clips are found: their texts, and the bound of each compared row. `check` reads every byte.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A shard in the list of its folder.
+struct ShardEntry {
+  std::string file{};      // its name in the folder
+  std::string checksum{};  // of its tensors
+  Index bytes = 0, clips = 0, moments = 0, captions = 0;
+  bool operator==(const ShardEntry&) const = default;
+};
+/// The list of a folder.
+struct ShardList {
+  IndexModel model{};
+  Index shard_bytes = 0;
+  std::vector<ShardEntry> shards{};
+};
+
+/// The name of the list in its folder.
+inline constexpr const char* shard_list_name = "shards.json";
+/// True for a folder with a list.
+bool is_shard_folder(const FilePath& folder);
+/// Throws io_error 401, 403, 404, config_error 107.
+ShardList read_shard_list(const FilePath& folder);
+
+/// An open folder of shards.
+class IndexShards : public IndexTables {
+ public:
+  /// Throws io_error 401 (no list, or a shard is missing), 402 (a shard is too short), 403 (malformed, or another file
+  /// than the list says), 404, 405, 406, 407, config_error 102 (a shard of another model) and 107
+  static std::shared_ptr<const IndexShards> open(const FilePath& folder);
+
+  const std::string& name() const { return name_; }
+  const ShardList& list() const { return list_; }
+  const IndexModel& model() const override { return list_.model; }
+  Index clip_count() const override { return clips_; }
+  Index moment_count() const override { return moments_; }
+  Index caption_count() const override { return captions_; }
+  /// Reads one entry. Throws io_error 403, config_error 107 if it is damaged.
+  IndexedClip clip(Index i) const override;
+  MotionIndex::Moment moment(Index i) const override;
+  Index clip_of_caption(Index i) const override;
+
+  /// Searches the shards part, part + parts, part + 2 parts, ...; vectors have their numbers in the whole index. With
+  /// more than one part, count() is still that of the whole index, and an answer is a part of the answer.
+  std::shared_ptr<const VectorSearch> vectors(SearchFor what, Index part = 0, Index parts = 1) const;
+
+  /// All clips in one index, in memory. Throws what MotionIndexFile::open throws.
+  MotionIndex whole() const;
+  /// Reads every byte. Throws io_error 403, numeric_error 302 if a checksum, a vector or a code is wrong.
+  void check(Progress progress = {}) const;
+
+ private:
+  struct Shard {
+    SafetensorsFile file;
+    Index clip = 0, moment = 0, caption = 0;  // the numbers of the first ones
+  };
+  explicit IndexShards(const FilePath& folder);
+  Shard open_shard(const ShardEntry& entry, std::size_t number) const;
+  std::string path_of(const ShardEntry& entry) const;
+  /// The shard of a clip, moment or caption.
+  const Shard& shard_of(Index Shard::*first, Index i) const;
+  template <class T>
+  static std::vector<T> numbers_at(const Shard& shard, const char* tensor, Index row);
+
+  std::string name_;
+  ShardList list_;
+  std::vector<Shard> shards_;
+  Index clips_ = 0, moments_ = 0, captions_ = 0;
+};
+
+/// Searches shards; with `parts`, those of a part (IndexShards::vectors).
+MotionSearch open_motion_search(std::shared_ptr<const IndexShards> shards, Index part = 0, Index parts = 1);
+
+/// A folder of shards that is made or changed. The vectors of at most one shard are in memory.
+class ShardStore : public ClipStore {
+ public:
+  /// A new folder, or one that is there with the same model.
+  /// shard_bytes  the largest size of a file; only a clip that needs more gets a larger one
+  /// Throws       option_error 102 for less than 16 KiB, config_error 102 for another model, io_error 401, 403 (a
+  ///              folder of other files), and what IndexShards::open throws
+  ShardStore(const FilePath& folder, const IndexModel& model, Index shard_bytes);
+  /// A folder that is there. shard_bytes 0: as it was.
+  explicit ShardStore(const FilePath& folder, Index shard_bytes = 0);
+
+  const IndexModel& model() const override { return list_.model; }
+  std::span<const IndexedClip> clips() const override { return clips_; }
+  Index moment_count() const override { return moments_; }
+  /// Writes a shard when it is full. Throws what MotionIndex::add throws, io_error 401.
+  void add(EncodedClip c) override;
+  void rename(const std::string& from, const std::string& to) override;
+  void set_license(const std::string& path, const std::string& license) override;
+  void move_model(std::string path, std::string text_encoder) override;
+  void remove(const std::vector<bool>& gone) override;
+
+  /// Writes what has changed, then the list, and removes the files that no list has. Before that, readers find the old
+  /// index. Throws io_error 401.
+  void write();
+
+ private:
+  /// The place of a clip: a shard of the list, or -1 for one that was added, and its number there.
+  struct Origin {
+    Index shard = -1, clip = 0;
+    Index moments = 0;
+  };
+  void take_up(const IndexShards& shards);
+  void touch(std::size_t clip);
+  void take_up_last_shard();
+  void finish_shard(const MotionIndex& index);
+  MotionIndex changed_shard(Index shard, std::span<const IndexedClip> clips, std::span<const Origin> origins) const;
+
+  std::filesystem::path folder_;
+  ShardList list_;
+  std::vector<bool> changed_;         // for each shard of the list
+  std::vector<ShardEntry> finished_;  // shards of added clips
+  std::optional<MotionIndex> open_;   // added clips, for the next shard
+  Index open_bytes_ = 0, moments_ = 0, next_number_ = 0;
+  std::vector<IndexedClip> clips_;
+  std::vector<Origin> origins_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_INDEX_SHARDS_IPP  // <motionlang/search/index_shards.ipp>
+#define MOTIONLANG_HAS_SEARCH_INDEX_SHARDS_IPP
+// Bodies of index_shards.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr const char* shards_format = "motionlang.shards";
+inline constexpr Index shards_version = 1, least_shard_bytes = Index{16} << 10;
+
+/// Tells the system that a part of a mapped file is read soon.
+inline void announce(std::span<const std::byte> part) {
+  if (const MappedFile* file = MappedFile::that_holds(part)) {
+    constexpr std::size_t page = 4096;
+    const auto begin = static_cast<std::size_t>(part.data() - file->bytes().data()) / page * page;
+    const auto end = static_cast<std::size_t>(part.data() - file->bytes().data()) + part.size();
+    if (begin < end) system::will_read(file->bytes().data() + begin, end - begin);
+  }
+}
+
+/// Exact search in shards, one after the other: the k-th best so far bounds what the next one has to compare.
+class ShardScan : public VectorSearch {
+ public:
+  struct Piece {
+    RowScan<float> scan;
+    Index first = 0;  // the number of its first vector
+    std::shared_ptr<const void> owner;
+  };
+  ShardScan(std::vector<Piece> pieces, Index count, Index width)
+      : pieces_(std::move(pieces)), count_(count), width_(width) {}
+
+  Index count() const override { return count_; }
+  Index width() const override { return width_; }
+  std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const override {
+    if (k < 0) raise<config_error>(101, "IndexShards: the ", k, " nearest");
+    whole_rows("IndexShards: queries", queries.size(), width_);
+    const auto wanted = unit_rows(queries, width_);
+    std::vector<NearestK> best(wanted.size() / static_cast<std::size_t>(width_), NearestK(std::min(k, count_)));
+    for (std::size_t p = 0; p < pieces_.size() && k > 0 && !best.empty(); ++p) {
+      if (p + 1 < pieces_.size()) announce(std::as_bytes(pieces_[p + 1].scan.codes));
+      std::vector<float> least;
+      for (const NearestK& b : best) least.push_back(b.least());
+      const auto found = pieces_[p].scan.nearest(wanted, std::min(k, pieces_[p].scan.count), least);
+      for (std::size_t q = 0; q < best.size(); ++q) {
+        for (const Neighbour& n : found[q]) best[q].offer({pieces_[p].first + n.index, n.score});
+      }
+    }
+    std::vector<std::vector<Neighbour>> out;
+    for (NearestK& b : best) out.push_back(b.take());
+    return out;
+  }
+
+ private:
+  std::vector<Piece> pieces_;
+  Index count_, width_;
+};
+
+/// A table of a shard with its codes.
+struct CodedRows {
+  std::span<const float> rows, bounds;
+  std::span<const std::int8_t> codes;
+};
+
+inline std::string shape_text(const TensorView& t) { return concat_text(t.dtype, " ", t.shape); }
+
+/// A tensor of this type and shape, in place. Throws io_error 406, 407, and 403 if it is not aligned.
+template <class T>
+std::span<const T> shard_tensor(const SafetensorsFile& file, const std::string& name, const FileShape& shape) {
+  const TensorView& t = file.tensor(name);
+  if (t.dtype != dtype_of<T>() || t.shape != shape)
+    raise<io_error>(407, file.name(), ": '", name, "' is ", shape_text(t), ", the list of shards wants ", dtype_of<T>(),
+                    " ", shape);
+  const auto values = direct<T>(t);
+  if (!values) raise<io_error>(403, file.name(), ": '", name, "' does not begin at a multiple of ", sizeof(T));
+  return *values;
+}
+inline CodedRows coded_rows(const SafetensorsFile& file, const std::string& name, Index count, Index width) {
+  return {shard_tensor<float>(file, name, {count, width}), shard_tensor<float>(file, name + "_bounds", {count, 2}),
+          shard_tensor<std::int8_t>(file, name + "_codes", {count, width})};
+}
+
+inline std::string metadata_of(const SafetensorsFile& file, const char* key) {
+  const auto found = file.metadata().find(key);
+  return found == file.metadata().end() ? std::string() : found->second;
+}
+
+/// The model without its place.
+inline std::string comparable(IndexModel m) {
+  m.path.clear(), m.text_encoder.clear();
+  return index_text(index_model_json(m));
+}
+
+/// Throws io_error 403 with the first row whose bounds do not hold.
+inline void check_codes(const SafetensorsFile& file, const std::string& name, const CodedRows& t, Index width) {
+  const Index count = std::ssize(t.bounds) / 2;
+  parallel_for(count, [&](Index r) {
+    const double scale = static_cast<double>(t.bounds[static_cast<std::size_t>(2 * r)]),
+                 allowed = static_cast<double>(t.bounds[static_cast<std::size_t>(2 * r + 1)]);
+    double square = 0;
+    for (auto i = static_cast<std::size_t>(r * width); i < static_cast<std::size_t>((r + 1) * width); ++i) {
+      const double d = static_cast<double>(t.rows[i]) - scale * static_cast<double>(t.codes[i]);
+      square += d * d;
+    }
+    if (!(std::sqrt(square) <= allowed))
+      raise<io_error>(403, file.name(), ": '", name, "': the codes of vector ", r, " of ", count, " are off by ",
+                      std::sqrt(square), ", more than the allowance ", allowed);
+  });
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY bool is_shard_folder(const FilePath& folder) {
+  return std::filesystem::is_regular_file(std::filesystem::path(folder.string()) / shard_list_name);
+}
+
+MOTIONLANG_BODY ShardList read_shard_list(const FilePath& folder) {
+  const std::string path = (std::filesystem::path(folder.string()) / shard_list_name).string();
+  const auto document = read_json(path);
+  const JsonView list(document, path);
+  if (list.value_or("format", "") != detail::shards_format)
+    raise<io_error>(403, path, ": not a list of shards of motionlang");
+  if (const Index version = list["version"].as<Index>(); version != detail::shards_version)
+    raise<io_error>(404, path, ": version ", version, " of a list of shards, expected ", detail::shards_version);
+  ShardList out{
+      .model = detail::index_model(list["model"]), .shard_bytes = list["shard_bytes"].as<Index>(), .shards = {}};
+  MotionIndex(out.model);  // checks it
+  const JsonView shards = list["shards"];
+  for (Index i = 0; i < shards.size(); ++i) {
+    const JsonView s = shards[i];
+    ShardEntry& e = out.shards.emplace_back();
+    e = {.file = s["file"].as<std::string>(),
+         .checksum = s["checksum"].as<std::string>(),
+         .bytes = s["bytes"].as<Index>(),
+         .clips = s["clips"].as<Index>(),
+         .moments = s["moments"].as<Index>(),
+         .captions = s["captions"].as<Index>()};
+    constexpr Index most = Index{1} << 50;  // sums of as many as a list can name stay in an Index
+    for (const Index n : {e.bytes, e.clips, e.moments, e.captions}) {
+      if (n < 0 || n > most) raise<io_error>(403, s.path(), ": a size of ", n);
+    }
+    if (e.file.empty() || e.file.find_first_of("/\\") != e.file.npos || e.file.front() == '.')
+      raise<io_error>(403, s.path(), ": '", e.file, "' does not name a file in this folder");
+  }
+  return out;
+}
+
+// ---- reading
+
+MOTIONLANG_BODY std::shared_ptr<const IndexShards> IndexShards::open(const FilePath& folder) {
+  return std::shared_ptr<const IndexShards>(new IndexShards(folder));
+}
+
+MOTIONLANG_BODY IndexShards::IndexShards(const FilePath& folder)
+    : name_(folder.string()), list_(read_shard_list(folder)) {
+  for (const ShardEntry& e : list_.shards) {
+    shards_.push_back(open_shard(e, shards_.size()));
+    shards_.back().clip = std::exchange(clips_, clips_ + e.clips);
+    shards_.back().moment = std::exchange(moments_, moments_ + e.moments);
+    shards_.back().caption = std::exchange(captions_, captions_ + e.captions);
+  }
+}
+
+MOTIONLANG_BODY std::string IndexShards::path_of(const ShardEntry& entry) const {
+  return (std::filesystem::path(name_) / entry.file).string();
+}
+
+MOTIONLANG_BODY IndexShards::Shard IndexShards::open_shard(const ShardEntry& e, std::size_t number) const {
+  const std::string path = path_of(e);
+  if (!std::filesystem::exists(path))
+    raise<io_error>(401, path, " is missing: shard ", number + 1, " of ", list_.shards.size(), " in the list ",
+                    shard_list_name);
+  const auto mapped = MappedFile::open(path);
+  if (std::ssize(mapped->bytes()) != e.bytes)
+    raise<io_error>(std::ssize(mapped->bytes()) < e.bytes ? 402 : 403, path, ": ",
+                    counted(mapped->bytes().size(), "byte"), ", the list ", shard_list_name, " says ", e.bytes);
+  Shard out{.file = SafetensorsFile::from_bytes(mapped->bytes(), path, mapped)};
+  const SafetensorsFile& file = out.file;
+  if (detail::metadata_of(file, "format") != detail::index_format)
+    raise<io_error>(403, path, ": not an index of motionlang");
+  if (const std::string version = detail::metadata_of(file, "version"); version != detail::index_version)
+    raise<io_error>(404, path, ": version ", version, " of an index, expected ", detail::index_version);
+  const std::string where = path + ": model", text = detail::metadata_of(file, "model");
+  const auto document = parse_json(text.empty() ? "{}" : text, where);
+  const IndexModel model = detail::index_model(JsonView(document, where));
+  if (model.id != list_.model.id)
+    raise<config_error>(102, path, ": made with the model '", model.path, "' (", model.id, "), the other shards with '",
+                        list_.model.path, "' (", list_.model.id, "); their vectors cannot be compared");
+  if (const std::string is = detail::comparable(model), all = detail::comparable(list_.model); is != all)
+    raise<io_error>(403, path, ": moments as in ", is, ", the list ", shard_list_name, " says ", all);
+  if (const std::string sum = detail::metadata_of(file, "checksum"); sum != e.checksum)
+    raise<io_error>(403, path, ": its checksum is ", sum, ", the list ", shard_list_name, " says ", e.checksum);
+  const Index width = list_.model.width;
+  detail::coded_rows(file, "clips", e.clips, width);
+  detail::coded_rows(file, "moments", e.moments, width);
+  detail::coded_rows(file, "captions", e.captions, width);
+  detail::shard_tensor<std::int64_t>(file, "moment_frames", {e.moments, 3});
+  detail::shard_tensor<std::int64_t>(file, "clip_places", {e.clips, 2});
+  detail::shard_tensor<std::int64_t>(file, "caption_clips", {e.captions});
+  file.tensor("about");
+  return out;
+}
+
+MOTIONLANG_BODY const IndexShards::Shard& IndexShards::shard_of(Index Shard::*first, Index i) const {
+  const auto behind = std::upper_bound(shards_.begin(), shards_.end(), i,
+                                       [&](Index value, const Shard& s) { return value < s.*first; });
+  return *std::prev(behind);
+}
+
+template <class T>
+std::vector<T> IndexShards::numbers_at(const Shard& shard, const char* tensor, Index row) {
+  const TensorView& t = shard.file.tensor(tensor);
+  const auto numbers = direct<T>(t).value();
+  const std::size_t each = t.shape.rank() > 1 ? static_cast<std::size_t>(t.shape[1]) : 1;
+  const auto mine = numbers.subspan(static_cast<std::size_t>(row) * each, each);
+  return {mine.begin(), mine.end()};
+}
+
+MOTIONLANG_BODY IndexedClip IndexShards::clip(Index i) const {
+  const Shard& s = shard_of(&Shard::clip, i);
+  const auto place = numbers_at<std::int64_t>(s, "clip_places", i - s.clip);
+  const std::string_view about = detail::as_text(s.file.tensor("about").bytes);
+  const std::string where = concat_text(s.file.name(), ": clip ", i - s.clip);
+  if (place[0] < 0 || place[1] < place[0] || place[1] > std::ssize(about))
+    raise<io_error>(403, where, ": its text is from byte ", place[0], " to ", place[1], " of ", about.size());
+  const auto document = parse_json(
+      about.substr(static_cast<std::size_t>(place[0]), static_cast<std::size_t>(place[1] - place[0])), where);
+  return detail::indexed_clip(JsonView(document, where));
+}
+
+MOTIONLANG_BODY MotionIndex::Moment IndexShards::moment(Index i) const {
+  const Shard& s = shard_of(&Shard::moment, i);
+  const auto n = numbers_at<std::int64_t>(s, "moment_frames", i - s.moment);
+  const Index clips = s.file.tensor("clips").shape[0];
+  constexpr Index most = std::numeric_limits<Index>::max();
+  if (n[0] < 0 || n[0] >= clips || n[1] < 0 || n[2] < 1 || n[1] > most - n[2])
+    raise<io_error>(403, s.file.name(), ": a moment of ", n[2], " frames at ", n[1], " of clip ", n[0], " among ",
+                    clips);
+  return {s.clip + n[0], {n[1], n[2]}};
+}
+
+MOTIONLANG_BODY Index IndexShards::clip_of_caption(Index i) const {
+  const Shard& s = shard_of(&Shard::caption, i);
+  const Index clip = numbers_at<std::int64_t>(s, "caption_clips", i - s.caption)[0],
+              clips = s.file.tensor("clips").shape[0];
+  if (clip < 0 || clip >= clips)
+    raise<io_error>(403, s.file.name(), ": caption ", i - s.caption, " is of clip ", clip, " among ", clips);
+  return s.clip + clip;
+}
+
+MOTIONLANG_BODY std::shared_ptr<const VectorSearch> IndexShards::vectors(SearchFor what, Index part,
+                                                                         Index parts) const {
+  const auto scan = [&](const char* table, Index Shard::*first) {
+    std::vector<detail::ShardScan::Piece> pieces;
+    for (std::size_t i = static_cast<std::size_t>(part); i < shards_.size(); i += static_cast<std::size_t>(parts)) {
+      const Shard& s = shards_[i];
+      const Index count = s.file.tensor(table).shape[0];
+      if (count == 0) continue;
+      const auto t = detail::coded_rows(s.file, table, count, model().width);
+      pieces.push_back({{.rows = t.rows,
+                         .halves = {},
+                         .count = count,
+                         .width = model().width,
+                         .half_error = 0,
+                         .codes = t.codes,
+                         .bounds = t.bounds,
+                         .name = concat_text(s.file.name(), ": '", table, "'")},
+                        s.*first,
+                        s.file.owner()});
+    }
+    return std::make_shared<detail::ShardScan>(std::move(pieces), gallery_size(*this, what), model().width);
+  };
+  switch (what) {
+    case SearchFor::moments:
+      return scan("moments", &Shard::moment);
+    case SearchFor::captions:
+      return scan("captions", &Shard::caption);
+    case SearchFor::clips:
+      break;
+  }
+  return scan("clips", &Shard::clip);
+}
+
+MOTIONLANG_BODY MotionIndex IndexShards::whole() const {
+  std::vector<IndexedClip> clips;
+  std::vector<MotionIndex::Moment> moments;
+  VectorTable rows[3];
+  for (std::size_t i = 0; i < shards_.size(); ++i) {
+    const MotionIndexFile shard = MotionIndexFile::open(path_of(list_.shards[i]));
+    const MotionIndex& index = shard.index();
+    for (const MotionIndex::Moment& m : index.moments()) moments.push_back({std::ssize(clips) + m.clip, m.frames});
+    clips.insert(clips.end(), index.clips().begin(), index.clips().end());
+    rows[0].append(index.clip_rows()), rows[1].append(index.moment_rows()), rows[2].append(index.caption_rows());
+  }
+  return MotionIndex(name_, list_.model, std::move(clips), std::move(moments), std::move(rows[0]), std::move(rows[1]),
+                     std::move(rows[2]));
+}
+
+MOTIONLANG_BODY void IndexShards::check(Progress progress) const {
+  for (std::size_t i = 0; i < shards_.size(); ++i) {
+    const SafetensorsFile& file = shards_[i].file;
+    const auto opened = MotionIndexFile::from_bytes(MappedFile::that_holds(file.tensor("about").bytes)->bytes(),
+                                                    file.name(), file.owner());
+    const MotionIndex& index = opened.index();
+    std::vector<std::int64_t> places;
+    const std::string about = detail::index_about(index, &places);
+    const auto same = [&](const char* tensor, auto from, auto to) {
+      const auto numbers = direct<std::int64_t>(file.tensor(tensor)).value();
+      if (!std::equal(numbers.begin(), numbers.end(), from, to))
+        raise<io_error>(403, file.name(), ": '", tensor, "' does not fit the clips");
+    };
+    if (about.size() == file.tensor("about").bytes.size()) same("clip_places", places.begin(), places.end());
+    same("caption_clips", index.caption_clips().begin(), index.caption_clips().end());
+    for (const char* table : {"clips", "moments", "captions"}) {
+      const Index count = file.tensor(table).shape[0];
+      detail::check_codes(file, table, detail::coded_rows(file, table, count, model().width), model().width);
+    }
+    progress(static_cast<Index>(i) + 1, std::ssize(shards_));
+  }
+}
+
+MOTIONLANG_BODY MotionSearch open_motion_search(std::shared_ptr<const IndexShards> shards, Index part, Index parts) {
+  const auto in = [&](SearchFor what) { return shards->vectors(what, part, parts); };
+  auto clips = in(SearchFor::clips), moments = in(SearchFor::moments), captions = in(SearchFor::captions);
+  return MotionSearch(std::move(shards), std::move(clips), std::move(moments), std::move(captions));
+}
+
+// ---- writing
+
+MOTIONLANG_BODY ShardStore::ShardStore(const FilePath& folder, const IndexModel& model, Index shard_bytes)
+    : folder_(folder.string()) {
+  if (shard_bytes < detail::least_shard_bytes)
+    raise<option_error>(102, folder.string(), ": shards of ", counted(shard_bytes, "byte"), "; at least ",
+                        detail::least_shard_bytes);
+  if (is_shard_folder(folder)) {
+    const auto shards = IndexShards::open(folder);
+    if (shards->model().id != model.id) MotionIndex(shards->model()).require_model(model.id, model.path);
+    take_up(*shards);
+    list_.shard_bytes = shard_bytes;
+    return;
+  }
+  std::error_code none;
+  if (std::filesystem::exists(folder_) && !std::filesystem::is_empty(folder_, none))
+    raise<io_error>(403, folder.string(), " has other files, and no ", shard_list_name);
+  make_folder(folder);
+  list_ = {.model = MotionIndex(model).model(), .shard_bytes = shard_bytes, .shards = {}};
+}
+
+MOTIONLANG_BODY ShardStore::ShardStore(const FilePath& folder, Index shard_bytes) : folder_(folder.string()) {
+  take_up(*IndexShards::open(folder));
+  if (shard_bytes > 0) list_.shard_bytes = std::max(shard_bytes, detail::least_shard_bytes);
+}
+
+MOTIONLANG_BODY void ShardStore::take_up(const IndexShards& shards) {
+  list_ = shards.list();
+  changed_.assign(list_.shards.size(), false);
+  moments_ = shards.moment_count();
+  clips_.clear(), origins_.clear();
+  for (std::size_t s = 0; s < list_.shards.size(); ++s) {
+    for (Index c = 0; c < list_.shards[s].clips; ++c) {
+      clips_.push_back(shards.clip(std::ssize(clips_)));
+      origins_.push_back({static_cast<Index>(s), c, 0});
+    }
+    const std::string& name = list_.shards[s].file;
+    const auto digits = name.find_first_of("0123456789");
+    if (digits != name.npos)
+      next_number_ = std::max<Index>(next_number_, std::strtol(name.c_str() + digits, nullptr, 10) + 1);
+  }
+  for (Index m = 0; m < moments_; ++m) ++origins_[static_cast<std::size_t>(shards.moment(m).clip)].moments;
+}
+
+MOTIONLANG_BODY void ShardStore::touch(std::size_t clip) {
+  if (origins_[clip].shard >= 0) changed_[static_cast<std::size_t>(origins_[clip].shard)] = true;
+}
+
+MOTIONLANG_BODY void ShardStore::rename(const std::string& from, const std::string& to) {
+  for (std::size_t i = 0; i < clips_.size(); ++i) {
+    if (clips_[i].path == from) clips_[i].path = to, touch(i);
+  }
+  if (open_) open_->rename(from, to);
+}
+
+MOTIONLANG_BODY void ShardStore::set_license(const std::string& path, const std::string& license) {
+  for (std::size_t i = 0; i < clips_.size(); ++i) {
+    if (clips_[i].path == path) clips_[i].license = license, touch(i);
+  }
+  if (open_) open_->set_license(path, license);
+}
+
+MOTIONLANG_BODY void ShardStore::move_model(std::string path, std::string text_encoder) {
+  list_.model.path = std::move(path), list_.model.text_encoder = std::move(text_encoder);
+}
+
+MOTIONLANG_BODY void ShardStore::remove(const std::vector<bool>& gone) {
+  if (!finished_.empty() || open_) write();  // then all have a shard
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < clips_.size(); ++i) {
+    if (gone[i]) {
+      touch(i);
+      moments_ -= origins_[i].moments;
+    } else {
+      if (kept != i) clips_[kept] = std::move(clips_[i]), origins_[kept] = origins_[i];
+      ++kept;
+    }
+  }
+  clips_.resize(kept), origins_.resize(kept);
+}
+
+namespace detail {
+
+/// The bytes that a clip takes in a shard.
+inline Index bytes_in_shard(const IndexedClip& clip, Index moments, Index width) {
+  const Index captions = std::ssize(clip.captions), rows = 1 + moments + captions;
+  return rows * (width * 5 + 8) + 24 * moments + 8 * captions + 16 + std::ssize(index_text(indexed_clip_json(clip))) +
+         1;
+}
+inline constexpr Index bytes_of_header = 8192;  // and of what else a shard has
+
+}  // namespace detail
+
+/// The last shard of the list goes on if it is at most half full.
+MOTIONLANG_BODY void ShardStore::take_up_last_shard() {
+  const auto last = std::ssize(list_.shards) - 1;
+  if (last < 0 || list_.shards.back().bytes > list_.shard_bytes / 2) return;
+  std::size_t first = origins_.size();
+  while (first > 0 && origins_[first - 1].shard == last) --first;
+  open_ = changed_shard(last, std::span(clips_).subspan(first), std::span(origins_).subspan(first));
+  open_bytes_ = detail::bytes_of_header;
+  for (std::size_t i = first; i < origins_.size(); ++i) {
+    open_bytes_ += detail::bytes_in_shard(clips_[i], origins_[i].moments, list_.model.width);
+    origins_[i].shard = -1;
+  }
+  list_.shards.pop_back(), changed_.pop_back();
+}
+
+MOTIONLANG_BODY void ShardStore::add(EncodedClip c) {
+  if (!open_) {
+    if (finished_.empty()) take_up_last_shard();
+    if (!open_) open_.emplace(list_.model), open_bytes_ = detail::bytes_of_header;
+  }
+  const auto moments = std::ssize(c.moments);
+  const Index more = detail::bytes_in_shard(c.clip, moments, list_.model.width);
+  if (open_->count() > 0 && open_bytes_ + more > list_.shard_bytes) {
+    finish_shard(*open_);
+    open_.emplace(list_.model), open_bytes_ = detail::bytes_of_header;
+  }
+  IndexedClip clip = c.clip;
+  open_->add(std::move(c));
+  open_bytes_ += more, moments_ += moments;
+  clips_.push_back(std::move(clip));
+  origins_.push_back({-1, 0, moments});
+}
+
+MOTIONLANG_BODY void ShardStore::finish_shard(const MotionIndex& index) {
+  const Index width = list_.model.width;
+  std::vector<std::int64_t> places;
+  const std::string about = detail::index_about(index, &places);
+  const std::vector<std::int64_t> caption_clips(index.caption_clips().begin(), index.caption_clips().end());
+  struct Codes {
+    std::vector<std::int8_t> codes;
+    std::vector<float> bounds;
+  } coded[3];
+  std::vector<TensorView> more{tensor_view<std::int64_t>("clip_places", {index.count(), 2}, places),
+                               tensor_view<std::int64_t>("caption_clips", {std::ssize(caption_clips)}, caption_clips)};
+  const auto add_codes = [&](Codes& c, const std::string& table, std::span<const float> rows) {
+    const Index count = std::ssize(rows) / width;
+    c.codes.resize(rows.size()), c.bounds.resize(2 * static_cast<std::size_t>(count));
+    detail::RowScan<float>::to_codes(rows, width, c.codes.data(), c.bounds.data());
+    more.push_back(tensor_view<std::int8_t>(table + "_codes", {count, width}, c.codes));
+    more.push_back(tensor_view<float>(table + "_bounds", {count, 2}, c.bounds));
+  };
+  add_codes(coded[0], "clips", index.clip_rows());
+  add_codes(coded[1], "moments", index.moment_rows());
+  add_codes(coded[2], "captions", index.caption_rows());
+  const auto bytes =
+      detail::index_bytes(index, about, more, {{"model", detail::index_text(detail::index_model_json(index.model()))}});
+  ShardEntry e{.file = formatted("shard-%05td.index", next_number_++),
+               .checksum = detail::metadata_of(SafetensorsFile::from_bytes(bytes), "checksum"),
+               .bytes = std::ssize(bytes),
+               .clips = index.count(),
+               .moments = std::ssize(index.moments()),
+               .captions = std::ssize(caption_clips)};
+  write_file((folder_ / e.file).string(), bytes);
+  finished_.push_back(std::move(e));
+}
+
+/// The rest of a shard of the list, as these entries say.
+MOTIONLANG_BODY MotionIndex ShardStore::changed_shard(Index shard, std::span<const IndexedClip> clips,
+                                                      std::span<const Origin> origins) const {
+  MotionIndex out = read_motion_index((folder_ / list_.shards[static_cast<std::size_t>(shard)].file).string());
+  std::size_t next = 0;
+  Index number = 0;
+  out.remove_if([&](const IndexedClip&) {
+    const bool stays = next < origins.size() && origins[next].clip == number++;
+    next += stays ? 1 : 0;
+    return !stays;
+  });
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    const IndexedClip before = out.clips()[i];
+    if (before.path != clips[i].path) out.rename(before.path, clips[i].path);
+    if (before.license != clips[i].license) out.set_license(clips[i].path, clips[i].license);
+  }
+  out.move_model(list_.model.path, list_.model.text_encoder);
+  return out;
+}
+
+MOTIONLANG_BODY void ShardStore::write() {
+  if (open_ && open_->count() > 0) finish_shard(*open_);
+  open_.reset();
+  std::vector<ShardEntry> added = std::exchange(finished_, {}), all;
+  std::size_t first = 0;
+  for (Index s = 0; s < std::ssize(list_.shards); ++s) {
+    std::size_t end = first;
+    while (end < origins_.size() && origins_[end].shard == s) ++end;
+    if (!changed_[static_cast<std::size_t>(s)]) {
+      all.push_back(list_.shards[static_cast<std::size_t>(s)]);
+    } else if (end > first) {
+      finish_shard(changed_shard(s, std::span(clips_).subspan(first, end - first),
+                                 std::span(origins_).subspan(first, end - first)));
+      all.push_back(finished_.back());
+    }
+    first = end;
+  }
+  finished_.clear();
+  all.insert(all.end(), added.begin(), added.end());
+  list_.shards = std::move(all);
+  auto shards = nlohmann::ordered_json::array();
+  std::size_t i = 0;
+  for (std::size_t s = 0; s < list_.shards.size(); ++s) {
+    const ShardEntry& e = list_.shards[s];
+    shards.push_back({{"file", e.file},
+                      {"checksum", e.checksum},
+                      {"bytes", e.bytes},
+                      {"clips", e.clips},
+                      {"moments", e.moments},
+                      {"captions", e.captions}});
+    for (Index c = 0; c < e.clips; ++c, ++i) origins_[i].shard = static_cast<Index>(s), origins_[i].clip = c;
+  }
+  const nlohmann::ordered_json list{{"format", detail::shards_format},
+                                    {"version", detail::shards_version},
+                                    {"model", detail::index_model_json(list_.model)},
+                                    {"shard_bytes", list_.shard_bytes},
+                                    {"shards", std::move(shards)}};
+  write_file((folder_ / shard_list_name).string(),
+             list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  changed_.assign(list_.shards.size(), false);
+  std::vector<std::filesystem::path> old;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    const std::string name = entry.path().filename().string();
+    const bool listed =
+        std::any_of(list_.shards.begin(), list_.shards.end(), [&](const ShardEntry& e) { return e.file == name; });
+    if (!listed && name.starts_with("shard-") && name.ends_with(".index")) old.push_back(entry.path());
+  }
+  std::error_code none;
+  for (const auto& path : old) std::filesystem::remove(path, none);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_SEARCH_KEPT_INDEX_HPP  // <motionlang/search/kept_index.hpp>
 #define MOTIONLANG_HAS_SEARCH_KEPT_INDEX_HPP
-/// An index file that is made, updated by folders, and written with its graphs only where something has changed.
+/// An index, one file or a folder of shards, that is made, updated by folders, and written only where something has
+/// changed.
 ///
 ///     KeptIndex kept("clips.index");
 ///     const TmrSearchEncoder<B> tmr(load_tmr<B>(kept.model_path("", "examples/models/tmr_free")));
 ///     kept.take_model(tmr);
-///     IndexUpdate update(kept.index(), "clips", tmr);
+///     IndexUpdate update(kept.store(), "clips", tmr);
 ///     update.run();
 ///     if (kept.needs_writing(update.report())) kept.write();
 
@@ -16292,13 +17616,19 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class KeptIndex {
  public:
-  /// Opens the file if it is there. From `graph_from` clips or moments on, searches follow a graph.
-  explicit KeptIndex(std::filesystem::path file, Index graph_from = 100'000);
+  /// Opens the file or the folder of shards if it is there. From `graph_from` clips or moments on, searches of a file
+  /// follow a graph; a folder has none.
+  /// shard_bytes  above 0: a new index is a folder of files of at most this size
+  /// Throws       option_error 102 if there is a file already and shard_bytes is above 0
+  explicit KeptIndex(std::filesystem::path file, Index graph_from = 100'000, Index shard_bytes = 0);
 
   /// False until there is a file, or a model was taken.
-  bool has_index() const { return index_.has_value(); }
+  bool has_index() const { return index_.has_value() || shards_ != nullptr; }
+  /// The index of one file.
   MotionIndex& index() MOTIONLANG_LIFETIMEBOUND { return *index_; }
   const MotionIndex& index() const MOTIONLANG_LIFETIMEBOUND { return *index_; }
+  /// The clips of a file or of a folder.
+  ClipStore& store() MOTIONLANG_LIFETIMEBOUND;
 
   /// Where the model is: `given`, else that of the index, else `otherwise`. An absolute path.
   std::filesystem::path model_path(const FilePath& given, const FilePath& otherwise) const;
@@ -16322,10 +17652,15 @@ class KeptIndex {
   void write_without_graphs();
 
  private:
+  const IndexModel& model() const { return shards_ ? shards_->model() : index_->model(); }
+
   std::filesystem::path file_;
-  Index graph_from_;
+  Index graph_from_, shard_bytes_;
   std::optional<MotionIndexFile> before_;
   std::optional<MotionIndex> index_;
+  std::optional<StoreOfIndex> store_;   // of that
+  std::unique_ptr<ShardStore> shards_;  // instead
+  bool is_new_ = true;
   bool model_moved_ = false;
 };
 
@@ -16644,47 +17979,67 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-MOTIONLANG_BODY KeptIndex::KeptIndex(std::filesystem::path file, Index graph_from)
-    : file_(std::move(file)), graph_from_(graph_from) {
+MOTIONLANG_BODY KeptIndex::KeptIndex(std::filesystem::path file, Index graph_from, Index shard_bytes)
+    : file_(std::move(file)), graph_from_(graph_from), shard_bytes_(shard_bytes) {
+  if (is_shard_folder(file_)) {
+    shards_ = std::make_unique<ShardStore>(file_, shard_bytes);
+    is_new_ = false;
+    return;
+  }
   if (!std::filesystem::exists(file_)) return;
+  if (shard_bytes > 0 && !std::filesystem::is_directory(file_))
+    raise<option_error>(102, file_.string(), " is one file; an index in shards is a folder, which needs another name");
+  if (shard_bytes > 0) return;
   before_ = MotionIndexFile::open(file_);
   index_ = before_->index();
+  is_new_ = false;
+}
+
+MOTIONLANG_BODY ClipStore& KeptIndex::store() {
+  if (shards_) return *shards_;
+  if (!store_) store_.emplace(*index_);
+  return *store_;
 }
 
 MOTIONLANG_BODY std::filesystem::path KeptIndex::model_path(const FilePath& given, const FilePath& otherwise) const {
-  const FilePath path = !given.string().empty() ? given : index_ ? FilePath(index_->model().path) : otherwise;
+  const FilePath path = !given.string().empty() ? given : has_index() ? FilePath(model().path) : otherwise;
   return indexed_path(FilePath(found_model_folder(path)));
 }
 
 MOTIONLANG_BODY std::string KeptIndex::text_encoder(const FilePath& given) const {
-  const std::string path = !given.string().empty() ? given.string() : index_ ? index_->model().text_encoder : "";
+  const std::string path = !given.string().empty() ? given.string() : has_index() ? model().text_encoder : "";
   return path.empty() ? "" : indexed_path(path).string();
 }
 
 MOTIONLANG_BODY void KeptIndex::take_model(const SearchEncoder& encoder, const MomentOptions* moments) {
   const IndexModel wanted = index_model(encoder, moments == nullptr ? MomentOptions{} : *moments);
-  if (!index_) {
-    index_.emplace(wanted);
+  if (!has_index()) {
+    if (shard_bytes_ > 0)
+      shards_ = std::make_unique<ShardStore>(file_, wanted, shard_bytes_);
+    else
+      index_.emplace(wanted);
     return;
   }
-  index_->require_model(wanted.id, wanted.path);
-  const IndexModel& is = index_->model();
+  const IndexModel is = model();
+  MotionIndex(is).require_model(wanted.id, wanted.path);
   if (moments != nullptr && (is.windows != wanted.windows || is.stride != wanted.stride))
     raise<option_error>(102, file_.string(), " has moments of ", is.windows.size(),
                         " other lengths or another stride; they are chosen when an index is made");
   model_moved_ = is.path != wanted.path || is.text_encoder != wanted.text_encoder;
-  index_->move_model(wanted.path, wanted.text_encoder);
+  store().move_model(wanted.path, wanted.text_encoder);
 }
 
 MOTIONLANG_BODY bool KeptIndex::needs_writing(const IndexReport& report) const {
-  return report.changed() || model_moved_ || !before_ || (MOTIONLANG_HAS_HNSWLIB && !has_graphs(*before_, graph_from_));
+  return report.changed() || model_moved_ || is_new_ ||
+         (before_ && MOTIONLANG_HAS_HNSWLIB && !has_graphs(*before_, graph_from_));
 }
 
 MOTIONLANG_BODY bool KeptIndex::lacks_hnswlib() const {
-  return !MOTIONLANG_HAS_HNSWLIB && !detail::graph_rows(*index_, graph_from_).empty();
+  return !MOTIONLANG_HAS_HNSWLIB && index_ && !detail::graph_rows(*index_, graph_from_).empty();
 }
 
 MOTIONLANG_BODY bool KeptIndex::write(Progress progress) {
+  if (shards_) return shards_->write(), false;
   bool stopped = false;
   IndexExtras graphs;
   detail::guard<cancelled>(
@@ -16694,7 +18049,12 @@ MOTIONLANG_BODY bool KeptIndex::write(Progress progress) {
   return stopped;
 }
 
-MOTIONLANG_BODY void KeptIndex::write_without_graphs() { write_motion_index(file_, *index_); }
+MOTIONLANG_BODY void KeptIndex::write_without_graphs() {
+  if (shards_)
+    shards_->write();
+  else
+    write_motion_index(file_, *index_);
+}
 
 MOTIONLANG_NAMESPACE_END
 #endif
@@ -16783,17 +18143,23 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct TextMotionNetworkConfig {
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
+  Index text_layers = 0, text_heads = 0;  // of the text encoder alone; 0: as many as the others
   double dropout = 0.1;
   std::string activation = "gelu";  // core/activation.hpp
   bool vae = true;
   std::string motion_encoder = "transformer", motion_decoder = "transformer";  // or "gru"; encoder "none": TEMOS alone
 
-  void require_sound() const { require_sizes(*this); }
+  void require_sound() const {
+    require_sizes(*this);
+    require_value("text_layers", text_layers, text_layers >= 0 && text_layers <= 256, "0 to 256");
+    require_value("text_heads", text_heads, text_heads >= 0 && text_heads <= 65'536, "0 to 65536");
+  }
   static constexpr auto fields() {
     using C = TextMotionNetworkConfig;
     return motionlang::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers,
-                              "num_heads", &C::num_heads, "dropout", &C::dropout, "activation", &C::activation, "vae",
-                              &C::vae, "motion_encoder", &C::motion_encoder, "motion_decoder", &C::motion_decoder);
+                              "num_heads", &C::num_heads, "text_layers", &C::text_layers, "text_heads", &C::text_heads,
+                              "dropout", &C::dropout, "activation", &C::activation, "vae", &C::vae, "motion_encoder",
+                              &C::motion_encoder, "motion_decoder", &C::motion_decoder);
   }
 };
 
@@ -17264,7 +18630,7 @@ MOTIONLANG_NAMESPACE_END
 ///     // The states of all words.
 ///     const auto words = load_text_encoder<B>("distilbert-base-uncased");
 ///
-/// Hugging Face  config.json with model_type clip, clip_text_model, distilbert, bert or mpnet; weights
+/// Hugging Face  config.json with model_type clip, clip_text_model, distilbert, bert, roberta or mpnet; weights
 ///               (weights/run_folder.hpp); a tokenizer.json, vocab.txt, or vocab.json with merges.txt
 /// OpenAI        a file or a folder with the tensors of CLIP (ViT-B-32.pt), and bpe_simple_vocab_16e6.txt.gz in the
 ///               same folder
@@ -17291,8 +18657,8 @@ MOTIONLANG_NAMESPACE_END
 ///          go to temporary files. If there is no place for such files, they are packed each time they are used
 /// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes,
 ///          102 for sizes far above those of the file; io_error 406, 407 if names or shapes do not match
-/// Source   huggingface/transformers, modeling_distilbert.py, modeling_bert.py, modeling_mpnet.py, modeling_clip.py;
-///          openai/CLIP clip/model.py
+/// Source   huggingface/transformers, modeling_distilbert.py, modeling_bert.py, modeling_roberta.py, modeling_mpnet.py,
+///          modeling_clip.py; openai/CLIP clip/model.py
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP  // <motionlang/weights/module_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP
@@ -17676,7 +19042,7 @@ Network load_text_network(const BertConfig& config, const TensorSet& weights) {
   detail::pack_layers(network.layers);
   return network;
 }
-/// Network is DistilBert<B>, Bert<B> or Mpnet<B>.
+/// Network is DistilBert<B>, Bert<B>, Roberta<B> or Mpnet<B>.
 template <class Network>
 Network load_text_network(const JsonView& config, const TensorSet& weights) {
   return load_text_network<Network>(bert_config(config, Network::keys::model_type), weights);
@@ -17909,9 +19275,10 @@ MOTIONLANG_BODY BertConfig bert_config(const JsonView& config, std::string_view 
   c.d_ff = config_size(config, distilled ? "hidden_dim" : "intermediate_size", 8 * detail::largest_width);
   c.positions = config_size(config, "max_position_embeddings", detail::largest_vocabulary);
   c.activation = detail::config_activation(config, distilled ? "activation" : "hidden_act");
-  c.padding = config.value_or("pad_token_id", Index{model_type == "mpnet" ? 1 : 0});
+  c.padding = config.value_or("pad_token_id", Index{model_type == "mpnet" || model_type == "roberta" ? 1 : 0});
   if (!distilled) c.eps = config.value_or("layer_norm_eps", 1e-12);
-  if (model_type == "bert") c.token_types = config_size(config, "type_vocab_size", detail::largest_vocabulary);
+  if (model_type == "bert" || model_type == "roberta")
+    c.token_types = config_size(config, "type_vocab_size", detail::largest_vocabulary);
   if (config.contains("relative_attention_num_buckets"))
     c.buckets = config_size(config, "relative_attention_num_buckets", detail::largest_vocabulary);
   if (c.buckets != 32) raise<config_error>(101, config.path(), ": ", c.buckets, " buckets of distances, expected 32");
@@ -17993,8 +19360,8 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_WEIGHTS_TOKENIZER_JSON_HPP  // <motionlang/weights/tokenizer_json.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TOKENIZER_JSON_HPP
 /// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. They support the
-/// kinds that BERT, MPNet and CLIP use. Any other normaliser, splitter or template is refused by its name, because ids
-/// without it would be wrong and look right.
+/// kinds that BERT, MPNet, RoBERTa and CLIP use. Any other normaliser, splitter or template is refused by its name,
+/// because ids without it would be wrong and look right.
 ///
 ///     const AnyTokenizer tokenizer = read_tokenizer("all-mpnet-base-v2");   // a folder
 ///
@@ -18111,6 +19478,7 @@ class AnyTokenizer {
  public:
   AnyTokenizer(BertTokenizer t) : kind_(std::move(t)) {}
   AnyTokenizer(ClipTokenizer t) : kind_(std::move(t)) {}
+  AnyTokenizer(RobertaTokenizer t) : kind_(std::move(t)) {}
 
   std::vector<Index> encode(std::string_view text) const {
     return std::visit([&](const auto& t) { return t.encode(text); }, kind_);
@@ -18124,20 +19492,20 @@ class AnyTokenizer {
   Index pad_id() const {
     return std::visit([](const auto& t) { return t.pad_id(); }, kind_);
   }
-  /// Null if it is the other kind.
+  /// Null if it is another kind.
   const BertTokenizer* bert() const { return std::get_if<BertTokenizer>(&kind_); }
   const ClipTokenizer* clip() const { return std::get_if<ClipTokenizer>(&kind_); }
+  const RobertaTokenizer* roberta() const { return std::get_if<RobertaTokenizer>(&kind_); }
 
  private:
-  std::variant<BertTokenizer, ClipTokenizer> kind_;
+  std::variant<BertTokenizer, ClipTokenizer, RobertaTokenizer> kind_;
 };
 static_assert(Tokenizer<AnyTokenizer>);
 
 /// Choices of the caller. A tokenizer.json has them too, but the published systems do not apply those.
 struct TokenizerLimits {
-  std::optional<Index> longest =
-      {};  // ids of a text with its special tokens; by default 512 for BERT and MPNet, 77 for CLIP
-  std::optional<bool> truncate = {};  // by default BERT and MPNet refuse, CLIP cuts
+  std::optional<Index> longest = {};  // ids of a text with its special tokens; by default 512, for CLIP 77
+  std::optional<bool> truncate = {};  // by default CLIP cuts, others refuse
   bool stored = false;                // take both from the block "truncation" of the file, if it has one
   // For CLIP: as these files say; MDM and STMC were trained with the original.
   ClipCleaning cleaning = ClipCleaning::hugging_face;
@@ -18181,7 +19549,8 @@ inline bool file_exists(const FilePath& path) { return ::access(path.c_str(), R_
 }  // namespace detail
 
 /// The tokenizer in the folder of a model: its tokenizer.json, else vocab.txt (BERT, MPNet) or vocab.json and
-/// merges.txt (CLIP), with its tokenizer_config.json. model_max_length is not applied, as in the published systems.
+/// merges.txt (CLIP; RoBERTa, whose vocabulary has <s>), with its tokenizer_config.json. model_max_length is not
+/// applied, as in the published systems.
 /// Throws io_error 401 if all of these files are missing, and as their readers
 AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits& limits = {});
 
@@ -18402,11 +19771,35 @@ inline ClipTokenizer clip_from_json(const JsonView& document, const TokenizerLim
   return out;
 }
 
+inline RobertaTokenizer roberta_from_json(const JsonView& document, const TokenizerLimits& limits) {
+  const JsonView model = document["model"], splitter = document["pre_tokenizer"], post = document["post_processor"];
+  if (document.contains("normalizer") && !document["normalizer"].is_null())
+    unknown_kind(document["normalizer"], "none for RoBERTa");
+  require_value(splitter, "add_prefix_space", false);
+  require_value(splitter, "use_regex", true);
+  if (!has_type(post, "RobertaProcessing")) unknown_kind(post, "RobertaProcessing");
+  require_value(model, "byte_fallback", false);
+  require_value(model, "ignore_merges", false);
+  for (const char* key : {"continuing_subword_prefix", "end_of_word_suffix"}) require_value(model, key, std::string());
+  if (model.contains("dropout") && !model["dropout"].is_null())
+    raise<io_error>(404, model.path(), ": dropout of merges");
+  RobertaTokenizerOptions o;
+  o.begin = post["cls"][0].as<std::string>(), o.end = post["sep"][0].as<std::string>();
+  set_limits(o, document, limits);
+  const auto added = added_tokens(document);
+  o.special.clear();
+  for (const AddedToken& t : added) o.special.push_back(t.content);
+  return RobertaTokenizer(pieces_by_id(model["vocab"], added), merges_from_json(model["merges"]), std::move(o),
+                          document.path());
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY AnyTokenizer tokenizer_from_json(const JsonView& document, const TokenizerLimits& limits) {
   const JsonView model = document["model"];
   if (detail::has_type(model, "WordPiece")) return detail::bert_from_json(document, limits);
+  if (detail::has_type(model, "BPE") && detail::has_type(document["pre_tokenizer"], "ByteLevel"))
+    return detail::roberta_from_json(document, limits);
   if (detail::has_type(model, "BPE")) return detail::clip_from_json(document, limits);
   detail::unknown_kind(model, "WordPiece, BPE");
 }
@@ -18468,13 +19861,21 @@ inline BertTokenizer bert_from_folder(const std::string& folder, const Tokenizer
   return BertTokenizer(std::move(vocabulary), std::move(o), folder + "/vocab.txt");
 }
 
-inline ClipTokenizer clip_from_folder(const std::string& folder, const TokenizerLimits& limits) {
+/// vocab.json and merges.txt of RoBERTa, if the vocabulary has its marks, else of CLIP.
+inline AnyTokenizer byte_pairs_from_folder(const std::string& folder, const TokenizerLimits& limits) {
+  auto pieces = read_vocabulary_json(folder + "/vocab.json");
+  const auto merges = read_merges(folder + "/merges.txt");
+  if (std::find(pieces.begin(), pieces.end(), "<s>") != pieces.end()) {
+    RobertaTokenizerOptions o;
+    o.longest = limits.longest.value_or(o.longest);
+    o.truncate = limits.truncate.value_or(o.truncate);
+    return RobertaTokenizer(std::move(pieces), merges, std::move(o), folder);
+  }
   ClipTokenizerOptions o;
   o.cleaning = limits.cleaning;
   o.longest = limits.longest.value_or(o.longest);
   o.truncate = limits.truncate.value_or(o.truncate);
-  return ClipTokenizer(read_vocabulary_json(folder + "/vocab.json"), read_merges(folder + "/merges.txt"), std::move(o),
-                       folder);
+  return ClipTokenizer(std::move(pieces), merges, std::move(o), folder);
 }
 
 }  // namespace detail
@@ -18488,7 +19889,7 @@ MOTIONLANG_BODY AnyTokenizer read_tokenizer(const FilePath& folder, const Tokeni
     config = tokenizer_config_from_json(JsonView(document, file));
   }
   if (detail::file_exists(name + "/vocab.txt")) return detail::bert_from_folder(name, config, limits);
-  if (detail::file_exists(name + "/vocab.json")) return detail::clip_from_folder(name, limits);
+  if (detail::file_exists(name + "/vocab.json")) return detail::byte_pairs_from_folder(name, limits);
   raise<io_error>(401, name, ": neither tokenizer.json nor vocab.txt nor vocab.json");
 }
 
@@ -19246,7 +20647,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// One of several networks; the file decides which.
 template <Backend B>
 struct AnyTextNetwork {
-  std::variant<ClipText<B>, DistilBert<B>, Bert<B>, Mpnet<B>> network;
+  std::variant<ClipText<B>, DistilBert<B>, Bert<B>, Mpnet<B>, Roberta<B>> network;
 
   bool is_clip() const { return network.index() == 0; }
   TextFeatures<B> operator()(const TokenBatch& batch) const {
@@ -19289,7 +20690,7 @@ AnyTokenizer tokenizer_of(const std::filesystem::path& folder, const TokenizerLi
 struct TextNetworkFiles {
   WeightFile weights;
   std::variant<ClipTextConfig, BertConfig> config;
-  std::string type;  // distilbert, bert or mpnet; unused for CLIP
+  std::string type;  // distilbert, bert, roberta or mpnet; unused for CLIP
 };
 /// file  its config.json. Throws config_error 103 for another model_type
 TextNetworkFiles text_network_files(const FilePath& file, const FilePath& folder);
@@ -19300,6 +20701,7 @@ AnyTextNetwork<B> text_network(const TextNetworkFiles& files) {
   const auto& config = std::get<BertConfig>(files.config);
   if (files.type == "distilbert") return {load_text_network<DistilBert<B>>(config, files.weights)};
   if (files.type == "bert") return {load_text_network<Bert<B>>(config, files.weights)};
+  if (files.type == "roberta") return {load_text_network<Roberta<B>>(config, files.weights)};
   return {load_text_network<Mpnet<B>>(config, files.weights)};
 }
 
@@ -19385,8 +20787,9 @@ MOTIONLANG_BODY TextNetworkFiles text_network_files(const FilePath& file, const 
   WeightFile weights = open_weights(folder);
   const auto type = config["model_type"].as<std::string>();
   if (type == "clip" || type == "clip_text_model") return {std::move(weights), clip_text_config(config), type};
-  if (type != "distilbert" && type != "bert" && type != "mpnet")
-    raise<config_error>(103, config.path(), ": model_type '", type, "' is not one of clip, distilbert, bert, mpnet");
+  if (type != "distilbert" && type != "bert" && type != "roberta" && type != "mpnet")
+    raise<config_error>(103, config.path(), ": model_type '", type,
+                        "' is not one of clip, distilbert, bert, roberta, mpnet");
   return {std::move(weights), bert_config(config, type), type};
 }
 
@@ -21041,6 +22444,8 @@ MOTIONLANG_BODY TmrConfig TrainedSystem<Tmr>::sizes(const TextMotionConfig& c, I
           .ff_size = n.ff_size,
           .num_layers = n.num_layers,
           .num_heads = n.num_heads,
+          .text_layers = n.text_layers,
+          .text_heads = n.text_heads,
           .dropout = n.dropout,
           .activation = parse_activation(n.activation),
           .vae = n.vae};
@@ -21054,6 +22459,8 @@ MOTIONLANG_BODY TemosConfig TrainedSystem<Temos>::sizes(const TextMotionConfig& 
           .ff_size = n.ff_size,
           .num_layers = n.num_layers,
           .num_heads = n.num_heads,
+          .text_layers = n.text_layers,
+          .text_heads = n.text_heads,
           .dropout = n.dropout,
           .activation = parse_activation(n.activation),
           .vae = n.vae,
@@ -22545,18 +23952,23 @@ struct Classifier {
   }
   /// x: windows as `clips` describes them;   rng: for a random initial state
   Recognition<B> operator()(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng) const {
-    return gru ? by_gru(x, clips, rng) : (*stgcn)(x);
+    return gru ? by_gru(x, clips, rng, {}) : (*stgcn)(x);
   }
-  Recognition<B> train(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng) {
-    return gru ? by_gru(x, clips, rng) : stgcn->train(x);
+  /// The place of windows in the batch for which initial states are drawn.
+  struct Place {
+    Index first = 0, all = 0;  // all = 0: these windows are the batch
+  };
+  Recognition<B> train(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng, Place place = {}) {
+    return gru ? by_gru(x, clips, rng, place) : stgcn->train(x);
   }
 
  private:
-  Recognition<B> by_gru(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng) const {
+  Recognition<B> by_gru(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng, Place place) const {
     const auto read = points ? points(x, clips) : joint_points(x, clips);
     if (!drawn_state) return (*gru)(read);
     auto own = rng.split("state");
-    const auto h0 = gru->initial_state(x.count(), own);
+    auto h0 = gru->initial_state(std::max(place.all, x.count()), own);
+    if (h0.size(1) != x.count()) h0 = slice(h0, 1, place.first, place.first + x.count());
     return (*gru)(read, &h0);
   }
 };
@@ -25393,6 +26805,8 @@ namespace detail {
 /// The page with the user's body instead of the figures. The motions must be on the joints of the skeleton.
 std::string body_viewer_page(std::span<const ViewerMotion> motions, const SkinnedMesh<std::uint16_t>& mesh,
                              const Skeleton& skeleton, const ViewerOptions& options);
+/// The data of such a page, as JSON: {"motion": ..., "body": ...}.
+std::string body_viewer_data(const Motion& motion, const SkinnedMesh<std::uint16_t>& mesh, const Skeleton& skeleton);
 
 }  // namespace detail
 
@@ -25503,13 +26917,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 /// Root positions as float32, then local rotations x, y, z, w as int16, 32767 for 1: 12 + 8 joints bytes per frame. The
-/// error of a rotation is below 1e-4 rad.
+/// error of a rotation is below 1e-4 rad. Of the two quaternions of a rotation it is that with w >= 0.
 inline std::string pack_motion(const Motion& motion) {
   std::vector<std::byte> bytes;
   for (const Vec3<double>& p : motion.root) append_value(bytes, vec_cast<float>(p));
   for (const Quaternion<double>& q : motion.local) {
     const Quaternion<double> u = normalized(q);
-    for (const double x : {u.x, u.y, u.z, u.w}) append_value(bytes, static_cast<std::int16_t>(std::lround(32767 * x)));
+    const double one = u.w < 0 ? -32767 : 32767;
+    for (const double x : {u.x, u.y, u.z, u.w}) append_value(bytes, static_cast<std::int16_t>(std::lround(one * x)));
   }
   return to_base64(bytes);
 }
@@ -25777,7 +27192,7 @@ class Clip {
   shapes(pose) {
     return this.cones.map(([joint, fx, fy, fz, tx, ty, tz, radiusFrom, radiusTo, side]) => {
       const place = (v) => add(pose.positions[joint], turn(pose.rotations[joint], v));
-      return { from: place([fx, fy, fz]), to: place([tx, ty, tz]), radiusFrom, radiusTo, side };
+      return { from: place([fx, fy, fz]), to: place([tx, ty, tz]), radiusFrom, radiusTo, side, joint };
     });
   }
 }
@@ -26093,7 +27508,7 @@ class GlRenderer {
   place({ shapes, pose, palette }) {
     const gl = this.gl;
     const data = this.mesh ? this.mesh.skin(pose) : new Float32Array(shapes.flatMap((s) =>
-      [...s.from, s.radiusFrom, ...s.to, s.radiusTo, ...palette.sides[s.side]]));
+      [...s.from, s.radiusFrom, ...s.to, s.radiusTo, ...(s.colour || palette.sides[s.side])]));
     gl.bindBuffer(gl.ARRAY_BUFFER, this.mesh ? this.meshVertices : this.instances);
     gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
   }
@@ -26179,7 +27594,7 @@ class FlatRenderer {
       const ra = s.radiusFrom * a.scale, rb = s.radiusTo * b.scale;
       const axis = Math.atan2(b.y - a.y, b.x - a.x), distance = Math.hypot(b.x - a.x, b.y - a.y);
       const tangent = Math.acos(clamp((ra - rb) / Math.max(distance, 1e-9), -1, 1));
-      context.fillStyle = colour(palette.sides[s.side]);
+      context.fillStyle = colour(s.colour || palette.sides[s.side]);
       context.beginPath();
       context.arc(a.x, a.y, ra, axis + tangent, axis - tangent);
       context.arc(b.x, b.y, rb, axis - tangent, axis + tangent);
@@ -26247,6 +27662,7 @@ const hues = ["#2b78c5", "#d0621c", "#2f9157", "#8a58c2", "#c0436d", "#97801b"];
 const dark = matchMedia("(prefers-color-scheme: dark)");
 let clip = null, time = 0, playing = false, looping = true, following = true, speed = 1;
 let scheduled = false, before = 0;
+let decorate = () => {};  // changes the cones of the figure, or adds to them, before they are drawn
 let pace = 16, quality = 1;  // milliseconds between frames, pixels drawn per pixel of the screen
 
 let renderer;
@@ -26285,8 +27701,8 @@ function showClip(next) {
   element("scrub").max = clip.seconds || 1;
   element("play").disabled = element("scrub").disabled = clip.seconds === 0;
 }
-function drawAxis(axis, length) {
-  const most = clamp(axis.clientWidth / 50, 3, 12);  // marks
+function drawAxis(axis, length, limit = 12) {
+  const most = clamp(axis.clientWidth / 50, 3, limit);  // marks
   const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 300].find((s) => length / s <= most) || length / 10;
   axis.replaceChildren();
   for (let t = 0; t <= length + 1e-9; t += step) {
@@ -26300,8 +27716,9 @@ function render() {
   if (!width || !height) return;
   if (view.width !== width || view.height !== height) Object.assign(view, { width, height });
   if (following) camera.goal = [root[0], clip.floor + 0.52 * clip.size, root[2]];
-  const palette = palettes[dark.matches ? "dark" : "light"];
-  renderer.draw({ shapes: clip.shapes(pose), pose, camera, palette, clip, root, width, height });
+  const palette = palettes[dark.matches ? "dark" : "light"], shapes = clip.shapes(pose);
+  decorate(shapes, palette);
+  renderer.draw({ shapes, pose, camera, palette, clip, root, width, height });
 
   element("scrub").value = time;
   element("clock").textContent = `${shown(time)} / ${shown(clip.seconds)} \u00b7 frame ${Math.round(time * clip.fps)}`;
@@ -26519,24 +27936,35 @@ inline std::string viewer_page(std::span<const ViewerEntry> entries, const Viewe
       {viewer_script_pose, viewer_script_draw, viewer_script_player, viewer_script_control});
 }
 
-MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motions,
-                                             const SkinnedMesh<std::uint16_t>& mesh, const Skeleton& skeleton,
-                                             const ViewerOptions& options) {
+inline nlohmann::ordered_json body_json(const SkinnedMesh<std::uint16_t>& mesh, const Skeleton& skeleton) {
   const auto packed = [](const auto& values) { return to_base64(std::as_bytes(std::span(values))); };
   nlohmann::ordered_json offsets = nlohmann::ordered_json::array();
   for (const Vec3<double>& o : skeleton.offsets) offsets.push_back(rounded(o));
-  const nlohmann::ordered_json json{{"positions", packed(mesh.positions)}, {"joints", packed(mesh.joints)},
-                                    {"weights", packed(mesh.weights)},     {"triangles", packed(mesh.triangles)},
-                                    {"offsets", std::move(offsets)},       {"parents", skeleton.parents}};
+  return {{"positions", packed(mesh.positions)}, {"joints", packed(mesh.joints)}, {"weights", packed(mesh.weights)},
+          {"triangles", packed(mesh.triangles)}, {"offsets", std::move(offsets)}, {"parents", skeleton.parents}};
+}
+
+inline std::string json_text(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motions,
+                                             const SkinnedMesh<std::uint16_t>& mesh, const Skeleton& skeleton,
+                                             const ViewerOptions& options) {
   std::vector<ViewerEntry> entries;
   for (const ViewerMotion& m : motions) entries.push_back({m.motion, m.tracks, m.note});
-  return viewer_page(entries, options, json);
+  return viewer_page(entries, options, body_json(mesh, skeleton));
+}
+
+MOTIONLANG_BODY std::string body_viewer_data(const Motion& motion, const SkinnedMesh<std::uint16_t>& mesh,
+                                             const Skeleton& skeleton) {
+  return json_text({{"motion", shown_motion(motion, {}, "")}, {"body", body_json(mesh, skeleton)}});
 }
 
 }  // namespace detail
 
 MOTIONLANG_BODY std::string viewer_data(const Motion& motion) {
-  return detail::shown_motion(motion, {}, "").dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return detail::json_text(detail::shown_motion(motion, {}, ""));
 }
 
 MOTIONLANG_BODY std::string viewer_html(const Motion& motion, std::span<const Track> tracks,
@@ -27653,8 +29081,6 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_IPP  // <motionlang/view/convert_motions.ipp>
 #define MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_IPP
 // Bodies of convert_motions.hpp.
-
-#include <sstream>    // lines
 
 #ifndef MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP  // <motionlang/view/view_file.hpp>
 #define MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP
@@ -29355,6 +30781,102 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_VIEW_RETRIEVAL_PAGE_HPP  // <motionlang/view/retrieval_page.hpp>
+#define MOTIONLANG_HAS_VIEW_RETRIEVAL_PAGE_HPP
+/// Ranked galleries: for each text the nearest motions as film strips, with their similarity and with that of their own
+/// texts to the query. One self-contained HTML page.
+///
+/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), figures 3 and 4; thesis figures 5.3 to 5.7
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A motion that a text finds.
+struct RankedMotion {
+  Index number = 0;  // in the part that is searched
+  std::string id;
+  std::string text;            // its own
+  double similarity = 0;       // of the motion to the query, 0 to 1
+  double text_similarity = 0;  // of its text to the query, 0 to 1
+  bool own = false;            // the query is a text of this motion
+};
+/// A text and the motions that are nearest to it, the nearest first.
+struct RankedQuery {
+  std::string text;
+  double rank = 0;  // of its own motion; 1 is the best. Motions at the same distance share their mean
+  std::vector<RankedMotion> motions{};
+};
+
+/// title   what was searched
+/// strip   the picture of a motion as SVG
+std::string retrieval_page(std::span<const RankedQuery> queries, std::string_view title,
+                           const std::function<std::string(const RankedMotion&)>& strip);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_RETRIEVAL_PAGE_IPP  // <motionlang/view/retrieval_page.ipp>
+#define MOTIONLANG_HAS_VIEW_RETRIEVAL_PAGE_IPP
+// Bodies of retrieval_page.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::string_view retrieval_style = R"(
+:root{color-scheme:light dark;--ink:#20242c;--soft:#5b6472;--line:#d9dee5;--back:#fff;--right:#1f7a4d;--bar:#2b6cb0}
+@media (prefers-color-scheme:dark){:root{--ink:#e6e9ee;--soft:#a2abb8;--line:#3a424d;--back:#15181d;--right:#5cc793;
+--bar:#6ea8e0}}
+body{font:15px/1.45 system-ui,-apple-system,'Segoe UI',sans-serif;color:var(--ink);background:var(--back);
+max-width:1400px;margin:2em auto;padding:0 1em}
+h1{font-size:1.4em;margin:0}h2{font-size:1.1em;margin:0;overflow-wrap:anywhere}
+.about{color:var(--soft);margin:.1em 0 .6em}
+section{margin:2em 0;border-top:1px solid var(--line);padding-top:1em}
+ol{list-style:none;margin:0;padding:0;display:grid;grid-template-columns:repeat(auto-fill,minmax(14em,1fr));gap:1em}
+li{border:1px solid var(--line);border-radius:8px;padding:.6em;min-width:0}
+li.own{border:2px solid var(--right);padding:calc(.6em - 1px)}
+.place{font-weight:600}.own .place::after{content:" own motion";color:var(--right)}
+.number{font-variant-numeric:tabular-nums}
+.bar{display:block;height:.4em;border-radius:.2em;background:var(--bar);margin:.15em 0 .4em}
+li p{margin:.3em 0 0;overflow-wrap:anywhere}li .id{color:var(--soft);font-size:.85em}
+li svg{display:block;width:100%;height:auto;background:#fff;border-radius:4px}
+)";
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string retrieval_page(std::span<const RankedQuery> queries, std::string_view title,
+                                           const std::function<std::string(const RankedMotion&)>& strip) {
+  using detail::escape_markup, detail::fixed;
+  std::string out = concat_text(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n"
+      "<title>",
+      escape_markup(title), "</title>\n<style>", detail::retrieval_style, "</style>\n</head>\n<body>\n<h1>",
+      escape_markup(title),
+      "</h1>\n<p class=\"about\">Each text with its nearest motions. The bar is the similarity of motion and text; TS "
+      "is "
+      "the similarity of the motion's own text to the query.</p>\n");
+  for (const RankedQuery& q : queries) {
+    out += concat_text("<section>\n<h2>“", escape_markup(q.text),
+                       "”</h2>\n<p class=\"about\">rank of its own motion: ", fixed(q.rank, 1), "</p>\n<ol>\n");
+    int place = 0;
+    for (const RankedMotion& m : q.motions) {
+      out +=
+          concat_text("<li", m.own ? " class=\"own\"" : "", "><span class=\"place\">", ++place,
+                      "</span> <span class=\"number\">", fixed(m.similarity, 3), " · TS ", fixed(m.text_similarity, 2),
+                      "</span><span class=\"bar\" style=\"width:", fixed(100 * std::clamp(m.similarity, 0.0, 1.0), 1),
+                      "%\"></span>", strip(m), "<p>", escape_markup(m.text), "</p><p class=\"id\">",
+                      escape_markup(m.id), "</p></li>\n");
+    }
+    out += "</ol>\n</section>\n";
+  }
+  if (queries.empty()) out += "<p>There are no texts.</p>\n";
+  return out + "</body>\n</html>\n";
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_VIEW_RIG_VIEWER_HPP  // <motionlang/view/rig_viewer.hpp>
 #define MOTIONLANG_HAS_VIEW_RIG_VIEWER_HPP
 /// A page that shows motions on the user's character, a GLB or VRM file, in one colour. The page contains the surface
@@ -29378,6 +30900,8 @@ Motion with_turned_rest(Motion m, const Quaternion<double>& turn);
 /// motions  are retargeted unless they are on the character's skeleton
 /// Throws   what viewer_html, motions_on_rig and GlbRig::mesh throw
 std::string rig_viewer_html(const GlbRig& rig, std::span<const Motion> motions, const ViewerOptions& options = {});
+/// The data of such a page for one motion, as JSON: {"motion": ..., "body": ...}. The body is the surface at rest.
+std::string rig_viewer_data(const GlbRig& rig, const Motion& motion);
 /// Throws io_error 401, and what rig_viewer_html throws.
 void write_rig_viewer(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,
                       const ViewerOptions& options = {});
@@ -29412,21 +30936,37 @@ MOTIONLANG_BODY Motion with_turned_rest(Motion m, const Quaternion<double>& turn
   return m;
 }
 
+/// The surface and the skeleton of a character that faces +Z at rest.
+struct TurnedRig {
+  SkinnedMesh<std::uint16_t> mesh;
+  Skeleton skeleton;
+  Quaternion<double> turn;
+};
+inline TurnedRig turned_rig(const GlbRig& rig) {
+  TurnedRig out{rig.mesh(), rig.skeleton(), turn_to_front(rig)};
+  for (auto* vectors : {&out.mesh.positions, &out.mesh.normals}) {
+    for (Vec3<float>& v : *vectors) v = vec_cast<float>(rotate(out.turn, vec_cast<double>(v)));
+  }
+  for (Vec3<double>& o : out.skeleton.offsets) o = rotate(out.turn, o);
+  return out;
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY std::string rig_viewer_html(const GlbRig& rig, std::span<const Motion> motions,
                                             const ViewerOptions& options) {
-  const Quaternion<double> turn = detail::turn_to_front(rig);
+  const detail::TurnedRig turned = detail::turned_rig(rig);
   std::vector<ViewerMotion> shown;
   for (Motion& m : motions_on_rig(rig, motions).motions)
-    shown.push_back({detail::with_turned_rest(std::move(m), turn)});
-  auto mesh = rig.mesh();
-  for (auto* vectors : {&mesh.positions, &mesh.normals}) {
-    for (Vec3<float>& v : *vectors) v = vec_cast<float>(rotate(turn, vec_cast<double>(v)));
-  }
-  Skeleton skeleton = rig.skeleton();
-  for (Vec3<double>& o : skeleton.offsets) o = rotate(turn, o);
-  return detail::body_viewer_page(shown, mesh, skeleton, options);
+    shown.push_back({detail::with_turned_rest(std::move(m), turned.turn)});
+  return detail::body_viewer_page(shown, turned.mesh, turned.skeleton, options);
+}
+
+MOTIONLANG_BODY std::string rig_viewer_data(const GlbRig& rig, const Motion& motion) {
+  const detail::TurnedRig turned = detail::turned_rig(rig);
+  Motion on_rig = std::move(motions_on_rig(rig, std::span(&motion, 1)).motions.front());
+  return detail::body_viewer_data(detail::with_turned_rest(std::move(on_rig), turned.turn), turned.mesh,
+                                  turned.skeleton);
 }
 
 MOTIONLANG_BODY void write_rig_viewer(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,
@@ -29511,7 +31051,10 @@ struct FoundMotion {
 };
 
 /// The hits of an answer with their clips.
-std::vector<FoundMotion> found_motions(const MotionIndex& index, const TextAnswer& answer);
+std::vector<FoundMotion> found_motions(const IndexTables& index, const TextAnswer& answer);
+inline std::vector<FoundMotion> found_motions(const MotionIndex& index, const TextAnswer& answer) {
+  return found_motions(TablesOfIndex(index), answer);
+}
 
 /// Lines: the words that the model does not know, if nothing shows the query (`one`: "clip" or "moment"), and the hits.
 std::string search_text(std::span<const FoundMotion> found, const TextAnswer& answer, std::string_view one);
@@ -29546,11 +31089,11 @@ inline Motion found_motion(const FoundMotion& f, const MotionReadOptions& read) 
 
 }  // namespace detail
 
-MOTIONLANG_BODY std::vector<FoundMotion> found_motions(const MotionIndex& index, const TextAnswer& answer) {
+MOTIONLANG_BODY std::vector<FoundMotion> found_motions(const IndexTables& index, const TextAnswer& answer) {
   std::vector<FoundMotion> out;
   for (std::size_t i = 0; i < answer.hits.size(); ++i) {
     const MotionHit& h = answer.hits[i];
-    out.push_back({clip_of(index, h), h.start, h.end, answer.scores[i], {}, {}});
+    out.push_back({index.clip(h.clip), h.start, h.end, answer.scores[i], {}, {}});
   }
   return out;
 }
@@ -29667,13 +31210,14 @@ struct StudioParts {
   std::span<const std::byte> model;  // weights of STMC, .safetensors, packed by gzip
   std::vector<StudioPrompt> prompts{};
   std::string title = "motionlang studio";
+  bool asks_server = false;  // the page asks the server that it comes from; it has no program, code and model then
 };
 
 namespace detail {
 std::string seven_bit_text(std::span<const std::byte> bytes);
 }  // namespace detail
 
-/// Throws config_error 101 without program, code or model.
+/// Throws config_error 101 without program, code or model, unless the page asks a server.
 std::string studio_html(const StudioParts& parts);
 
 MOTIONLANG_NAMESPACE_END
@@ -29727,15 +31271,18 @@ progress { width: 100%; height: 10px; accent-color: var(--accent); }
 footer { padding: 6px 16px 8px; }
 #scrub { margin: 4px 0 2px; }
 #timeline {
-  display: grid; grid-template-columns: 126px minmax(0, 1fr); max-height: 36vh; cursor: default; padding-right: 18px;
-  overflow-x: clip;
+  display: grid; grid-template-columns: 196px minmax(0, 1fr); max-height: 36vh; cursor: default; overflow-x: clip;
 }
-#axis { margin: 0; cursor: pointer; min-height: 20px; touch-action: none; }
+#tools { display: flex; gap: 4px; align-items: center; height: 28px; }
+#scroller { overflow-x: auto; overflow-y: hidden; padding-right: 18px; }
+#wide { min-width: 100%; }
+#axis { margin: 0; cursor: pointer; height: 28px; padding-top: 8px; touch-action: none; }
+#axis span:first-child { transform: none; }
 #names div {
   display: flex; align-items: center; gap: 4px; border-top: 1px solid var(--line); white-space: nowrap;
   padding-right: 8px;
 }
-#names button, #add { min-height: 22px; padding: 0 7px; line-height: 1; }
+#names button, #tools button { min-height: 24px; min-width: 24px; padding: 0 6px; line-height: 1; font-size: 13px; }
 #names span { flex: 1; overflow: hidden; text-overflow: ellipsis; }
 #lanes { position: relative; touch-action: pan-y; }
 .lane { position: relative; border-top: 1px solid var(--line); }
@@ -29747,10 +31294,32 @@ footer { padding: 6px 16px 8px; }
 .bar.chosen {
   outline: 2px solid var(--accent); outline-offset: -1px; background: color-mix(in srgb, var(--hue) 40%, transparent);
 }
+.lane .bar.clip {
+  background: repeating-linear-gradient(135deg, color-mix(in srgb, var(--hue) 40%, transparent) 0 6px,
+                                        color-mix(in srgb, var(--hue) 14%, transparent) 6px 12px);
+}
 .bar.warned > span::before { content: "\26a0\a0"; color: var(--warn); }
 .grip { position: absolute; top: 0; bottom: 0; width: 9px; cursor: ew-resize; }
 .grip.from { left: 0; }
 .grip.to { right: 0; border-right: 3px solid var(--hue); }
+#graph { display: block; width: 100%; height: 52px; border-top: 1px solid var(--line); }
+#timeline:has(#graph:not([hidden])) #names { margin-top: 52px; }
+#aids { position: absolute; right: 12px; top: 10px; display: flex; flex-direction: column; gap: 4px; align-items: end; }
+#aids button { min-height: 26px; padding: 2px 8px; font-size: 12px; }
+#takes { position: absolute; left: 12px; bottom: 12px; display: flex; gap: 8px; }
+#takes > div { position: relative; }
+#takes > div > button:first-child {
+  display: grid; padding: 2px; background: var(--panel); font-size: 12px; cursor: pointer;
+}
+#takes canvas { width: 92px; height: 112px; display: block; border-radius: 5px; }
+#takes > div > button:last-child {
+  position: absolute; right: 4px; top: 4px; min-height: 24px; padding: 0 6px; font-size: 12px;
+}
+#takes .old canvas { opacity: 0.45; }
+#sheet { max-width: 150px; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 16px; }
+dt { font-weight: 600; }
+dd { margin: 0; }
 dialog {
   width: min(640px, 94vw); background: var(--panel); color: var(--text); border: 1px solid var(--line);
   border-radius: 10px;
@@ -29764,6 +31333,11 @@ dialog::backdrop { background: rgb(0 0 0 / 0.4); }
   #stage { flex: none; height: 40vh; }
   #panel { order: 1; border-left: 0; border-top: 1px solid var(--line); }
   #timeline { grid-template-columns: 112px minmax(0, 1fr); max-height: none; }
+  #tools { flex-wrap: wrap; height: 56px; }
+  #axis { height: 56px; padding-top: 36px; }
+  #scroller { padding-right: 6px; }
+  #takes canvas { width: 62px; height: 76px; }
+  #aids { flex-flow: row wrap; justify-content: end; left: 12px; top: 34px; }
   #names { font-size: 13px; }
   #names button { padding: 0 5px; }
   #hint { display: none; }
@@ -29774,10 +31348,15 @@ dialog::backdrop { background: rgb(0 0 0 / 0.4); }
 inline constexpr std::string_view studio_header = R"page(
 <header><h1 id="title"></h1><span id="info"></span>
   <nav aria-label="Project">
+    <select id="sheet" aria-label="Timeline of the project"></select>
+    <button id="fresh" type="button">New</button>
+    <button id="drop" type="button" aria-label="Remove this timeline">Remove</button>
     <button id="undo" type="button" title="Ctrl+Z">Undo</button>
     <button id="redo" type="button" title="Ctrl+Shift+Z">Redo</button>
-    <button id="fresh" type="button">New</button>
-    <button id="write" type="button">Timeline text</button>
+    <button id="open" type="button" title="A motion to keep, a character or a timeline">Open</button>
+    <select id="folder" aria-label="File in the project's folder" hidden></select>
+    <input id="file" type="file" accept=".txt,.bvh,.glb,.gltf,.vrm,.vrma,.npz,.npy" hidden>
+    <button id="write" type="button">Text</button>
     <button id="link" type="button">Copy link</button>
     <select id="kind" aria-label="Kind of file">
       <option value=".bvh">BVH</option><option value=".glb">GLB</option><option value=".vrma">VRMA</option>
@@ -29785,6 +31364,7 @@ inline constexpr std::string_view studio_header = R"page(
       <option value=".html">viewer page</option><option value=".svg">film strip</option>
     </select>
     <button id="save" type="button" disabled>Save motion</button>
+    <button id="keysHelp" type="button" aria-label="Keys" title="?">?</button>
   </nav>
 </header>
 )page";
@@ -29793,6 +31373,7 @@ inline constexpr std::string_view studio_panel = R"page(
 <aside id="panel" aria-label="Text and motion">
   <section aria-labelledby="aboutText">
     <div class="line"><h2 id="aboutText">Text</h2>
+      <button id="split" type="button" title="X">Split</button>
       <button id="duplicate" type="button" title="Ctrl+D">Duplicate</button>
       <button id="remove" type="button" title="Delete">Delete</button></div>
     <p id="nothing">Choose a bar, or add a text.</p>
@@ -29800,20 +31381,29 @@ inline constexpr std::string_view studio_panel = R"page(
       <input id="words" list="prompts" autocomplete="off" maxlength="200" aria-label="What the person does">
       <datalist id="prompts"></datalist>
       <div class="line"><label>From <input id="from" type="number" min="0" step="0.05"></label>
-        <label>to <input id="to" type="number" min="0" step="0.05"></label> s</div>
+        <label>to <input id="to" type="number" min="0" step="0.05"></label> s
+        <button id="usual" type="button" hidden></button></div>
       <fieldset id="parts"><legend>Body parts</legend></fieldset>
     </div>
   </section>
   <section aria-labelledby="aboutMotion">
     <div class="line"><h2 id="aboutMotion">Motion</h2>
       <label>Steps <select id="steps"><option value="usual">20</option><option value="fast">10, fast</option></select>
-      </label> <button id="dice" type="button">Next seed</button></div>
+      </label></div>
     <div class="line"><label>Length <input id="length" type="number" min="0.5" max="60" step="0.5"></label> s
       <label>Seed <input id="seed" type="number" min="0" max="9007199254740991" step="1"></label></div>
     <div class="line"><button id="generate" class="main" type="button" title="Ctrl+Enter">Generate</button>
-      <button id="cancel" type="button" hidden>Cancel</button> <span id="left"></span></div>
+      <button id="cancel" type="button" hidden>Cancel</button>
+      <button id="dice" type="button">Next seed</button>
+      <button id="vary" type="button" title="V">Variations</button></div>
+    <div class="line">
+      <button id="keep" type="button" title="An edit changes only what is within a second of it">Keep the rest</button>
+      <button id="whole" type="button" title="Ctrl+Shift+Enter">Make all anew</button>
+      <button id="live" type="button" title="Generate after every edit">Live</button></div>
+    <span id="left"></span>
     <progress id="progress" max="1" value="0" aria-label="Steps that are done" hidden></progress>
     <p id="status" role="status"></p>
+    <button id="plain" type="button" hidden>Without the character</button>
     <ul id="warnings" aria-label="Warnings"></ul>
   </section>
 </aside>
@@ -29821,11 +31411,20 @@ inline constexpr std::string_view studio_panel = R"page(
 
 inline constexpr std::string_view studio_timeline = R"page(
 <div id="timeline">
-  <div><button id="add" type="button">Add text</button></div><div id="axis" aria-hidden="true"></div>
-  <div id="names"></div><div id="lanes" role="group" aria-label="Texts by body part"><div id="cursor"></div></div>
+  <div id="left-side">
+    <div id="tools"><button id="add" type="button" title="N">Add text</button>
+      <button id="snap" type="button" title="G">Snap</button>
+      <button id="zoomOut" type="button" aria-label="Zoom out" title="-">&minus;</button>
+      <button id="zoomIn" type="button" aria-label="Zoom in" title="+">+</button></div>
+    <div id="names"></div>
+  </div>
+  <div id="scroller"><div id="wide"><div id="axis" aria-hidden="true"></div>
+    <canvas id="graph" role="img" aria-label="Speed over the floor and height of the pelvis" hidden></canvas>
+    <div id="lanes" role="group" aria-label="Texts by body part"><div id="cursor"></div></div></div></div>
 </div>
 <p id="help" hidden>Left and right move the text, with Shift its end, with Control its start. Up and down change the
-body part. Enter edits the words, Delete deletes, Control D duplicates.</p>
+body part. Enter edits the words, Delete deletes, Control D duplicates, X splits, S adds it to those that are
+chosen.</p>
 )page";
 
 inline constexpr std::string_view studio_dialog = R"page(
@@ -29835,48 +31434,75 @@ inline constexpr std::string_view studio_dialog = R"page(
   <textarea id="lines" aria-label="Timeline text" spellcheck="false"></textarea>
   <p id="fault" role="alert"></p>
   <div class="line"><button id="apply" class="main" type="button">Apply</button>
-    <button id="openText" type="button">Open file</button><button id="saveText" type="button">Save file</button>
-    <button id="close" type="button">Close</button><input id="file" type="file" accept=".txt" hidden></div>
+    <button id="saveText" type="button">Save file</button><button id="close" type="button">Close</button></div>
+</dialog>
+<dialog id="keysDialog" aria-labelledby="aboutKeys">
+  <h2 id="aboutKeys">Keys</h2>
+  <dl>
+    <dt>Left, right</dt><dd>move the chosen bars; with Shift the end of one, with Ctrl its start</dd>
+    <dt>Up, down</dt><dd>move a bar to another body part</dd>
+    <dt>N, Enter, Delete</dt><dd>add a text, edit its words, delete</dd>
+    <dt>Ctrl+D, X</dt><dd>duplicate; split at the cursor</dd>
+    <dt>S, Ctrl+A, Escape</dt><dd>choose a bar as well, all bars, one bar</dd>
+    <dt>+, &minus;, 0, G</dt><dd>zoom in, out, show all; snap</dd>
+    <dt>Ctrl+Enter</dt><dd>generate; with Shift everything anew</dd>
+    <dt>V, 1 to 4, K</dt><dd>make variations, choose one, lock it</dd>
+    <dt>Ctrl+Z, Ctrl+Shift+Z</dt><dd>undo, redo</dd>
+    <dt>Space, comma, full stop</dt><dd>play, one frame back, one frame on</dd>
+  </dl>
+  <button id="keysClose" type="button">Close</button>
 </dialog>
 )page";
 
 /// The worker, behind the program of emscripten: loads the model and makes motions.
 inline constexpr std::string_view studio_worker = R"page(
 ;"use strict";
-let wasm = null, loaded = 0, latest = 0;  // the module, and pointers to a model and a motion
+let wasm = null, loaded = 0, count = 0;  // the module, a pointer to the model, the number of motions so far
+const made = new Map(), read = new Map();  // pointers to motions that were made, by number, and that were read, by name
 
 /** The bytes of a text with seven bits a character, unpacked. */
 const unpacked = (text) => {
   const bytes = new Uint8Array(Math.floor(text.length / 8) * 7 + (text.length % 8 * 7 >> 3));
-  let held = 0, bits = 0, count = 0;
+  let held = 0, bits = 0, size = 0;
   for (let i = 0; i < text.length; ++i) {
     held = (held << 7 | text.charCodeAt(i) & 127) & 0x7fff;
     bits += 7;
-    if (bits >= 8) bytes[count++] = held >> (bits -= 8);
+    if (bits >= 8) bytes[size++] = held >> (bits -= 8);
   }
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
 };
-/** Calls use(pointer) with a C string. */
-const withText = (words, use) => {
-  const size = wasm.lengthBytesUTF8(words) + 1, at = wasm._malloc(size);
+/** Calls use(pointer) with memory of this size. */
+const withMemory = (size, use) => {
+  const at = wasm._malloc(Math.max(size, 8));
   try {
-    wasm.stringToUTF8(words, at, size);
     return use(at);
   } finally {
     wasm._free(at);
   }
 };
-/** The pointer that call(place) puts into a place. Throws the message of the library. */
-const made = (call) => {
-  const place = wasm._malloc(4);
-  try {
-    wasm.HEAP32[place >> 2] = 0;
-    if (call(place)) throw new Error(wasm.UTF8ToString(wasm._motionlang_message()));
-    return wasm.HEAP32[place >> 2];
-  } finally {
-    wasm._free(place);
-  }
+/** Calls use(pointer) with a C string, or with 0 for nothing. */
+const withText = (words, use) => {
+  if (!words) return use(0);
+  const size = wasm.lengthBytesUTF8(words) + 1;
+  return withMemory(size, (at) => {
+    wasm.stringToUTF8(words, at, size);
+    return use(at);
+  });
 };
+const withBytes = (bytes, use) => withMemory(bytes.byteLength, (at) => {
+  wasm.HEAPU8.set(new Uint8Array(bytes), at);
+  return use(at);
+});
+/** Throws the message of the library unless a call returns 0. */
+const ask = (error) => {
+  if (error) throw new Error(wasm.UTF8ToString(wasm._motionlang_message()));
+};
+/** The pointer that call(place) puts into a place. */
+const result = (call) => withMemory(4, (place) => {
+  wasm.HEAP32[place >> 2] = 0;
+  ask(call(place));
+  return wasm.HEAP32[place >> 2];
+});
 /** A copy of the bytes, which are freed. */
 const taken = (bytes) => {
   const at = wasm._motionlang_bytes_data(bytes), copy = wasm.HEAPU8.slice(at, at + wasm._motionlang_wasm_size(bytes));
@@ -29884,6 +31510,29 @@ const taken = (bytes) => {
   return copy;
 };
 const takenJson = (bytes) => JSON.parse(new TextDecoder().decode(taken(bytes)));
+const dataOf = (motion) => takenJson(result((place) => wasm._motionlang_viewer_data(motion, place)));
+const known = (motions, which) => {
+  if (!motions.has(which)) throw new Error("this motion is gone");
+  return motions.get(which);
+};
+/** What motionlang_motion_reuse says; nothing if nothing was reused. */
+const reuseOf = (motion) => withMemory(40, (at) => {
+  wasm._motionlang_wasm_reuse(motion, at);
+  const [frames, kept, work, whole, exact] = wasm.HEAPF64.subarray(at >> 3, (at >> 3) + 5);
+  return frames ? { frames, kept, work: whole ? work / whole : 0, exact: exact === 1 } : null;
+});
+/** Calls use(pointer, from, to, parts) with the stretch of a motion that is kept, or with 0. */
+const withClip = (clip, use) => {
+  if (!clip) return use(0, 0, 0, 0);
+  const { id, from, start, end, parts } = clip;
+  const cut = result((place) =>
+    wasm._motionlang_cut_motion(known(read, id), from, from + end - start, start, place));
+  try {
+    return withText(parts, (names) => use(cut, start, end, names));
+  } finally {
+    wasm._motionlang_free_motion(cut);
+  }
+};
 
 const answers = {
   async load({ code, model }) {
@@ -29895,27 +31544,64 @@ const answers = {
       } });
     wasm.FS.writeFile("/model.safetensors", new Uint8Array(await unpacked(model)));
     wasm._motionlang_set_threads(1);
-    loaded = withText("/model.safetensors", (file) => made((place) => wasm._motionlang_load_model(file, place)));
+    loaded = withText("/model.safetensors", (file) => result((place) => wasm._motionlang_load_model(file, place)));
     return { fps: wasm._motionlang_model_fps(loaded) };
   },
   check: ({ timeline }) => takenJson(withText(timeline, (words) =>
-    made((place) => wasm._motionlang_check_timeline(loaded, words, place)))),
-  generate({ timeline, seed, fast }) {
-    const motion = withText(timeline, (words) => withText("ddim", (ddim) => made((place) =>
-      wasm._motionlang_wasm_generate(loaded, words, seed >>> 0, Math.floor(seed / 2 ** 32), fast ? 10 : 0,
-                                     fast ? ddim : 0, place))));
-    wasm._motionlang_free_motion(latest);
-    latest = motion;
-    return takenJson(made((place) => wasm._motionlang_viewer_data(latest, place)));
+    result((place) => wasm._motionlang_check_timeline(loaded, words, place)))),
+  known: ({ begun, count: most }) => takenJson(withText(begun, (words) =>
+    result((place) => wasm._motionlang_wasm_known_texts(loaded, words, most, place)))),
+  /** record: of an earlier motion of this seed, which is reused. beyond: seconds from an edit after which its frames
+      stay; 0: only where the result is the same. */
+  generate({ timeline, seed, fast, record, beyond, clip }) {
+    const files = { old: "/reuse.safetensors", fresh: "/record.safetensors" }, reuse = record && !clip;
+    if (reuse) wasm.FS.writeFile(files.old, new Uint8Array(record));
+    const motion = withText(timeline, (words) => withText(fast && !reuse && "ddim", (sampler) =>
+      withText(!clip && files.fresh, (fresh) => withText(reuse && files.old, (old) =>
+        withClip(clip, (keep, from, to, parts) => result((place) =>
+          wasm._motionlang_wasm_generate(loaded, words, seed >>> 0, Math.floor(seed / 2 ** 32),
+                                         sampler ? 10 : 0, sampler, fresh, old, reuse ? beyond : 0, keep, from, to,
+                                         parts, place)))))));
+    made.set(++count, motion);
+    const [[oldest, pointer]] = made;
+    if (made.size > 12) wasm._motionlang_free_motion(pointer), made.delete(oldest);
+    return { motion: count, data: dataOf(motion), reuse: reuseOf(motion),
+             record: clip ? null : wasm.FS.readFile(files.fresh).buffer };
   },
-  save: ({ format }) => taken(withText(format, (words) =>
-    made((place) => wasm._motionlang_motion_bytes(latest, words, place)))) };
+  /** A motion of a file, to be kept. */
+  read({ id, name, bytes }) {
+    const motions = withBytes(bytes, (at) => withText(name, (file) =>
+      result((place) => wasm._motionlang_wasm_parse(at, bytes.byteLength, file, place))));
+    try {
+      const whole = wasm._motionlang_wasm_at(motions, 0), fps = wasm._motionlang_fps(whole);
+      const data = dataOf(whole);
+      read.set(id, result((place) => wasm._motionlang_cut_motion(whole, 0, data.frames / fps, 0, place)));
+      return { seconds: data.frames / fps, notes: wasm.UTF8ToString(wasm._motionlang_motions_notes(motions)) };
+    } finally {
+      wasm._motionlang_free_motions(motions);
+    }
+  },
+  /** A motion on the character of a file. */
+  show: ({ motion, name, bytes }) => takenJson(withBytes(bytes, (at) => withText(name, (file) => result((place) =>
+    wasm._motionlang_wasm_viewer_data_on(known(made, motion), at, bytes.byteLength, file, place))))),
+  save({ motion, format, character }) {
+    if (!character || ![".glb", ".html"].includes(format))
+      return taken(withText(format, (kind) =>
+        result((place) => wasm._motionlang_motion_bytes(known(made, motion), kind, place))));
+    const file = "/saved" + format, rig = "/character" + character.name.slice(character.name.lastIndexOf("."));
+    wasm.FS.writeFile(rig, new Uint8Array(character.bytes));
+    withMemory(4, (list) => withText(rig, (from) => withText(file, (to) => {
+      wasm.HEAP32[list >> 2] = known(made, motion);
+      ask(wasm._motionlang_wasm_write_on_character(list, from, to));
+    })));
+    return wasm.FS.readFile(file);
+  } };
 
 let turnOf = Promise.resolve();  // one request after the other
 onmessage = ({ data }) => {
   turnOf = turnOf.then(async () => {
     try {
-      postMessage({ id: data.id, value: await answers[data.kind](data) });
+      postMessage({ id: data.id, value: await answers[data.kind](data.about) });
     } catch (reason) {
       postMessage({ id: data.id, error: String(reason && reason.message || reason) });
     }
@@ -29923,17 +31609,21 @@ onmessage = ({ data }) => {
 };
 )page";
 
-/// The project: texts with their times and parts, undo and redo, storage, links.
+/// The project: timelines of texts with their times and parts, undo and redo, storage, links.
 inline constexpr std::string_view studio_script_project = R"page(
 const parts = ["left arm", "right arm", "legs", "spine", "head"];  // as motionlang_check_timeline names them
 const rows = ["whole body", ...parts];
 const shortest = 0.25, longest = 60;  // seconds of a text, of a project
 const example = {
+  id: 1,
   bars: [{ text: "walk forward", start: 0, end: 6, parts: ["legs"] },
          { text: "raise both arms", start: 2, end: 5, parts: ["left arm", "right arm"] }],
   seconds: 6, seed: 7, fast: false };
 
-let project = structuredClone(example), chosen = 0;
+// The timelines of the project, and the one that is edited. A bar with `clip` is a stretch of a motion to keep: it
+// begins `from` seconds after the start of that motion.
+let book = [structuredClone(example)], sheet = 0, project = book[0], chosen = 0;
+const marked = new Set();  // bars that are chosen besides `chosen`
 const past = [], future = [];
 let lastKey = null;  // the key of the latest edit: edits with the same key are undone together
 
@@ -29945,18 +31635,20 @@ function tidied(p) {
   for (const bar of p.bars) {
     bar.start = clamp(rounded(+bar.start) || 0, 0, p.seconds - shortest);
     bar.end = clamp(rounded(+bar.end) || 0, bar.start + shortest, p.seconds);
-    bar.text = bar.text.replace(/[#\r\n]+/g, " ");
+    bar.text = String(bar.text).replace(/[#\r\n]+/g, " ");
     bar.parts = parts.filter((name) => bar.parts.includes(name));
     if (bar.parts.length === parts.length) bar.parts = [];  // all: the whole body
   }
   return p;
 }
+const snapshot = () => JSON.stringify({ book, sheet, chosen });
 /** Changes the project by a function. A key joins it with the edit before, if that has the same key. */
 function edit(change, key = null) {
-  const old = JSON.stringify({ project, chosen });
+  const old = snapshot();
   change(project);
   tidied(project);
-  if (JSON.stringify({ project, chosen }) === old) return;
+  book[sheet] = project;
+  if (snapshot() === old) return;
   if (key === null || key !== lastKey) past.push(old);
   lastKey = key;
   future.length = 0;
@@ -29964,12 +31656,23 @@ function edit(change, key = null) {
 }
 function goBack(from, to) {
   if (from.length === 0) return;
-  to.push(JSON.stringify({ project, chosen }));
-  ({ project, chosen } = JSON.parse(from.pop()));
+  to.push(snapshot());
+  ({ book, sheet, chosen } = JSON.parse(from.pop()));
+  project = book[sheet];
+  marked.clear();
   lastKey = unfinished = null;
   edited();
 }
 const undo = () => goBack(past, future), redo = () => goBack(future, past);
+/** Goes to another timeline of the project. Undo does not come back from there. */
+function turnTo(number) {
+  sheet = clamp(number, 0, book.length - 1);
+  project = book[sheet];
+  chosen = project.bars.length ? 0 : -1;
+  marked.clear();
+  lastKey = unfinished = null;
+  edited();
+}
 
 /** The timeline of a project as text, and for each line the number of its bar, or -1. Somebody stands where no text is
     at the start and at the end, because a timeline begins and ends with its texts. */
@@ -29979,7 +31682,7 @@ function timelineOf(p) {
     lines.push([words, rounded(start), rounded(end), ...names].join(" # "));
     bars.push(bar);
   };
-  const told = p.bars.map((bar, i) => [bar, i]).filter(([bar]) => bar.text.trim());
+  const told = p.bars.map((bar, i) => [bar, i]).filter(([bar]) => bar.text.trim() && !bar.clip);
   const first = Math.min(p.seconds, ...told.map(([bar]) => bar.start));
   const last = Math.max(first, ...told.map(([bar]) => bar.end));
   if (first > 0) line("stand still", 0, first, [], -1);
@@ -29993,34 +31696,74 @@ const projectOf = ({ texts, seconds }, { seed, fast }) => {
   return tidied({
     bars: texts.map((t) => ({ ...t, parts: t.parts.filter((name) => parts.includes(name)) })), seconds, seed, fast });
 };
+const clipOf = (p) => p.bars.find((bar) => bar.clip);
 
 const linkOf = (p) =>
   "#" + new URLSearchParams({ timeline: timelineOf(p).lines, seed: p.seed, ...(p.fast && { fast: 1 }) });
+/** All that decides which motion a timeline has. */
+const keyOf = (p) => linkOf(p) + (clipOf(p) ? JSON.stringify(clipOf(p)) : "");
 const place = "motionlang studio";  // in the browser's storage
 function store() {
   const link = linkOf(project);
   try {
     history.replaceState(null, "", link);
-    localStorage.setItem(place, JSON.stringify({ project, link }));
+    localStorage.setItem(place, JSON.stringify({ book, sheet, link }));
   } catch (reason) {
     console.info("the browser keeps no project:", reason.message);
   }
 }
-/** The project of the last visit, and the link that it had; nothing if there is none. */
-function stored() {
+/** Takes the project of the last visit, and returns the link that it had; null if there is none. */
+function restore() {
   try {
-    const { project: kept, link } = JSON.parse(localStorage.getItem(place)) || {};
-    return kept && Array.isArray(kept.bars) ? { project: tidied(kept), link } : null;
+    const { book: kept, sheet: number, project: only, link } = JSON.parse(localStorage.getItem(place)) || {};
+    const all = kept || (only ? [only] : []);
+    if (all.length === 0 || !all.every((p) => Array.isArray(p.bars))) return null;
+    book = all.map(tidied);
+    book.forEach((p, i) => { p.id = i + 1; });
+    sheet = clamp(number || 0, 0, book.length - 1);
+    project = book[sheet];
+    return link;
   } catch (reason) {
     console.info("the browser has no project:", reason.message);
     return null;
   }
 }
+
+/** Large things in the browser's storage: records of motions, and files. Without a storage everything is only here. */
+const shelf = {
+  open() {
+    return this.opened ||= new Promise((resolve, reject) => {
+      const asked = indexedDB.open(place, 1);
+      asked.onupgradeneeded = () => asked.result.createObjectStore("things");
+      asked.onsuccess = () => resolve(asked.result);
+      asked.onerror = () => reject(asked.error);
+    });
+  },
+  async use(mode, call) {
+    try {
+      const things = (await this.open()).transaction("things", mode).objectStore("things");
+      return await new Promise((resolve, reject) => {
+        const asked = call(things);
+        asked.onsuccess = () => resolve(asked.result);
+        asked.onerror = () => reject(asked.error);
+      });
+    } catch (reason) {
+      console.info("the browser keeps no files:", reason.message);
+      return undefined;
+    }
+  },
+  get(name) { return this.use("readonly", (things) => things.get(name)); },
+  put(name, value) { return this.use("readwrite", (things) => things.put(value, name)); },
+  async keep(names) {  // only these
+    for (const name of await this.use("readonly", (things) => things.getAllKeys()) || [])
+      if (!names.includes(name)) await this.use("readwrite", (things) => things.delete(name));
+  } };
 )page";
 
 /// The worker's side in the page.
 inline constexpr std::string_view studio_script_engine = R"page(
-class Engine {
+/** The worker in the page. */
+class WorkerEngine {
   constructor(onprogress) {
     this.onprogress = onprogress;
     this.source = URL.createObjectURL(new Blob([page.program], { type: "text/javascript" }));
@@ -30029,6 +31772,8 @@ class Engine {
   start() {
     this.waiting = new Map();
     this.count = 0;
+    this.has = new Set();  // names of files that it read
+    this.life = {};        // motions of another life are gone
     this.worker = new Worker(this.source);
     this.worker.onmessage = ({ data }) => {
       if (!("id" in data)) return this.onprogress(data);
@@ -30045,7 +31790,7 @@ class Engine {
     return new Promise((resolve, reject) => {
       const id = ++this.count;
       this.waiting.set(id, { resolve, reject });
-      this.worker.postMessage({ id, kind, ...about });
+      this.worker.postMessage({ id, kind, about });
     });
   }
   fail(reason) {
@@ -30061,15 +31806,79 @@ class Engine {
     this.start();
   }
 }
+/** Bytes as base64. */
+const packed = (bytes) => {
+  let out = "";
+  const all = new Uint8Array(bytes);
+  for (let i = 0; i < all.length; i += 0x8000) out += String.fromCharCode(...all.subarray(i, i + 0x8000));
+  return btoa(out);
+};
+const unpackedBytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+
+/** The program motionlang, which sent this page. The link has a token after "#token=", which every question repeats. */
+class ServerEngine {
+  constructor(onprogress) {
+    this.onprogress = onprogress;
+    const [, token] = /^#token=([0-9a-f]+)/.exec(location.hash) || [];
+    if (token) history.replaceState(null, "", location.pathname);
+    try {
+      if (token) sessionStorage.setItem("token", token);
+      this.token = token || sessionStorage.getItem("token") || "";
+    } catch (reason) {
+      this.token = token || "";
+    }
+    const numbers = crypto.getRandomValues(new Uint8Array(16));
+    this.client = Array.from(numbers, (n) => n.toString(16).padStart(2, "0")).join("");
+    this.has = new Set();
+    this.life = {};
+    this.stop = new AbortController();
+    this.ready = this.ask("load").then((about) => { this.folder = about.folder; });
+    this.ready.catch(() => {});
+  }
+  async ask(kind, about = {}) {
+    const { signal } = this.stop;
+    const inText = (key, value) => value instanceof ArrayBuffer || value instanceof Uint8Array ? packed(value) : value;
+    try {
+      const response = await fetch("ask", {
+        method: "POST", signal, headers: { "Content-Type": "application/json", "X-Motionlang-Token": this.token },
+        body: JSON.stringify({ ...about, kind, client: this.client }, inText) });
+      if (!response.ok) throw new Error(await response.text());
+      const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
+      let text = "";
+      for (;;) {
+        const { done, value } = await reader.read();
+        if (done) throw new Error("the program ended its answer");
+        text += value;
+        for (let end; (end = text.indexOf("\n")) >= 0; text = text.slice(end + 1)) {
+          const line = JSON.parse(text.slice(0, end));
+          if ("error" in line) throw new Error(line.error);
+          if ("value" in line) return kind === "save" && !about.id ? unpackedBytes(line.value) : line.value;
+          if ("done" in line) this.onprogress(line);
+        }
+      }
+    } catch (reason) {
+      if (signal.aborted) throw Object.assign(new Error("cancelled"), { cancelled: true });
+      throw reason instanceof TypeError ? new Error("the program motionlang does not answer") : reason;
+    }
+  }
+  /** The program sees that nobody listens, and stops. What it made stays. */
+  cancel() {
+    this.stop.abort();
+    this.stop = new AbortController();
+  }
+}
+const Engine = page.program ? WorkerEngine : ServerEngine;
 )page";
 
-/// Bars, fields, buttons.
-inline constexpr std::string_view studio_script_editor = R"page(
-let making = null;  // what is generated now: { key, began }
-let shownKey = null, motions = 0, warned = [];  // of the motion that is shown; number of motions so far
+/// How the project looks: bars, fields, warnings.
+inline constexpr std::string_view studio_script_look = R"page(
+let making = null;  // what is generated now: { began }
+let motions = 0, warned = [];  // number of motions so far, warnings
 let opened = 0, took = 0;  // seconds from opening to the first motion, and of the latest one
-const keyOf = (p) => linkOf(p);
+let zoom = 1, snapping = true, live = false, keeping = true;
 const bar = () => project.bars[chosen];
+/** The numbers of the bars that are chosen, in their order. */
+const selected = () => [...new Set([...marked, chosen])].filter((i) => project.bars[i]).sort((a, b) => a - b);
 const number = (id) => +element(id).value;
 const nameOf = (b) => b.parts.length ? b.parts.join(", ") : "whole body";
 
@@ -30102,7 +31911,7 @@ function drawBars() {
   const names = element("names"), lanes = element("lanes"), held = lanes.contains(document.activeElement);
   names.replaceChildren();
   lanes.replaceChildren(element("cursor"));
-  const drawn = new Set();  // a bar of several rows is reached by the keyboard once
+  const drawn = new Set(), on = selected();  // a bar of several rows is reached by the keyboard once
   for (const row of rows) {
     const numbers = project.bars.map((b, i) => i).filter((i) => isInRow(project.bars[i], row));
     const { lineOf, lines } = stacked(numbers), name = text("div", "", names), lane = text("div", "", lanes);
@@ -30118,15 +31927,17 @@ function drawBars() {
       const b = project.bars[i], e = text("div", "", lane), words = b.text.trim() || "(no text)";
       const warnings = warned.filter((w) => w.bars.includes(i)).map((w) => w.message);
       e.className = "bar";
-      e.classList.toggle("chosen", i === chosen);
+      e.classList.toggle("chosen", on.includes(i));
       e.classList.toggle("warned", warnings.length > 0 || !b.text.trim());
+      e.classList.toggle("clip", !!b.clip);
       e.dataset.bar = i;
       text("span", words, e);
       for (const side of ["from", "to"]) text("i", "", e).className = "grip " + side;
       Object.assign(e.style, { left: 100 * b.start / project.seconds + "%", top: 2 + 27 * lineOf.get(i) + "px",
                                width: 100 * (b.end - b.start) / project.seconds + "%" });
       e.style.setProperty("--hue", hues[i % hues.length]);
-      e.title = [`${words}: ${shown(b.start)} to ${shown(b.end)}, ${nameOf(b)}`, ...warnings].join("\n");
+      e.title = [`${b.clip ? "Kept: " : ""}${words}: ${shown(b.start)} to ${shown(b.end)}, ${nameOf(b)}`, ...warnings]
+        .join("\n");
       if (drawn.has(i)) {
         e.setAttribute("aria-hidden", "true");
         continue;
@@ -30134,42 +31945,59 @@ function drawBars() {
       drawn.add(i);
       e.tabIndex = 0;
       e.setAttribute("role", "button");
-      e.setAttribute("aria-pressed", i === chosen);
+      e.setAttribute("aria-pressed", on.includes(i));
       e.setAttribute("aria-label", e.title);
       e.setAttribute("aria-describedby", "help");
       if (held && i === chosen) e.focus({ preventScroll: true });
     }
   }
-  drawAxis(element("axis"), project.seconds);
+  element("wide").style.width = 100 * zoom + "%";
+  drawCurves();
+  drawAxis(element("axis"), project.seconds, 12 * zoom);
 }
 let unfinished = null;  // the field in which a person writes a number
 function fill(id, value) {
   const field = element(id);
   if (field !== unfinished && field.value !== String(value)) field.value = value;
 }
+const press = (id, action) => element(id).addEventListener("click", action);
+const showPressed = (id, on) => element(id).setAttribute("aria-pressed", on);
 function drawFields() {
-  const b = bar();
+  const b = bar(), count = selected().length;
   element("chosen").hidden = !b;
   element("nothing").hidden = !!b;
-  element("duplicate").disabled = element("remove").disabled = !b;
+  element("aboutText").textContent = count > 1 ? `${count} texts` : b?.clip ? "Kept motion" : "Text";
+  for (const id of ["duplicate", "remove", "split"]) element(id).disabled = !b;
   if (b) {
+    element("words").disabled = !!b.clip;
     fill("words", b.text);
     fill("from", b.start);
     fill("to", b.end);
     for (const box of document.querySelectorAll("#parts input"))
       box.checked = b.parts.length === 0 || b.parts.includes(box.value);
+    const usual = b.clip ? null : lengths.get(b.text.trim());
+    element("usual").hidden = !usual || Math.abs(b.end - b.start - usual) < 0.01;
+    element("usual").textContent = `Usual length, ${usual} s`;
   }
   fill("length", project.seconds);
   fill("seed", project.seed);
   element("steps").value = project.fast ? "fast" : "usual";
+  const sheets = element("sheet");
+  sheets.replaceChildren(...book.map((p, i) =>
+    new Option(`${i + 1}: ${p.bars.find((one) => one.text.trim())?.text.trim() || "empty"}`, i)));
+  sheets.value = sheet;
+  element("drop").disabled = book.length < 2;
   element("undo").disabled = past.length === 0;
   element("redo").disabled = future.length === 0;
-  const stale = keyOf(project) !== shownKey;
-  element("generate").disabled = making !== null;
+  showPressed("snap", snapping);
+  showPressed("live", live);
+  showPressed("keep", keeping);
+  element("whole").disabled = element("generate").disabled = element("vary").disabled = making !== null;
   element("cancel").hidden = element("progress").hidden = making === null;
   element("left").textContent = making ? element("left").textContent
-    : motions && stale ? "The timeline has changed." : "";
-  element("save").disabled = motions === 0;
+    : shownTake && isStale() ? "The timeline has changed." : "";
+  element("save").disabled = !shownTake;
+  element("plain").hidden = !character;
 }
 function drawWarnings() {
   const list = element("warnings");
@@ -30180,16 +32008,20 @@ function draw() {
   chosen = clamp(chosen, -1, project.bars.length - 1);
   drawBars();
   drawFields();
+  drawTakes();
   refresh();
 }
-let checking = 0;
+let checking = 0, beginning = 0;
 function edited() {
   draw();
   clearTimeout(checking);
   checking = setTimeout(() => {
     store();
+    showKnownTake();
     check();
   }, 250);
+  clearTimeout(beginning);
+  if (live) beginning = setTimeout(() => { if (isStale()) generate(); }, 600);
 }
 addEventListener("pagehide", store);
 /** Asks for warnings. While a motion is made they come after it. */
@@ -30207,60 +32039,376 @@ async function check() {
   drawWarnings();
   draw();
 }
-
-// ---- The motion.
-
+function setZoom(factor) {
+  zoom = clamp(factor, 1, 16);
+  drawBars();
+  const scroller = element("scroller");
+  scroller.scrollLeft = time / project.seconds * scroller.scrollWidth - scroller.clientWidth / 2;
+}
 function showMoment() {
-  element("cursor").style.left = 100 * Math.min(time, project.seconds) / project.seconds + "%";
-  const now = project.bars.filter((b) => b.start <= time && time < b.end && motions);
+  const at = Math.min(time, project.seconds) / project.seconds, scroller = element("scroller");
+  element("cursor").style.left = 100 * at + "%";
+  if (zoom > 1 && playing) {
+    const x = at * scroller.scrollWidth - scroller.scrollLeft;
+    if (x < 0 || x > scroller.clientWidth) scroller.scrollLeft += x - 0.1 * scroller.clientWidth;
+  }
+  const now = project.bars.filter((b) => b.start <= time && time < b.end && shownTake);
   const words = now.map((b) => b.text.trim()).filter(Boolean).join(" \u00b7 ");
   if (element("says").textContent !== words) element("says").textContent = words;
   for (const e of document.querySelectorAll(".bar"))
     e.classList.toggle("now", now.includes(project.bars[e.dataset.bar]));
+  for (const take of takes) take.draw?.();
 }
-async function generate() {
+)page";
+
+/// Motions: generation, what is kept of them, variations, the character.
+inline constexpr std::string_view studio_script_takes = R"page(
+// ---- Motions: one for each seed that was tried. A take has the seed, the key of its project, what the page draws, and
+// the record by which an edit reuses it.
+
+let takes = [], shownTake = null, character = null, takeCount = 0;
+Object.assign(text("div", "", element("stage")), { id: "takes", role: "group", ariaLabel: "Variations", hidden: true });
+const takesOf = new Map();  // those of the timelines that are not edited now, by their ids
+let takesId = 1;
+const clips = new Map();  // files with motions to keep, by name: { name, bytes, seconds }
+const isStale = () => !shownTake || shownTake.key !== keyOf(project);
+const beyondEdit = 1;  // seconds from an edit after which a motion stays
+
+/** Shows a take, on the character if there is one. */
+async function show(take) {
+  shownTake = take;
+  let body = null, data = take.data;
+  if (character) {
+    try {
+      ({ motion: data, body } = await engine.ask("show", { motion: await held(take), ...character }));
+    } catch (reason) {
+      say(`${character.name}: ${reason.message}`, true);
+      character = null;
+    }
+    if (shownTake !== take) return;
+  }
+  if (renderer.makeMesh) body ? renderer.makeMesh(new Mesh(body)) : renderer.mesh = null;
+  const first = clip.frames === 1 || clip.parents.length !== data.parents.length;
+  showClip(new Clip(data));
+  if (first) camera.reset(clip);
+  seek(Math.min(time, clip.seconds));
+  draw();
+}
+/** The number of a take's motion in the engine, which makes it again from its record if it is gone. */
+async function held(take) {
+  if (take.life !== engine.life) {
+    const life = engine.life, { motion } = await engine.ask("generate", await orderOf(take.project, take, 0));
+    Object.assign(take, { life, motion });
+  }
+  return take.motion;
+}
+/** What the engine needs to make a motion of a project. from: a take that is reused. */
+async function orderOf(p, from, beyond) {
+  const kept = clipOf(p), { seed, fast } = p;
+  let stretch = null;
+  if (kept) {
+    const file = clips.get(kept.clip) || await shelf.get(kept.clip);
+    if (!file) throw new Error(`${kept.text}: the file is no longer here`);
+    clips.set(kept.clip, file);
+    if (!engine.has.has(kept.clip)) await engine.ask("read", { id: kept.clip, name: file.name, bytes: file.bytes });
+    engine.has.add(kept.clip);
+    stretch = { id: kept.clip, from: kept.from, start: kept.start, end: kept.end, parts: kept.parts.join(", ") };
+  }
+  return { timeline: timelineOf(p).lines, seed, fast, record: from && from.record, beyond, clip: stretch };
+}
+/** A take of a project. Reuses one of the same seed and steps: where an edit is near, or where it changes nothing. */
+async function makeTake(p, whole) {
+  const reusable = (t) => t.record && t.seed === p.seed && t.project.fast === p.fast && t.project.id === p.id;
+  let old = whole ? null : [shownTake, ...takes, ...spare].filter(Boolean).find(reusable);
+  if (old && !keeping && !old.exact) old = null;  // its frames differ from those of a whole motion
+  const life = engine.life;
+  const made = async () =>
+    engine.ask("generate", await orderOf(p, old, old && keeping && old.key !== keyOf(p) ? beyondEdit : 0));
+  const { motion, data, reuse, record } = await made().catch((reason) => {
+    if (!old || !/ is gone$/.test(reason.message)) throw reason;
+    old = null;  // a server forgets the oldest
+    return made();
+  });
+  return { number: ++takeCount, seed: p.seed, key: keyOf(p), project: structuredClone(p), data, record, reuse, life,
+           motion, locked: false, exact: reuse ? reuse.exact && old.exact : true };
+}
+let spare = [];  // takes of other timelines and seeds, the newest first, for those who come back
+function put(take) {
+  const at = takes.findIndex((t) => t.seed === take.seed && !t.locked);
+  if (at >= 0) spare.unshift(takes[at]), takes[at] = take;
+  else if (takes.length < 4) takes.push(take);
+  else {
+    const free = takes.findIndex((t) => !t.locked && t !== shownTake);
+    if (free < 0) spare.unshift(take);
+    else spare.unshift(takes[free]), takes[free] = take;
+  }
+  spare.length = Math.min(spare.length, 6);
+}
+/** Does work that makes motions, with its progress, and says how it ended. */
+async function work(words, task) {
   if (making) return;
-  const began = performance.now(), key = keyOf(project), { seed, fast } = project;
-  making = { key, began };
+  making = { began: performance.now() };
   element("progress").value = 0;
   element("left").textContent = "";
-  say("Generating.");
+  say(words);
   draw();
   try {
-    const data = await engine.ask("generate", { timeline: timelineOf(project).lines, seed, fast });
-    const first = motions++ === 0;
-    showClip(new Clip(data));
-    shownKey = key;
-    if (first) camera.reset(clip);
-    seek(Math.min(time, clip.seconds));
-    if (first) play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
-    took = (performance.now() - began) / 1000;
-    opened ||= performance.now() / 1000;
-    say(`${clip.frames} frames in ${took.toFixed(1)} s, seed ${seed}.`);
+    say(await task());
   } catch (reason) {
-    if (reason.cancelled) motions = 0;  // the worker that had the motion is gone
-    say(reason.cancelled ? "Cancelled. Generate again before you save." : reason.message, !reason.cancelled);
+    say(reason.cancelled ? "Cancelled." : reason.message, !reason.cancelled);
   }
   making = null;
   draw();
+  if (live && isStale() && !element("status").classList.contains("wrong")) edited();
 }
-function offer(name, bytes, type) {
-  const link = document.createElement("a"), address = URL.createObjectURL(new Blob([bytes], { type }));
-  Object.assign(link, { href: address, download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(address), 10000);
+const generate = (whole = false) => work("Generating.", async () => {
+  const began = performance.now(), first = motions === 0, asked = structuredClone(project);
+  const take = await makeTake(asked, whole);
+  put(take);
+  ++motions;
+  await show(take);
+  if (first) play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+  took = (performance.now() - began) / 1000;
+  opened ||= performance.now() / 1000;
+  shelve();
+  const { frames } = take.data, { reuse } = take;
+  return `${frames} frames in ${took.toFixed(1)} s, seed ${take.seed}.` +
+    (reuse ? ` ${reuse.kept} frames stayed; ${Math.round(100 * reuse.work)} % of the work.` : "");
+});
+/** Three motions beside the shown one, with other seeds. Locked ones stay. */
+const vary = () => work("Making variations.", async () => {
+  const base = structuredClone(project);
+  let seed = base.seed, made = 0;
+  const kept = takes.filter((t) => t.locked || t === shownTake);
+  spare.unshift(...takes.filter((t) => !kept.includes(t)));
+  takes = kept;
+  while (takes.length < 4) {
+    do ++seed; while (takes.some((t) => t.seed === seed));
+    making.began = performance.now();
+    put(await makeTake({ ...base, seed }, false));
+    ++motions;
+    say(`${++made} made.`);
+    drawTakes();
+    refresh();
+  }
+  return `${takes.length} variations. Choose one with its picture.`;
+});
+/** Stores what the next visit needs to have the same motions. */
+async function shelve() {
+  const names = [...new Set(book.flatMap((p) => [keyOf(p), clipOf(p)?.clip]).filter(Boolean))];
+  const { key, record, exact, project: of } = shownTake;
+  if (record instanceof ArrayBuffer) await shelf.put(key, { record, exact, project: of });
+  await shelf.keep(names);
 }
-function fileName() {
-  const words = project.bars.map((b) => b.text.trim()).filter(Boolean)[0] || "motion";
-  return words.replace(/[^a-z0-9]+/gi, "_");
+/** After an undo or on another timeline: the take that was made of it, if it is still here. */
+function showKnownTake() {
+  const other = takesId !== project.id;
+  if (other) {
+    takesOf.set(takesId, takes);
+    takes = takesOf.get(takesId = project.id) || [];
+  }
+  if (making) return;
+  const key = keyOf(project), take = [...takes, ...spare].find((t) => t.key === key && t.data);
+  if (take && take !== shownTake) show(take);
+  else if (!take && other) generate();
 }
 
+const takeCamera = new Camera();
+function drawTakes() {
+  const list = element("takes");
+  list.hidden = takes.length < 2;
+  const numbers = takes.map((t) => t.number).join();
+  if (list.hidden || list.dataset.numbers === numbers) return markTakes();
+  list.dataset.numbers = numbers;
+  list.replaceChildren();
+  takes.forEach((take, i) => {
+    const box = text("div", "", list), button = text("button", "", box), canvas = document.createElement("canvas");
+    const motion = new Clip(take.data), lock = text("button", "Lock", box);
+    button.type = lock.type = "button";
+    button.append(canvas);
+    text("span", `Seed ${take.seed}`, button);
+    button.title = `Variation ${i + 1}, key ${i + 1}`;
+    let painter = null;
+    take.draw = () => {
+      const width = canvas.clientWidth, height = canvas.clientHeight, pose = motion.pose(time);
+      if (!width) return;
+      if (canvas.width !== width) Object.assign(canvas, { width, height });
+      painter ||= new FlatRenderer(canvas);
+      Object.assign(takeCamera, { yaw: camera.yaw, pitch: camera.pitch, distance: 2.6 * motion.size,
+                                  shift: [0, 0, 0] });
+      const root = pose.positions[0];
+      takeCamera.goal = [root[0], motion.floor + 0.52 * motion.size, root[2]];
+      const palette = palettes[dark.matches ? "dark" : "light"];
+      const shapes = motion.shapes(pose);
+      painter.draw({ shapes, pose, camera: takeCamera, palette, clip: motion, root, width, height });
+    };
+    button.addEventListener("click", () => chooseTake(take));
+    lock.addEventListener("click", () => lockTake(take));
+  });
+  markTakes();
+}
+function markTakes() {
+  [...element("takes").children].forEach((box, i) => {
+    const take = takes[i], [button, lock] = box.children;
+    if (!take) return;
+    button.setAttribute("aria-pressed", take === shownTake);
+    button.setAttribute("aria-label", `Variation ${i + 1}, seed ${take.seed}` + (take.locked ? ", locked" : ""));
+    box.classList.toggle("old", keyOf({ ...project, seed: take.seed }) !== take.key);
+    lock.textContent = take.locked ? "Locked" : "Lock";
+    lock.setAttribute("aria-pressed", take.locked);
+    lock.setAttribute("aria-label", `Lock variation ${i + 1}`);
+  });
+}
+function lockTake(take) {
+  if (!take) return;
+  take.locked = !take.locked;
+  draw();
+}
+function chooseTake(take) {
+  if (!take) return;
+  if (take.seed !== project.seed) edit((p) => { p.seed = take.seed; });
+  show(take);
+}
+)page";
+
+/// Aids to look at a motion: parts coloured by their texts, path and footprints, other moments, curves.
+inline constexpr std::string_view studio_script_aids = R"page(
+const aids = { colours: false, path: false, onion: false, curves: false };
+{
+  const list = text("div", "", element("stage"));
+  Object.assign(list, { id: "aids", role: "group", ariaLabel: "What is shown" });
+  for (const [name, label] of [["colours", "Colours of texts"], ["path", "Path and feet"], ["onion", "Other moments"],
+                               ["curves", "Curves"]]) {
+    const button = Object.assign(text("button", label, list), { id: name, type: "button" });
+    button.setAttribute("aria-pressed", false);
+    toggle(name, (on) => {
+      aids[name] = on;
+      element("graph").hidden = !aids.curves;
+      drawCurves();
+    });
+  }
+}
+const onSmpl = () => clip.parents.length === 24 && !renderer.mesh;
+/** The body parts of SMPL's 24 joints. */
+const partOf = ["legs", "legs", "legs", "spine", "legs", "legs", "spine", "legs", "legs", "spine", "legs", "legs",
+                "head", "left arm", "right arm", "head", "left arm", "right arm", "left arm", "right arm", "left arm",
+                "right arm", "left arm", "right arm"];
+const colourOf = (hue) => [1, 3, 5].map((at) => parseInt(hue.slice(at, at + 2), 16) / 255);
+/** The bar that moves a part at a time: one for fewer parts goes before one for more. */
+function barOf(part, seconds) {
+  let found = -1, least = 9;
+  project.bars.forEach((b, i) => {
+    const count = b.parts.length || 6;
+    if (b.start <= seconds && seconds < b.end && (count === 6 || b.parts.includes(part)) && count <= least)
+      [found, least] = [i, count];
+  });
+  return found;
+}
+/** Frames in which the feet stand: for each frame the joints of the toes that are low and slow. */
+function standing(motion) {
+  if (motion.standing) return motion.standing;
+  const out = [], low = 0.055 * motion.size, slow = 0.3;
+  let before = null;
+  for (let f = 0; f < motion.frames; ++f) {
+    const { positions } = motion.pose(f / motion.fps);
+    out.push([10, 11].filter((toe) => before && positions[toe][1] - motion.floor < low &&
+      Math.hypot(...sub(positions[toe], before[toe])) * motion.fps < slow)
+      .map((toe) => [toe, [positions[toe][0], motion.floor, positions[toe][2]]]));
+    before = positions;
+  }
+  return motion.standing = out;
+}
+let cones = 0, tints = 0;  // that are drawn; different colours that texts gave
+decorate = (shapes, palette) => {
+  cones = shapes.length, tints = 0;
+  if (!onSmpl()) return;
+  const faint = (colour, share) => colour.map((x, i) => mix(x, palette.back[i], share)), size = clip.size;
+  if (aids.colours) {
+    for (const s of shapes) {
+      const i = barOf(partOf[s.joint], time);
+      s.colour = i < 0 ? palette.sides[0] : colourOf(hues[i % hues.length]);
+    }
+    tints = new Set(shapes.map((s) => String(s.colour))).size;
+  }
+
+  if (aids.onion) {
+    for (const way of [-1, -0.5, 0.5, 1]) {
+      const at = time + way;
+      if (at < 0 || at > clip.seconds) continue;
+      for (const s of clip.shapes(clip.pose(at)))
+        shapes.push({ ...s, colour: faint(palette.sides[s.side], 0.5 + 0.3 * Math.abs(way)) });
+    }
+  }
+  if (aids.path) {
+    const every = Math.max(1, Math.round(clip.frames / 200)), colour = colourOf("#2676ba");
+    const flat = (f) => [clip.roots[3 * f], clip.floor, clip.roots[3 * f + 2]];
+    for (let f = 0; f + every < clip.frames; f += every) {
+      const radius = 0.006 * size;
+      shapes.push({ from: flat(f), to: flat(f + every), radiusFrom: radius, radiusTo: radius, side: 0, colour });
+    }
+    const all = standing(clip), now = Math.round(time * clip.fps);
+    all.forEach((feet, f) => {
+      for (const [toe, place] of feet) {
+        const again = f > 0 && all[f - 1].some(([other]) => other === toe);
+        if (again && f !== now) continue;  // where it begins to stand, and now
+        const radius = (f === now ? 0.03 : 0.014) * size, tint = palette.sides[toe === 10 ? 2 : 1];
+        shapes.push({ from: place, to: place, radiusFrom: radius, radiusTo: radius, side: 0, colour: tint });
+      }
+    });
+  }
+
+  cones = shapes.length;
+};
+/** Speed over the floor and height of the pelvis, as lines above the texts. */
+function drawCurves() {
+  const canvas = element("graph");
+  if (canvas.hidden || !clip) return;
+  const ratio = devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight, { fps, frames } = clip;
+  Object.assign(canvas, { width: width * ratio, height: height * ratio });
+  const context = canvas.getContext("2d"), heights = [], speeds = [];
+  for (let f = 0; f < frames; ++f) {
+    const [x, y, z] = clip.rootAt(f), [a, , c] = clip.rootAt(Math.max(f - 1, 0));
+    heights.push(y - clip.floor);
+    speeds.push(f ? Math.hypot(x - a, z - c) * fps : 0);
+  }
+  speeds[0] = speeds[1] || 0;
+  context.scale(ratio, ratio);
+  context.lineWidth = 1.5;
+  context.font = "11px system-ui";
+  [[heights, hues[0], "height", "m"], [speeds, hues[1], "speed", "m/s"]].forEach(([values, hue, name, unit], i) => {
+    const most = Math.max(...values, 0.1);
+    context.strokeStyle = hue;
+    context.fillStyle = getComputedStyle(canvas).color;
+    context.beginPath();
+    values.forEach((v, f) =>
+      context.lineTo(width * f / fps / project.seconds, height - 3 - (height - 16) * v / most));
+    context.moveTo(4 + 170 * i, 7);
+    context.lineTo(18 + 170 * i, 7);
+    context.stroke();
+    context.fillText(`${name}, at most ${most.toFixed(1)} ${unit}`, 22 + 170 * i, 11);
+  });
+}
+)page";
+
+/// Edits by mouse, keys and fields.
+inline constexpr std::string_view studio_script_edits = R"page(
 // ---- Edits.
 
-function choose(i) {
-  if (i === chosen) return;
+const lengths = new Map();  // seconds that the actions of known texts take, if they end
+function choose(i, also = false) {
+  if (also) marked.has(i) ? marked.delete(i) : marked.add(i).add(chosen);
+  else if (i === chosen && marked.size === 0) return;
+  else if (!selected().includes(i)) marked.clear();
   chosen = i;
   lastKey = null;
+  draw();
+}
+function chooseAll() {
+  project.bars.forEach((b, i) => marked.add(i));
+  draw();
+}
+function chooseOne() {
+  marked.clear();
   draw();
 }
 function addBar(row, from) {
@@ -30268,39 +32416,66 @@ function addBar(row, from) {
     const start = Math.min(from, p.seconds - shortest);
     const added = { text: "stand still", start, end: Math.min(start + 2, p.seconds), parts: [] };
     setParts(added, row);
+    marked.clear();
     chosen = p.bars.push(added) - 1;
   });
   element("words").focus();
   element("words").select();
 }
-function removeBar() {
+function removeBars() {
   if (!bar()) return;
   edit((p) => {
-    p.bars.splice(chosen, 1);
+    const gone = selected();
+    p.bars = p.bars.filter((b, i) => !gone.includes(i));
+    marked.clear();
     chosen = Math.min(chosen, p.bars.length - 1);
   });
 }
-function duplicateBar() {
+/** Copies of the chosen bars, behind them, as a group. */
+function duplicateBars() {
   if (!bar()) return;
   edit((p) => {
-    const copy = structuredClone(bar()), length = copy.end - copy.start;
-    copy.start = Math.min(copy.end, p.seconds - length);
-    copy.end = copy.start + length;
-    p.bars.splice(++chosen, 0, copy);
+    const copies = selected().map((i) => p.bars[i]).filter((b) => !b.clip).map((b) => structuredClone(b));
+    if (copies.length === 0) return;
+    const first = Math.min(...copies.map((b) => b.start)), last = Math.max(...copies.map((b) => b.end));
+    const way = Math.min(last - first, p.seconds - last);
+    for (const copy of copies) copy.start += way, copy.end += way;
+    marked.clear();
+    const at = chosen + 1;
+    p.bars.splice(at, 0, ...copies);
+    copies.forEach((copy, i) => marked.add(at + i));
+    chosen = at;
   });
 }
-/** Moves a bar without changing its length. */
-function moveTo(b, start) {
-  const length = b.end - b.start;
-  b.start = clamp(rounded(start), 0, project.seconds - length);
-  b.end = b.start + length;
+/** Splits the chosen bars at the cursor, or in the middle if it is not in them. */
+function splitBars() {
+  edit((p) => {
+    const old = selected();
+    marked.clear();
+    const all = p.bars.flatMap((b, i) => {
+      const inside = b.start + shortest <= time && time <= b.end - shortest;
+      const at = inside ? Math.round(20 * time) / 20 : rounded((b.start + b.end) / 2);
+      if (!old.includes(i) || b.clip || at - b.start < shortest || b.end - at < shortest) return [b];
+      return [{ ...b, end: at }, { ...structuredClone(b), start: at }];
+    });
+    p.bars = all;
+  });
+}
+/** Moves bars without changing their lengths. */
+function moveAll(bars, way) {
+  const first = Math.min(...bars.map((b) => b.start)), last = Math.max(...bars.map((b) => b.end));
+  const kept = clamp(rounded(way), -first, project.seconds - last);
+  for (const b of bars) b.start += kept, b.end += kept;
 }
 /** A time near an edge of another bar, near the cursor or near the ends is that time; else a frame's. */
 function snapped(seconds, own) {
+  const grid = Math.round(20 * seconds) / 20;
+  if (!snapping) return grid;
   const reach = 7 * project.seconds / element("lanes").clientWidth;
-  const edges = [0, project.seconds, time, ...project.bars.flatMap((b, i) => i === own ? [] : [b.start, b.end])];
+  const edges = [0, project.seconds, time,
+                 ...project.bars.flatMap((b, i) => own.includes(i) ? [] : [b.start, b.end])];
   const near = edges.sort((a, b) => Math.abs(a - seconds) - Math.abs(b - seconds))[0];
-  return Math.abs(near - seconds) <= reach ? near : Math.round(20 * seconds) / 20;
+  return Math.abs(near - seconds) <= reach ? near : grid;
 }
 function setParts(b, row) { b.parts = row === rows[0] ? [] : [row]; }
 
@@ -30309,33 +32484,46 @@ lanes.addEventListener("pointerdown", (event) => {
   const e = event.target.closest(".bar");
   if (!e) return;
   event.preventDefault();
-  const i = +e.dataset.bar, from = structuredClone(project.bars[i]), side = event.target.classList;
+  const i = +e.dataset.bar, side = event.target.classList;
   const mode = side.contains("from") ? "from" : side.contains("to") ? "to" : "move", key = `drag ${performance.now()}`;
   const firstRow = e.parentElement.dataset.row;
+  if (event.ctrlKey || event.metaKey || event.shiftKey) {
+    choose(i, true);
+    return;
+  }
   choose(i);
+  const group = mode === "move" ? selected() : [i], before = structuredClone(project.bars), from = before[i];
   lanes.querySelector(`[data-bar="${i}"][tabindex]`).focus({ preventScroll: true });
   lanes.setPointerCapture(event.pointerId);
+  let dragged = false;
   const drag = (moved) => {
     const way = (moved.clientX - event.clientX) * project.seconds / lanes.clientWidth;
-    if (Math.hypot(moved.clientX - event.clientX, moved.clientY - event.clientY) < 4 && lastKey !== key) return;
+    if (Math.hypot(moved.clientX - event.clientX, moved.clientY - event.clientY) < 4 && !dragged) return;
+    dragged = true;
     const row = [...lanes.querySelectorAll(".lane")].find((lane) => {
       const place = lane.getBoundingClientRect();
       return place.top <= moved.clientY && moved.clientY < place.bottom;
     })?.dataset.row;
     edit((p) => {
-      const b = p.bars[i] = structuredClone(from);
-      if (mode === "from") b.start = Math.min(snapped(from.start + way, i), from.end - shortest);
-      if (mode === "to") b.end = Math.max(snapped(from.end + way, i), from.start + shortest);
+      for (const n of group) p.bars[n] = structuredClone(before[n]);
+      const b = p.bars[i];
+      if (mode === "from") {
+        b.start = clamp(snapped(from.start + way, group), b.clip ? from.start - from.from : 0, from.end - shortest);
+        if (b.clip) b.from = from.from + b.start - from.start;
+      }
+      if (mode === "to") b.end = Math.max(snapped(from.end + way, group), from.start + shortest);
+      if (b.clip) b.end = Math.min(b.end, b.start + b.whole - b.from);
       if (mode !== "move") return;
-      const start = snapped(from.start + way, i), end = snapped(from.end + way, i);
+      const start = snapped(from.start + way, group), end = snapped(from.end + way, group);
       const plain = Math.round(20 * (from.start + way)) / 20;  // the end snaps if the start does not
-      moveTo(b, Math.abs(start - plain) > 1e-9 || Math.abs(end - (plain + from.end - from.start)) < 1e-9
-        ? start : end - (from.end - from.start));
-      if (row && row !== firstRow) setParts(b, row);
+      const byStart = Math.abs(start - plain) > 1e-9 || Math.abs(end - (plain + from.end - from.start)) < 1e-9;
+      moveAll(group.map((n) => p.bars[n]), byStart ? start - from.start : end - from.end);
+      if (row && row !== firstRow && group.length === 1) setParts(b, row);
     }, key);
   };
   const stop = () => {
     lanes.removeEventListener("pointermove", drag);
+    if (!dragged && marked.size) chooseOne();
     lastKey = null;
   };
   lanes.addEventListener("pointermove", drag);
@@ -30345,7 +32533,7 @@ lanes.addEventListener("mousedown", (event) => {  // the focus stays where point
   if (event.target.closest(".bar")) event.preventDefault();
 });
 lanes.addEventListener("click", (event) => {
-  if (event.target.closest(".lane") && !event.target.closest(".bar")) choose(-1);
+  if (event.target.closest(".lane") && !event.target.closest(".bar")) marked.clear(), choose(-1);
 });
 lanes.addEventListener("dblclick", (event) => {
   const lane = event.target.closest(".lane"), area = lanes.getBoundingClientRect();
@@ -30358,20 +32546,32 @@ lanes.addEventListener("dblclick", (event) => {
 });
 lanes.addEventListener("focusin", (event) => {
   const e = event.target.closest(".bar");
-  if (e) choose(+e.dataset.bar);
+  if (!e || +e.dataset.bar === chosen) return;
+  const kept = [...marked];
+  choose(+e.dataset.bar);
+  for (const i of kept) marked.add(i);
+  if (kept.length) draw();
 });
 lanes.addEventListener("keydown", (event) => {
   const e = event.target.closest(".bar");
   if (!e || event.altKey || event.metaKey) return;
   const i = +e.dataset.bar, way = { ArrowLeft: -0.1, ArrowRight: 0.1 }[event.key];
   const turnRow = { ArrowUp: -1, ArrowDown: 1 }[event.key];
-  const actions = { Delete: removeBar, Backspace: removeBar, Enter: () => element("words").focus() };
+  const actions = { Delete: removeBars, Backspace: removeBars, Enter: () => element("words").focus(), x: splitBars,
+                    s: () => { marked.has(i) ? marked.delete(i) : marked.add(i); draw(); } };
   if (way) {
     edit((p) => {
       const b = p.bars[i];
-      if (event.shiftKey) b.end = Math.max(b.end + way, b.start + shortest);
-      else if (event.ctrlKey) b.start = Math.min(b.start + way, b.end - shortest);
-      else moveTo(b, b.start + way);
+      if (event.shiftKey) {
+        b.end = Math.max(b.end + way, b.start + shortest);
+        if (b.clip) b.end = Math.min(b.end, b.start + b.whole - b.from);
+      } else if (event.ctrlKey) {
+        const start = Math.min(Math.max(b.start + way, b.clip ? b.start - b.from : 0), b.end - shortest);
+        if (b.clip) b.from += start - b.start;
+        b.start = start;
+      } else {
+        moveAll(selected().map((n) => p.bars[n]), way);
+      }
     }, `nudge ${i} ${event.shiftKey} ${event.ctrlKey}`);
   } else if (turnRow && !event.ctrlKey) {
     edit((p) => setParts(p.bars[i], rows[clamp(rows.findIndex((row) => isInRow(p.bars[i], row)) + turnRow, 0, 5)]));
@@ -30383,10 +32583,41 @@ lanes.addEventListener("keydown", (event) => {
   event.preventDefault();
 });
 
-element("words").addEventListener("input", (event) => edit(() => { bar().text = event.target.value; }, "words"));
+// ---- The words, with what the model knows.
+
+/** Offers texts that the model knows, before those that came with the page. */
+let offering = 0;
+function offerTexts() {
+  clearTimeout(offering);
+  offering = setTimeout(async () => {
+    const begun = element("words").value;
+    let found = [];
+    try {
+      if (!making) found = await engine.ask("known", { begun, count: 12 });
+    } catch (reason) {
+      if (!reason.cancelled) console.info("no texts to offer:", reason.message);
+    }
+    for (const { text: words, seconds, repeats } of found) if (!repeats) lengths.set(words, rounded(seconds));
+    const texts = new Set([...found.map((t) => t.text), ...page.prompts.map((t) => t.text)]);
+    element("prompts").replaceChildren(...[...texts].map((words) => new Option(words, words)));
+    drawFields();
+  }, 120);
+}
+for (const { text: words } of page.prompts) element("prompts").append(new Option(words, words));
+element("words").addEventListener("input", (event) => {
+  edit(() => { bar().text = event.target.value; }, "words");
+  offerTexts();
+});
+element("words").addEventListener("focus", offerTexts);
 element("words").addEventListener("keydown", (event) => {
   if (event.key === "Enter" && !event.ctrlKey) generate();
 });
+element("words").addEventListener("change", () => { lastKey = null; });
+press("usual", () => edit((p) => {
+  const b = bar(), end = b.start + lengths.get(b.text.trim());
+  p.seconds = Math.max(p.seconds, Math.min(end, longest));
+  b.end = end;
+}));
 /** A field of a number: takes effect when it is left or Enter is pressed. */
 function field(id, change) {
   element(id).addEventListener("input", () => { unfinished = element(id); });
@@ -30397,11 +32628,18 @@ function field(id, change) {
     draw();
   });
 }
-field("from", () => { bar().start = Math.min(number("from"), bar().end - shortest); });
-field("to", () => { bar().end = Math.max(number("to"), bar().start + shortest); });
+field("from", () => {
+  const b = bar(), start = Math.min(Math.max(number("from"), b.clip ? b.start - b.from : 0), b.end - shortest);
+  if (b.clip) b.from += start - b.start;
+  b.start = start;
+});
+field("to", () => {
+  const b = bar();
+  b.end = Math.max(number("to"), b.start + shortest);
+  if (b.clip) b.end = Math.min(b.end, b.start + b.whole - b.from);
+});
 field("length", (p) => { p.seconds = number("length"); });
 field("seed", (p) => { p.seed = number("seed"); });
-element("words").addEventListener("change", () => { lastKey = null; });
 element("steps").addEventListener("change", (event) => edit((p) => { p.fast = event.target.value === "fast"; }));
 for (const name of parts) {
   const label = text("label", "", element("parts")), box = document.createElement("input");
@@ -30409,32 +32647,84 @@ for (const name of parts) {
   label.append(box, name);
   box.addEventListener("change", () => {
     const on = [...document.querySelectorAll("#parts input:checked")].map((e) => e.value);
-    if (on.length) edit(() => { bar().parts = on; });
+    if (on.length) edit((p) => { for (const i of selected()) p.bars[i].parts = on; });
     draw();  // a text moves at least one part
   });
 }
-for (const { text: words } of page.prompts) element("prompts").append(new Option(words, words));
 
-const press = (id, action) => element(id).addEventListener("click", action);
 press("undo", undo);
 press("redo", redo);
-press("duplicate", duplicateBar);
-press("remove", removeBar);
+press("duplicate", duplicateBars);
+press("remove", removeBars);
+press("split", splitBars);
 press("add", () => addBar(rows[0], time));
-press("generate", generate);
+press("generate", () => generate());
+press("whole", () => generate(true));
+press("vary", vary);
 press("cancel", () => {
   engine.cancel();
   check();
 });
 press("dice", () => { edit((p) => { ++p.seed; }); generate(); });
-press("fresh", () => edit((p) => {
-  Object.assign(p, { bars: [{ text: "walk forward", start: 0, end: 4, parts: [] }], seconds: 4 });
-  chosen = 0;
-}));
+press("snap", () => { snapping = !snapping; drawFields(); });
+press("keep", () => { keeping = !keeping; drawFields(); });
+press("live", () => {
+  live = !live;
+  drawFields();
+  if (live && isStale()) generate();
+});
+press("zoomIn", () => setZoom(2 * zoom));
+press("zoomOut", () => setZoom(zoom / 2));
+/** Another timeline in the project. */
+function addSheet(made) {
+  edit((p) => {
+    const id = 1 + Math.max(...book.map((q) => q.id));
+    book.push(tidied({ ...made, id }));
+    sheet = book.length - 1;
+    project = book[sheet];
+    marked.clear();
+    chosen = 0;
+  });
+}
+press("fresh", () => addSheet({
+  bars: [{ text: "walk forward", start: 0, end: 4, parts: [] }], seconds: 4, seed: project.seed, fast: project.fast }));
+press("drop", () => {
+  if (book.length > 1) edit(() => {
+    book.splice(sheet, 1);
+    sheet = Math.min(sheet, book.length - 1);
+    project = book[sheet];
+    marked.clear();
+    chosen = 0;
+  });
+});
+element("sheet").addEventListener("change", (event) => turnTo(+event.target.value));
+)page";
+
+/// Files, links, keys, and the start.
+inline constexpr std::string_view studio_script_files = R"page(
+// ---- Files.
+
+function offer(name, bytes, type) {
+  const link = document.createElement("a"), address = URL.createObjectURL(new Blob([bytes], { type }));
+  Object.assign(link, { href: address, download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(address), 10000);
+}
+function fileName() {
+  const words = project.bars.map((b) => b.text.trim()).filter(Boolean)[0] || "motion";
+  return words.replace(/[^a-z0-9]+/gi, "_");
+}
 press("save", async () => {
   const format = element("kind").value;
   try {
-    offer(fileName() + format, await engine.ask("save", { format }), "application/octet-stream");
+    const motion = await held(shownTake), name = fileName() + format;
+    if (engine.folder) {
+      await engine.ask("save", { motion, format, character, id: name });
+      await listFolder();
+      say(`${name} is in the project's folder.`);
+    } else {
+      offer(name, await engine.ask("save", { motion, format, character }), "application/octet-stream");
+    }
   } catch (reason) {
     say(reason.message, true);
   }
@@ -30448,12 +32738,11 @@ press("link", async () => {
   }
 });
 
-// ---- The timeline as text.
-
 async function readTimeline(lines) {
   const read = projectOf(await engine.ask("check", { timeline: lines }), project);
   edit((p) => {
     Object.assign(p, read);
+    marked.clear();
     chosen = 0;
   });
 }
@@ -30471,13 +32760,97 @@ press("apply", async () => {
     element("fault").textContent = reason.message;
   }
 });
-press("saveText", () => offer(fileName() + ".txt", element("lines").value, "text/plain"));
-press("openText", () => element("file").click());
+press("saveText", async () => {
+  const name = fileName() + ".txt", words = element("lines").value;
+  if (!engine.folder) return offer(name, words, "text/plain");
+  try {
+    await engine.ask("store", { name, bytes: new TextEncoder().encode(words) });
+    await listFolder();
+    element("fault").textContent = `${name} is in the project's folder.`;
+  } catch (reason) {
+    element("fault").textContent = reason.message;
+  }
+});
+press("keysHelp", () => element("keysDialog").showModal());
+press("keysClose", () => element("keysDialog").close());
+
+/** A motion of a file is kept in the timeline, at the cursor or from the start, in place of one that was kept. */
+async function keepMotion(file) {
+  const bytes = await file.arrayBuffer(), name = file.name;
+  const sum = new Uint8Array(bytes).reduce((all, b) => Math.imul(all ^ b, 16777619), 2166136261) >>> 0;
+  const id = `clip ${name} ${bytes.byteLength} ${sum}`;
+  const { seconds, notes } = await engine.ask("read", { id, name, bytes });
+  engine.has.add(id);
+  clips.set(id, { name, bytes, seconds });
+  await shelf.put(id, { name, bytes, seconds });
+  edit((p) => {
+    const start = time + shortest < p.seconds && shownTake && time > 0.3 ? Math.round(20 * time) / 20 : 0;
+    const end = Math.min(start + seconds, longest), text = name.replace(/\.[^.]*$/, "");
+    p.seconds = Math.max(p.seconds, rounded(end));
+    p.bars = p.bars.filter((b) => !b.clip);
+    marked.clear();
+    chosen = p.bars.push({ text, start, end, parts: [], clip: id, from: 0, whole: seconds }) - 1;
+  });
+  say([`${name}: ${seconds.toFixed(1)} s are kept.`, notes].filter(Boolean).join(" "));
+}
+/** The character of a file shows the motion. */
+async function showOn(file) {
+  if (!shownTake) throw new Error("there is no motion to show yet");
+  const old = character;
+  character = { name: file.name, bytes: await file.arrayBuffer() };
+  await show(shownTake);
+  if (!character) character = old;
+  else say(`${file.name} shows the motion.`);
+  draw();
+}
+press("plain", () => {
+  character = null;
+  show(shownTake);
+});
+/** A GLB file without an animation and a VRM file are characters; with Shift every GLB file is one. */
+async function take(file, asCharacter) {
+  try {
+    const kind = file.name.slice(file.name.lastIndexOf(".")).toLowerCase();
+    if (file.size > 64e6) throw new Error("it is larger than 64 MB");
+    if (kind === ".vrm" || (asCharacter && [".glb", ".gltf"].includes(kind))) {
+      await showOn(file);
+    } else if ([".bvh", ".glb", ".gltf", ".vrma", ".npz", ".npy"].includes(kind)) {
+      try {
+        await keepMotion(file);
+      } catch (reason) {
+        if (![".glb", ".gltf"].includes(kind) || !/animation/.test(reason.message)) throw reason;
+        await showOn(file);
+      }
+    } else {
+      if (file.size > 100000) throw new Error("it is too large for a timeline");
+      await readTimeline(await file.text());
+    }
+  } catch (reason) {
+    if (!reason.cancelled) say(`${file.name}: ${reason.message}`, true);
+  }
+}
+press("open", () => element("file").click());
+/** The files in the folder of the program `motionlang studio --project`. */
+async function listFolder() {
+  element("folder").hidden = false;
+  const names = await engine.ask("files");
+  element("folder").replaceChildren(new Option("Folder", ""), ...names.map((name) => new Option(name)));
+}
+element("folder").addEventListener("change", async ({ target }) => {
+  const name = target.value;
+  target.value = "";
+  try {
+    const { bytes } = await engine.ask("open", { name });
+    await take(new File([unpackedBytes(bytes)], name), false);
+  } catch (reason) {
+    say(`${name}: ${reason.message}`, true);
+  }
+});
 element("file").addEventListener("change", async ({ target }) => {
-  if (target.files.length) element("lines").value = await target.files[0].text();
+  const [file] = target.files;
+  if (file) await take(file, false);
   target.value = "";
 });
-
 addEventListener("dragover", (event) => {
   if (event.dataTransfer.types.includes("Files")) event.preventDefault();
 });
@@ -30485,25 +32858,35 @@ addEventListener("drop", async (event) => {
   const file = event.dataTransfer.files[0];
   if (!file) return;
   event.preventDefault();  // the page stays
-  try {
-    if (file.size > 100000) throw new Error("it is too large for a timeline");
-    await readTimeline(await file.text());
-  } catch (reason) {
-    say(`${file.name}: ${reason.message}`, true);
-  }
+  await take(file, event.shiftKey);
 });
 
 addEventListener("keydown", (event) => {
-  if (!(event.ctrlKey || event.metaKey) || element("dialog").open) return;
-  const key = event.key.toLowerCase();
-  const action = key === "z" ? (event.shiftKey ? redo : undo) : { y: redo, d: duplicateBar, enter: generate }[key];
+  if (element("dialog").open || element("keysDialog").open) return;
+  const key = event.key.toLowerCase(), held = event.ctrlKey || event.metaKey;
+  const writes = takesText(event.target);
+  const action = held
+    ? { z: event.shiftKey ? redo : undo, y: redo, d: duplicateBars, enter: () => generate(event.shiftKey),
+        ...(!writes && { a: chooseAll }) }[key]
+    : writes || event.altKey || event.target.tagName === "SELECT" ? null
+    : { escape: chooseOne, n: () => addBar(rows[0], time), g: () => element("snap").click(), v: vary,
+        k: () => lockTake(shownTake), x: event.defaultPrevented ? null : splitBars,
+        "?": () => element("keysHelp").click(), 0: () => setZoom(1),
+        ...(event.target !== view && { "+": () => setZoom(2 * zoom), "-": () => setZoom(zoom / 2) }),
+        ...Object.fromEntries([1, 2, 3, 4].map((n) => [n, takes[n - 1] && (() => chooseTake(takes[n - 1]))])) }[key];
   if (!action) return;
   event.preventDefault();
   action();
 });
+element("lanes").addEventListener("wheel", (event) => {
+  if (!event.ctrlKey) return;
+  event.preventDefault();
+  setZoom(zoom * (event.deltaY < 0 ? 1.25 : 0.8));
+}, { passive: false });
 seekByDragging(element("axis"), lanes, () => project.seconds);
 new ResizeObserver(() => {
-  drawAxis(element("axis"), project.seconds);
+  drawAxis(element("axis"), project.seconds, 12 * zoom);
+  drawCurves();
   refresh();
 }).observe(element("stage"));
 
@@ -30513,11 +32896,16 @@ async function openLink() {
   const link = new URLSearchParams(location.hash.slice(1));
   if (!link.has("timeline") || location.hash === linkOf(project)) return;
   try {
-    const read = await engine.ask("check", { timeline: link.get("timeline") });
-    edit((p) => {
-      Object.assign(p, projectOf(read, { seed: link.get("seed"), fast: link.has("fast") }));
-      chosen = 0;
-    });
+    const read = projectOf(await engine.ask("check", { timeline: link.get("timeline") }),
+                           { seed: link.get("seed"), fast: link.has("fast") });
+    if (linkOf(project) === linkOf(tidied(structuredClone(example)))) {
+      edit((p) => {
+        Object.assign(p, read);
+        chosen = 0;
+      });
+    } else {
+      addSheet(read);  // beside what is there
+    }
   } catch (reason) {
     say(`The link has no timeline that can be read: ${reason.message}`, true);
   }
@@ -30525,18 +32913,25 @@ async function openLink() {
 addEventListener("hashchange", async () => { await openLink(); generate(); });
 
 /** For scripts that look at the page: what it shows and has, as a copy. */
-window.motionlang = Object.freeze({ state: () => ({
-  ...playerState(), project: structuredClone(project), chosen, timeline: timelineOf(project).lines, motions,
-  opened, took, making: making !== null, stale: keyOf(project) !== shownKey, warnings: structuredClone(warned),
-  undos: past.length, redos: future.length }) });
+window.motionlang = Object.freeze({
+  state: () => ({
+    ...playerState(), project: structuredClone(project), chosen, selected: selected(),
+    timeline: timelineOf(project).lines, sheet, timelines: book.length, motions, opened, took,
+    making: making !== null, stale: isStale(), zoom, snapping,
+    warnings: structuredClone(warned), undos: past.length, redos: future.length, character: character && character.name,
+    takes: takes.map(({ seed, locked, key, reuse, exact }) => ({ seed, locked, key, reuse, exact })),
+    shown: takes.indexOf(shownTake), aids: { ...aids }, cones, tints,
+    mesh: renderer.mesh ? renderer.mesh.positions.length / 3 : 0 }),
+  /** The rotations of the motion that is shown, as the page received them. */
+  turns: () => Array.from(clip.turns) });
 
 async function begin() {
   element("title").textContent = page.title;
   element("info").textContent = `motionlang ${page.version}`;
   const says = text("span", "", element("stage"));
   says.id = "says";
-  const kept = stored(), linked = location.hash.length > 1 && !(kept && kept.link === location.hash);
-  if (kept) project = kept.project;
+  const kept = restore(), linked = location.hash.length > 1 && kept !== location.hash;
+  takesId = project.id;
   showClip(new Clip(page.rest));
   camera.reset(clip);
   draw();
@@ -30548,8 +32943,12 @@ async function begin() {
     return;
   }
   if (!making) say("");
+  if (engine.folder) await listFolder();
   if (linked) await openLink();
   store();
+  takesId = project.id;
+  const shelved = await shelf.get(keyOf(project));
+  if (shelved) spare.push({ ...shelved, seed: project.seed, key: keyOf(project), project: structuredClone(project) });
   await generate();
   check();
 }
@@ -30596,26 +32995,28 @@ MOTIONLANG_BODY std::string seven_bit_text(std::span<const std::byte> bytes) {
 
 MOTIONLANG_BODY std::string studio_html(const StudioParts& parts) {
   using namespace detail;
-  if (parts.program.empty() || parts.code.empty() || parts.model.empty())
+  if (!parts.asks_server && (parts.program.empty() || parts.code.empty() || parts.model.empty()))
     raise<config_error>(101, "studio: no ", parts.program.empty() ? "program" : parts.code.empty() ? "code" : "model");
   nlohmann::ordered_json prompts = nlohmann::ordered_json::array();
   for (const StudioPrompt& p : parts.prompts) prompts.push_back({{"text", p.text}, {"seconds", p.seconds}});
-  const nlohmann::ordered_json page{{"title", parts.title},
-                                    {"version", MOTIONLANG_VERSION},
-                                    {"rest", viewer_json(rest_motion(), {}, "")},
-                                    {"prompts", std::move(prompts)},
-                                    {"program", concat_text(parts.program, studio_worker)}};
+  nlohmann::ordered_json page{{"title", parts.title},
+                              {"version", MOTIONLANG_VERSION},
+                              {"rest", viewer_json(rest_motion(), {}, "")},
+                              {"prompts", std::move(prompts)}};
+  if (!parts.asks_server) page["program"] = concat_text(parts.program, studio_worker);
   const auto packed = [](std::string_view id, std::span<const std::byte> bytes) {
+    if (bytes.empty()) return std::string();
     return concat_text("<script type=\"text/plain\" id=\"", id, "\">", seven_bit_text(bytes), "</script>\n");
   };
-  return self_contained_page(parts.title, concat_text(page_colours, viewer_style, studio_style),
-                             concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel,
-                                         "</div>\n<footer>", viewer_controls, studio_timeline, "</footer>\n",
-                                         studio_dialog, packed("code", parts.code), packed("model", parts.model)),
-                             page,
-                             {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project,
-                              studio_script_engine, studio_script_editor},
-                             " 'wasm-unsafe-eval'; worker-src blob:");
+  return self_contained_page(
+      parts.title, concat_text(page_colours, viewer_style, studio_style),
+      concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel, "</div>\n<footer>", viewer_controls,
+                  studio_timeline, "</footer>\n", studio_dialog, packed("code", parts.code),
+                  packed("model", parts.model)),
+      page,
+      {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project, studio_script_engine,
+       studio_script_look, studio_script_takes, studio_script_aids, studio_script_edits, studio_script_files},
+      parts.asks_server ? "; connect-src 'self'" : " 'wasm-unsafe-eval'; worker-src blob:");
 }
 
 MOTIONLANG_NAMESPACE_END

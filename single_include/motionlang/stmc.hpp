@@ -18527,6 +18527,7 @@ inline void* map(int file, std::size_t size) {
   return data;
 }
 inline void forget(void*, std::size_t) {}  // there is no other copy
+inline void will_read(const void*, std::size_t) {}
 inline bool rename_over(const char* from, const char* to) {
   constexpr unsigned long replace = 1;
   if (::MoveFileExA(from, to, replace) != 0) return true;
@@ -18567,6 +18568,8 @@ inline void* map(int file, std::size_t size) {
 inline void unmap(void* data, std::size_t size) { ::munmap(data, size); }
 /// Releases the memory of a mapping. Later reads load it from the file again.
 inline void forget(void* data, std::size_t size) { ::madvise(data, size, MADV_DONTNEED); }
+/// Begins to load a part of a mapping, from the beginning of a page on.
+inline void will_read(const void* data, std::size_t size) { ::madvise(const_cast<void*>(data), size, MADV_WILLNEED); }
 inline bool rename_over(const char* from, const char* to) { return std::rename(from, to) == 0; }
 inline bool make_folder(const char* path) { return ::mkdir(path, 0777) == 0; }
 
