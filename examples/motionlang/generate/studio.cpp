@@ -32,7 +32,7 @@ struct StudioCommand {
 
 #ifdef MOTIONLANG_HTTP
 
-/// Hexadecimal digits that nobody can guess.
+/// Returns 32 random hexadecimal digits.
 std::string secret() {
   std::random_device device;
   std::string out;
@@ -59,9 +59,9 @@ class Scratch {
   std::filesystem::path folder_;
 };
 
-/// The only value of a field; "" if it is missing or stands there twice.
+/// Returns a field that is given once; "" if it is missing, and "twice", which fits nothing, if there are several.
 std::string field(const httplib::Request& request, const char* name) {
-  return request.get_header_value_count(name) == 1 ? request.get_header_value(name) : "";
+  return request.get_header_value_count(name) > 1 ? "twice" : request.get_header_value(name);
 }
 ml::StudioHead head_of(const httplib::Request& r) {
   return {.method = r.method,

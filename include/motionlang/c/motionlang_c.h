@@ -113,8 +113,8 @@ typedef struct motionlang_reuse {
   int32_t exact;            /* 1: the motion is that of a run without reuse, bit for bit */
 } motionlang_reuse;
 MOTIONLANG_C_API motionlang_reuse motionlang_motion_reuse(const motionlang_motion* motion);
-/* A stretch of a motion, in seconds, that begins at `start` of the result. Before, its first frame stands. With
- * keep_seconds from `start` on it is kept there in a timeline. */
+/* A stretch of a motion, in seconds, that begins at `start` of the result. Until then the result holds the first frame.
+ * With keep_seconds from `start` on it is kept there in a timeline. */
 MOTIONLANG_C_API int motionlang_cut_motion(const motionlang_motion* motion, double from, double to, double start,
                                            motionlang_motion** result);
 

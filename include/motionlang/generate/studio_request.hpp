@@ -26,7 +26,7 @@ struct StudioHead {
 
 /// Who may ask.
 struct StudioGate {
-  std::vector<std::string> hosts;  // names with their port, in small letters, by which the server is reached
+  std::vector<std::string> hosts;  // names with their port by which the server is reached, in letters of any size
   std::string token;               // in every question
 };
 
@@ -40,8 +40,9 @@ struct StudioRefusal {
 };
 
 /// The page ("GET /") is for everybody who names the server by one of its hosts, as a browser does unless a name of
-/// somebody else leads here. A question ("POST /ask") also needs the token and JSON, and never comes from a page of
-/// another origin. Everything else is refused. The time that it takes does not depend on the token.
+/// somebody else leads here. The port 80 may be left out. A question ("POST /ask") also needs the token and JSON, and
+/// never comes from a page of another origin. Everything else is refused. The time that it takes does not depend on the
+/// token.
 StudioRefusal refusal(const StudioGate& gate, const StudioHead& head);
 
 struct StudioLimits {
@@ -50,6 +51,7 @@ struct StudioLimits {
   std::size_t text = 100000;         // bytes of a timeline or of a text
   double seconds = 120;              // of a motion
   Index offered = 50;                // texts
+  double read_seconds = 3600;        // of the motion of a file
 };
 
 /// A stretch of a motion that is kept.
@@ -77,7 +79,8 @@ struct StudioQuestion {
 StudioQuestion parse_studio_question(std::string_view json, const StudioLimits& limits = {});
 
 /// True for names of files that no system reads as a path or as something special: letters, digits, '.', '_', '-' and
-/// ' ' between them, 100 at most, with one of the endings that the studio reads or writes.
+/// ' ' between them, 100 at most, with one of the endings that the studio reads or writes. Devices of Windows (nul,
+/// com1) are none.
 bool is_studio_file(std::string_view name);
 
 MOTIONLANG_NAMESPACE_END

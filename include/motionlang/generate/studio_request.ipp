@@ -2,7 +2,7 @@
 // Bodies of studio_request.hpp.
 #pragma once
 
-#include <algorithm>         // all_of, find
+#include <algorithm>         // all_of, find, find_if
 #include <initializer_list>  // words
 
 #include <motionlang/file/detail/bytes.hpp>
@@ -28,6 +28,18 @@ inline bool is_secret(std::string_view given, std::string_view secret) {
   for (std::size_t i = 0; i < secret.size(); ++i)
     differs |= static_cast<unsigned char>(secret[i]) ^ static_cast<unsigned char>(i < given.size() ? given[i] : '\0');
   return differs == 0;
+}
+/// True for a name of the host, which browsers write without the port of HTTP, 80.
+inline bool names_host(std::string_view name, std::string_view host) {
+  return name == host || (host.ends_with(":80") && name == host.substr(0, host.size() - 3));
+}
+/// True for a name that Windows reads as a device, whatever its ending.
+inline bool is_device(std::string_view name) {
+  std::string_view word = name.substr(0, name.find('.'));
+  word = word.substr(0, word.find_last_not_of(' ') + 1);
+  const std::string small = in_small_letters(std::string(word));
+  if (small.size() == 4 && small[3] >= '0' && small[3] <= '9') return is_one_of(small.substr(0, 3), {"com", "lpt"});
+  return is_one_of(small, {"con", "prn", "aux", "nul"});
 }
 inline bool is_client(std::string_view text) {
   const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
@@ -77,10 +89,14 @@ MOTIONLANG_BODY std::vector<std::string> loopback_hosts(int port) {
 }
 
 MOTIONLANG_BODY StudioRefusal refusal(const StudioGate& gate, const StudioHead& head) {
-  const std::string host = detail::in_small_letters(head.host), origin = detail::in_small_letters(head.origin);
-  if (std::find(gate.hosts.begin(), gate.hosts.end(), host) == gate.hosts.end())
-    return {421, "this server has another name\n"};
-  if (!origin.empty() && origin != "http://" + host) return {403, "pages of other origins may not ask\n"};
+  const std::string name = detail::in_small_letters(head.host), origin = detail::in_small_letters(head.origin);
+  const auto host = std::find_if(gate.hosts.begin(), gate.hosts.end(), [&](const std::string& known) {
+    return detail::names_host(name, detail::in_small_letters(known));
+  });
+  if (host == gate.hosts.end()) return {421, "this server has another name\n"};
+  const std::string http = "http://";
+  if (!origin.empty() && !detail::names_host(origin, http + detail::in_small_letters(*host)))
+    return {403, "pages of other origins may not ask\n"};
   if (!detail::is_one_of(head.site, {"", "same-origin", "none"})) return {403, "pages of other sites may not ask\n"};
   if (head.path == "/") {
     if (head.method == "GET" || head.method == "HEAD") return {};
@@ -99,9 +115,11 @@ MOTIONLANG_BODY bool is_studio_file(std::string_view name) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   };
   const std::size_t dot = name.rfind('.');
-  if (dot == name.npos || dot == 0 || name.size() > 100 || !is_plain(name.front()) || !is_plain(name[dot - 1]))
+  if (dot == name.npos || dot == 0 || name.size() > 100 || !is_plain(name.front()) || !is_plain(name[dot - 1]) ||
+      detail::is_device(name))
     return false;
-  if (!detail::is_one_of(name.substr(dot), {".txt", ".bvh", ".glb", ".vrm", ".vrma", ".npz", ".npy", ".html", ".svg"}))
+  if (!detail::is_one_of(name.substr(dot),
+                         {".txt", ".bvh", ".glb", ".gltf", ".vrm", ".vrma", ".npz", ".npy", ".html", ".svg"}))
     return false;
   return std::all_of(name.begin(), name.end(), [&](char c) { return is_plain(c) || c == '.' || c == ' '; });
 }

@@ -23,8 +23,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct StudioServerOptions {
   StudioLimits limits{};
-  double generation_seconds = 600;  // that one motion may take
-  Index together = 2;               // motions that are made at the same time
+  double generation_seconds = 600;  // the longest time of one generation
+  Index together = 2;               // motions that are made, read, drawn or saved at the same time
   Index waiting = 16;               // questions that wait for that
   Index clients = 16;               // the longest silent ones are forgotten
   Index motions = 12;               // of each client; the oldest are forgotten

@@ -49,7 +49,7 @@ struct StudioClient {
   }
 };
 
-/// A few motions are made at the same time; others wait.
+/// A few questions have their turn at the same time; others wait.
 class StudioTurns {
  public:
   StudioTurns(Index together, Index waiting) : free_(together), room_(waiting) {}
@@ -109,6 +109,7 @@ class StudioServer::Body {
     if (q.kind == "store") return folder().write(q.name, q.bytes), "true";
     const auto client = client_of(q.client);
     if (q.kind == "generate") return generated(q, *client, write);
+    const Turn turn = turn_for(write);
     if (q.kind == "read") return read(q, *client);
     if (q.kind == "show") return rig_viewer_data(GlbRig(q.bytes, q.name), *motion_of(*client, q.motion).motion);
     return saved(q, *client);
@@ -116,6 +117,14 @@ class StudioServer::Body {
 
  private:
   static constexpr Index offered_at_first = 200;
+
+  using Turn = std::unique_ptr<detail::StudioTurns, void (*)(detail::StudioTurns*)>;
+  /// Waits for a turn, which ends with its answer.
+  Turn turn_for(const StudioWriter& write) {
+    if (!turns_.wait([&] { return write("{\"waiting\":true}\n"); }))
+      raise<config_error>(101, "too many questions wait at the moment");
+    return {&turns_, [](detail::StudioTurns* t) { t->leave(); }};
+  }
 
   static std::string text_of(const nlohmann::ordered_json& json) {
     return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
@@ -134,6 +143,7 @@ class StudioServer::Body {
   std::string loaded() const {
     return text_of({{"fps", model_->fps()},
                     {"system", model_->system()},
+                    {"steps", model_->steps()},
                     {"folder", folder_.has_value()},
                     {"timelines", model_->takes_timelines()}});
   }
@@ -159,10 +169,14 @@ class StudioServer::Body {
 
   std::string read(const StudioQuestion& q, detail::StudioClient& client) {
     if (!is_one_of_readable(q.name))
-      raise<config_error>(103, "'", q.name, "': the studio reads motions in .bvh, .glb, .vrm, .vrma, .npz and .npy");
+      raise<config_error>(103, "'", q.name,
+                          "': the studio reads motions in .bvh, .glb, .gltf, .vrm, .vrma, .npz and .npy");
     std::string notes;
     auto motions = parse_motions(q.bytes, q.name, {}, &notes);
     const auto motion = std::make_shared<const Motion>(std::move(motions.front()));
+    if (!(motion->seconds() <= o_.limits.read_seconds))
+      raise<config_error>(101, q.name, ": a motion of ", motion->seconds(), " s; this server reads at most ",
+                          o_.limits.read_seconds);
     const std::lock_guard lock(client.mutex);
     client.files.remove_if([&](const auto& f) { return f.first == q.id; });
     client.files.emplace_back(q.id, motion);
@@ -170,7 +184,7 @@ class StudioServer::Body {
     return text_of({{"seconds", motion->seconds()}, {"notes", notes}});
   }
   static bool is_one_of_readable(const std::string& name) {
-    return detail::is_one_of(file_kind(name), {".bvh", ".glb", ".vrm", ".vrma", ".npz", ".npy"});
+    return detail::is_one_of(file_kind(name), {".bvh", ".glb", ".gltf", ".vrm", ".vrma", ".npz", ".npy"});
   }
 
   /// The motion that is kept, with its first frame at its time.
@@ -212,10 +226,7 @@ class StudioServer::Body {
     if (reuses && q.beyond > 0) how.keep_beyond = q.beyond;
     if (q.fast && !reuses && model_->steps() >= fast_steps) use_fast_preset(how);
 
-    const auto listened = [&] { return write("{\"waiting\":true}\n"); };
-    if (!turns_.wait(listened)) raise<config_error>(101, "too many motions are made at the moment");
-    const std::unique_ptr<detail::StudioTurns, void (*)(detail::StudioTurns*)> turn(
-        &turns_, [](detail::StudioTurns* t) { t->leave(); });
+    const Turn turn = turn_for(write);
     const auto began = std::chrono::steady_clock::now();
     const auto progress = [&](Index done, Index total) {
       const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - began;

@@ -54,6 +54,24 @@ TEST_CASE("a name that somebody else made lead here is refused, for the page as 
   }
 }
 
+TEST_CASE("hosts are compared in small letters, and the port 80 may be left out") {
+  const ml::StudioGate own{.hosts = {"My-Machine:80"}, .token = secret};
+  const auto status = [&](const std::string& host, const std::string& origin) {
+    auto head = question();
+    head.host = host, head.origin = origin;
+    return ml::refusal(own, head).status;
+  };
+  for (const char* host : {"my-machine", "my-machine:80", "My-Machine", "MY-MACHINE:80"}) {
+    CHECK_MESSAGE(status(host, "") == 0, host);
+    CHECK_MESSAGE(status(host, "http://my-machine") == 0, host);
+    CHECK_MESSAGE(status(host, "http://my-machine:80") == 0, host);
+    CHECK_MESSAGE(status(host, "https://my-machine") == 403, host);
+    CHECK_MESSAGE(status(host, "http://my-machine:8") == 403, host);
+  }
+  for (const char* host : {"", ":80", "my-machine:", "my-machine:8", "my-machine:8080", "my-machine:80:80", "my"})
+    CHECK_MESSAGE(status(host, "") == 421, host);
+}
+
 TEST_CASE("pages of other origins and sites are refused") {
   for (const char* origin : {"null", "http://evil.example", "https://127.0.0.1:8421", "http://127.0.0.1:8422",
                              "http://localhost:8421", "http://127.0.0.1:8421.evil.example"})
@@ -143,11 +161,15 @@ TEST_CASE("texts and files have limits") {
 }
 
 TEST_CASE("names of files are plain") {
-  for (const char* name : {"walk.bvh", "a_b-c 2.glb", "x.tar.npz", "A.txt"})
+  for (const char* name : {"walk.bvh", "a_b-c 2.glb", "x.tar.npz", "A.txt", "me.gltf", "_.bvh", "cone.bvh", "com10.bvh",
+                           "com.bvh", "my con.bvh", "x.nul.bvh"})
     CHECK_MESSAGE(ml::is_studio_file(name), name);
   for (const char* name :
        {"", ".", "..", ".bvh", "walk", "walk.exe", "walk.BVH", "../walk.bvh", "/walk.bvh", "a/b.bvh", "a\\b.bvh",
         "C:a.bvh", " a.bvh", "a .bvh", "a..bvh", "a.bvh ", "a.bvh.", "-\n.bvh", "\xc3\xa4.bvh"})
+    CHECK_MESSAGE(!ml::is_studio_file(name), name);
+  for (const char* name : {"con.bvh", "CON.txt", "prn.glb", "aux.npz", "Nul.tar.npy", "com0.bvh", "COM1.bvh",
+                           "lpt9.svg", "lpt0.bvh", "con .x.bvh"})
     CHECK_MESSAGE(!ml::is_studio_file(name), name);
   CHECK_FALSE(ml::is_studio_file(std::string("a\0.bvh", 6)));
   CHECK_FALSE(ml::is_studio_file(std::string(97, 'a') + ".bvh"));

@@ -26,6 +26,7 @@ struct Walker final : ml::MotionModel {
   std::function<void()> at_step = [] {};
   double fps() const override { return 20; }
   std::string system() const override { return "a walker"; }
+  ml::Index steps() const override { return 3; }
 
  private:
   std::vector<ml::Motion> make(std::span<const ml::Timeline> all, const ml::GenerateOptions& o) const override {
@@ -74,7 +75,7 @@ TEST_CASE("the page asks its server, and has no program, code and model") {
 TEST_CASE("a motion is made with its progress, drawn, and saved") {
   ml::StudioServer server(std::make_shared<Walker>());
   CHECK(answer(server, {{"kind", "load"}})["value"] ==
-        json{{"fps", 20.0}, {"system", "a walker"}, {"folder", false}, {"timelines", false}});
+        json{{"fps", 20.0}, {"system", "a walker"}, {"steps", 3}, {"folder", false}, {"timelines", false}});
   const auto all = lines(server, walk_of(1));
   REQUIRE(all.size() == 4);
   CHECK(all[0] == json{{"done", 1}, {"total", 3}});
@@ -154,6 +155,12 @@ TEST_CASE("limits of length, time and number") {
   CHECK(is_error(answer(server, {{"kind", "generate"}, {"timeline", "walk # 0 # 4\n"}}), "at most 3"));
   CHECK(is_error(answer(server, walk_of(1)), "cancel"));
   CHECK(is_error(lines(server, {{"kind", "run"}}).back(), "run"));
+  ml::StudioServer brief(std::make_shared<Walker>(), {.limits = {.read_seconds = 2}});
+  for (const int frames : {40, 60}) {
+    const auto bvh = packed(ml::motion_bytes(".bvh", synthetic::walk({.frames = frames})));
+    const json read = answer(brief, {{"kind", "read"}, {"id", "x"}, {"name", "walk.bvh"}, {"bytes", bvh}});
+    CHECK_MESSAGE((frames == 40 ? read.contains("value") : is_error(read, "reads at most 2")), read.dump());
+  }
 }
 
 TEST_CASE("a waiting line for who waits; who leaves stops the work, and too many are refused") {
@@ -180,6 +187,9 @@ TEST_CASE("a waiting line for who waits; who leaves stops the work, and too many
   });
   while (!waits) std::this_thread::yield();
   CHECK(is_error(answer(server, walk_of(3)), "too many"));
+  const json file{{"kind", "read"}, {"id", "x"}, {"name", "x.bvh"}, {"bytes", "AAAA"}};
+  for (const json& question : {file, json{{"kind", "show"}, {"motion", 1}}, json{{"kind", "save"}, {"motion", 1}}})
+    CHECK(is_error(answer(server, question), "too many"));
   CHECK(answer(server, {{"kind", "load"}}).contains("value"));  // other questions do not wait
   go_on = true;
   first.join();

@@ -591,6 +591,12 @@ const packed = (bytes) => {
 };
 const unpackedBytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
+/** Words as a name of a file that every system and the program take. */
+const plain = (words) => words.replace(/[^\w-]+/g, "_").slice(0, 80) || "_";
+const plainFile = (name) => {
+  const dot = name.lastIndexOf(".");
+  return plain(name.slice(0, dot)) + name.slice(dot).toLowerCase();
+};
 /** The program motionlang, which sent this page. The link has a token after "#token=", which every question repeats. */
 class ServerEngine {
   constructor(onprogress) {
@@ -608,12 +614,19 @@ class ServerEngine {
     this.has = new Set();
     this.life = {};
     this.stop = new AbortController();
-    this.ready = this.ask("load").then((about) => { this.folder = about.folder; });
+    this.ready = this.ask("load").then(({ folder, steps }) => {
+      this.folder = folder;
+      const list = element("steps"), [usual, fast] = list.options;
+      usual.text = steps;
+      fast.disabled = steps < 10;
+      list.parentNode.hidden = !steps;
+    });
     this.ready.catch(() => {});
   }
   async ask(kind, about = {}) {
     const { signal } = this.stop;
-    const inText = (key, value) => value instanceof ArrayBuffer || value instanceof Uint8Array ? packed(value) : value;
+    const inText = (key, value) => value instanceof ArrayBuffer || value instanceof Uint8Array ? packed(value)
+      : value?.bytes && value.name ? { ...value, name: plainFile(value.name) } : value;
     try {
       const response = await fetch("ask", {
         method: "POST", signal, headers: { "Content-Type": "application/json", "X-Motionlang-Token": this.token },
@@ -1487,8 +1500,7 @@ function offer(name, bytes, type) {
   setTimeout(() => URL.revokeObjectURL(address), 10000);
 }
 function fileName() {
-  const words = project.bars.map((b) => b.text.trim()).filter(Boolean)[0] || "motion";
-  return words.replace(/[^a-z0-9]+/gi, "_");
+  return plain(project.bars.map((b) => b.text.trim()).filter(Boolean)[0] || "motion");
 }
 press("save", async () => {
   const format = element("kind").value;
@@ -1686,7 +1698,11 @@ async function openLink() {
     say(`The link has no timeline that can be read: ${reason.message}`, true);
   }
 }
-addEventListener("hashchange", async () => { await openLink(); generate(); });
+addEventListener("hashchange", async () => {
+  if (location.hash.startsWith("#token=")) return location.reload();
+  await openLink();
+  generate();
+});
 
 /** For scripts that look at the page: what it shows and has, as a copy. */
 window.motionlang = Object.freeze({
