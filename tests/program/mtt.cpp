@@ -164,6 +164,7 @@ TEST_CASE("evaluate: what STMC cannot be measured with is refused") {
     CHECK_MESSAGE((made.code == code && contains(made.text, why)), made.text);
   };
   refused({}, 2, "--texts is needed to measure STMC");
+  refused({"--texts", "texts.txt", "--dataset", "uestc"}, 2, "--dataset is for ACTOR and the classifier, not stmc");
   refused({"--texts", "texts.txt", "--data", "."}, 2, "--recorded and --data belong together");
   ml::write_file(w / "motions.txt", std::string_view("clip # 0 # 2.5\n"));
   refused({"--texts", "texts.txt", "--data", ".", "--recorded", "motions.txt"}, 1, "motions.txt: 1 clip for 4 texts");

@@ -1,6 +1,8 @@
 // The commands train-actor and train-classifier on a few made-up clips, in seconds.
 #include <doctest/doctest.h>
 
+#include <tuple>
+
 #include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/file/npy.hpp>
 #include <motionlang/file/npz.hpp>
@@ -269,6 +271,16 @@ TEST_CASE("actions in the files of their data set, in the world of their camera"
                           folder.path);
   REQUIRE_MESSAGE(beside.code == 0, beside.text);
   CHECK_MESSAGE(contains(beside.text, "\n  of another program "), beside.text);
+  ml::write_file(folder / "labels.tsv", std::string_view("\n"));
+  for (const auto& [option, value, message] :
+       {std::tuple("--labels", "labels.tsv", "--dataset has labels of its own: no --labels with it"),
+        {"--annotations", "labels.tsv", "no --annotations with it"},
+        {"--durations", "20", "--durations measures motions of the model, not of --made"}}) {
+    const auto refused = run({"evaluate", "train-actor/model", "--data", "data", "--dataset", "humanact12", "--made",
+                              "others", option, value},
+                             folder.path);
+    CHECK_MESSAGE((refused.code == 2 && contains(refused.text, message)), refused.text);
+  }
   std::filesystem::create_directories(folder / "splits");
   const auto split = train("train-actor", "refused", {"--splits", "splits"});
   CHECK(split.code != 0);

@@ -422,6 +422,10 @@ TEST_CASE("galleries of what TMR finds; motions of another program in its tables
   CHECK(synthesized.text != with({"--synthesis"}).text);
   for (const auto& [more, message] :
        {std::pair(std::vector<std::string>{"--made", "."}, "--made is for TEMOS, ACTOR"),
+        {{"--synthesis", "--made", ".", "--generator", "run/model"}, "--made are the motions"},
+        {{"--moments", "2", "--html", "p.html"}, "--html is about whole motions, --moments about moments in them"},
+        {{"--babel", "captions.tsv", "--synthesis"}, "--synthesis is about whole motions, --babel about moments"},
+        {{"--dataset", "uestc"}, "--dataset is for ACTOR and the classifier, not tmr"},
         {{"--synthesis", "--made", "run"}, "run: a file is needed for each of 4 motions"}}) {
     const auto refused = with(more);
     CHECK(refused.code != 0);

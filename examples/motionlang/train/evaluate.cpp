@@ -18,6 +18,29 @@ namespace program {
 
 namespace {
 
+/// Throws usage_error 102 for options that the evaluation of this system would not read.
+void require_read(const EvaluationOptions& o, const std::string& system, bool by_guo) {
+  const bool tmr = system == "tmr" && !by_guo, judge = system == "evaluator";
+  const auto refuse = [&](const auto&... why) { ml::raise<usage_error>(102, o.model.string(), ": ", why...); };
+  const std::string measured = by_guo ? "what --evaluator judges" : system;
+  const bool takes = ((system == "temos" || system == "actor") && !by_guo) || judge || (tmr && o.synthesis);
+  if (!takes && !o.made.empty())
+    refuse(
+        "--made is for TEMOS, ACTOR, the evaluator of Guo et al., and TMR with --synthesis, all without --evaluator");
+  if (!tmr && !o.html.empty()) refuse("--html shows what tmr finds, not ", measured);
+  if (!tmr && !judge && o.synthesis) refuse("--synthesis measures tmr, not ", measured);
+  const char* moments = o.moments > 0 ? "--moments" : "--babel";
+  if (tmr && (o.moments > 0 || !o.babel.empty()) && (o.synthesis || !o.html.empty()))
+    refuse(o.synthesis ? "--synthesis" : "--html", " is about whole motions, ", moments, " about moments in them");
+  if (!o.made.empty() && !o.generator.empty()) refuse("--made are the motions, so there is no --generator");
+  if (!o.made.empty() && !o.durations.empty()) refuse("--durations measures motions of the model, not of --made");
+  if (o.dataset.empty()) return;
+  if ((system != "actor" && system != "classifier") || by_guo)
+    refuse("--dataset is for ACTOR and the classifier, not ", measured);
+  if (!o.labels.empty() || !o.annotations.empty())
+    refuse("--dataset has labels of its own: no ", o.labels.empty() ? "--annotations" : "--labels", " with it");
+}
+
 void run(const EvaluationOptions& o) {
   const auto begin = std::chrono::steady_clock::now();
   o.machine.apply();
@@ -26,14 +49,8 @@ void run(const EvaluationOptions& o) {
   const std::string& system = model.name;
   if ((!model.is_diffusion() || !o.evaluator.empty()) && o.data.empty())
     ml::raise<usage_error>(102, o.model.string(), ": --data is needed to measure ", system);
-  if (const bool takes = system == "temos" || system == "actor" || judge || (system == "tmr" && o.synthesis);
-      !takes && !o.made.empty())
-    ml::raise<usage_error>(102, o.model.string(),
-                           ": --made is for TEMOS, ACTOR, the evaluator of Guo et al., and TMR with --synthesis");
-  if (system != "tmr" && !o.html.empty())
-    ml::raise<usage_error>(102, o.model.string(), ": --html shows what tmr finds, not ", system);
-  if (system != "tmr" && !judge && o.synthesis)
-    ml::raise<usage_error>(102, o.model.string(), ": --synthesis measures tmr, not ", system);
+  const bool by_guo = !o.evaluator.empty() && system != "tm2t" && !judge;
+  require_read(o, system, by_guo);
   const std::map<std::string_view, void (*)(const EvaluationOptions&)> evaluations{{"actor", evaluate_actor},
                                                                                    {"classifier", evaluate_classifier},
                                                                                    {"sinc", evaluate_sinc},
@@ -50,7 +67,7 @@ void run(const EvaluationOptions& o) {
     ml::raise<ml::config_error>(103, o.model.string(), ": a model of '", system,
                                 "'; evaluate measures stmc, mdm, motiondiffuse, tmr, temos, actor, sinc, teach and "
                                 "tm2t, also as published, and classifier");
-  if (!o.evaluator.empty() && system != "tm2t" && !judge)
+  if (by_guo)
     evaluate_by_guo(o);
   else
     found->second(o);

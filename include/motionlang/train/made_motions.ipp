@@ -2,7 +2,8 @@
 // Bodies of made_motions.hpp.
 #pragma once
 
-#include <algorithm>  // sort, min
+#include <algorithm>  // all_of, sort, min
+#include <cmath>      // isfinite
 #include <map>        // recorded motions
 
 #include <motionlang/datasets/data_set_form.hpp>
@@ -76,7 +77,13 @@ MOTIONLANG_BODY MadeMotions::Rows MadeMotions::rows(const std::filesystem::path&
   const auto floats = [](const auto& values) { return std::vector<float>(values.begin(), values.end()); };
   if (file_kind(file.string()) == ".npy") {
     const auto shape = npy_shape(file);
-    if (shape.size() == 2 && shape[1] == features.width) return {read_npy(file.string()).to<float>(), features.fps};
+    if (shape.size() == 2 && shape[1] == features.width) {
+      Rows out{read_npy(file.string()).to<float>(), features.fps};
+      if (out.rows.empty()) raise<io_error>(403, file.string(), ": no rows");
+      if (!std::all_of(out.rows.begin(), out.rows.end(), [](float x) { return std::isfinite(x); }))
+        raise<io_error>(403, file.string(), ": a number that is not finite");
+      return out;
+    }
   }
   const Motion motion = read_motion(file.string(), {.rate = rate_});
   return {floats(rows_of_motion(features, motion, fps)), fps};

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
+
 #include <motionlang/backend/usual.hpp>
 #include <motionlang/datasets/actor_clips.hpp>
 #include <motionlang/features/feature_rows.hpp>
@@ -56,6 +58,22 @@ TEST_CASE("files have the id of the motion or of its clip, and several samples h
   CHECK(read.fps == 50);
   const Index frames = std::ssize(read.rows) / features().width;
   CHECK(std::abs(static_cast<double>(frames) - 50 * synthetic::walk({.frames = 30}).seconds()) < 3);
+}
+
+TEST_CASE("features without rows, or with numbers that are not finite, are refused") {
+  const TemporaryFolder folder;
+  const ml::MadeMotions made(folder.path);
+  auto broken = walk("a", 0);
+  for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    broken.rows.back() = value;
+    write_rows(folder / "a.npy", broken);
+    CHECK_ERROR(made.rows(folder / "a.npy", features(), 20), "[motionlang.io.403]");
+    CHECK_ERROR(made.rows(folder / "a.npy", features(), 20), "a.npy: a number that is not finite");
+  }
+  broken.rows.clear();
+  write_rows(folder / "a.npy", broken);
+  CHECK_ERROR(made.rows(folder / "a.npy", features(), 20), "[motionlang.io.403]");
+  CHECK_ERROR(made.rows(folder / "a.npy", features(), 20), "a.npy: no rows");
 }
 
 TEST_CASE("errors of the same motions are 0, and those of others are not") {
