@@ -3,7 +3,7 @@
 /// search/index_shards.hpp).
 #pragma once
 
-#include <vector>  // what goes
+#include <vector>  // clips to remove
 
 #include <motionlang/search/motion_index.hpp>
 

@@ -10,7 +10,8 @@
 ///     const MotionSearch search = open_motion_search(shards);
 ///
 /// Layout   shards.json lists the files with their sizes, checksums and numbers of clips, moments and captions. It is
-///          written last, so a reader has the old shards or the new ones. A shard is an index file
+///          written last, so a reader has the old shards or the new ones. One that has opened the folder keeps the old
+///          ones. One that opens it while the list changes tries again. A shard is an index file
 ///          (search/motion_index_file.hpp) with further tensors:
 ///             clips_codes, moments_codes, captions_codes      I8 (n, width): each row in eight bits
 ///             clips_bounds, moments_bounds, captions_bounds   F32 (n, 2): scale s and allowance e of each row
@@ -26,6 +27,7 @@
 #include <filesystem>  // folders
 #include <memory>      // shards
 #include <optional>    // an unfinished shard
+#include <utility>     // move
 
 #include <motionlang/core/progress.hpp>
 #include <motionlang/search/clip_store.hpp>
@@ -45,6 +47,7 @@ struct ShardList {
   IndexModel model{};
   Index shard_bytes = 0;
   std::vector<ShardEntry> shards{};
+  bool operator==(const ShardList&) const = default;
 };
 
 /// The name of the list in its folder.
@@ -53,6 +56,27 @@ inline constexpr const char* shard_list_name = "shards.json";
 bool is_shard_folder(const FilePath& folder);
 /// Throws io_error 401, 403, 404, config_error 107.
 ShardList read_shard_list(const FilePath& folder);
+
+namespace detail {
+
+/// Calls open(list). If that throws, and another program has written the list meanwhile, it tries again with the new
+/// list, up to three times in all.
+template <class Open>
+void with_current_list(const FilePath& folder, const Open& open) {
+  ShardList list = read_shard_list(folder);
+  for (int left = 2;; --left) {
+    const auto changed = [&](const error&) {
+      if (left == 0) return false;
+      ShardList now = read_shard_list(folder);
+      const bool other = !(now == list);
+      list = std::move(now);
+      return other;
+    };
+    if (guard<error>([&] { open(list); }, changed)) return;
+  }
+}
+
+}  // namespace detail
 
 /// An open folder of shards.
 class IndexShards : public IndexTables {
@@ -86,7 +110,7 @@ class IndexShards : public IndexTables {
     SafetensorsFile file;
     Index clip = 0, moment = 0, caption = 0;  // the numbers of the first ones
   };
-  explicit IndexShards(const FilePath& folder);
+  IndexShards(const FilePath& folder, ShardList list);
   Shard open_shard(const ShardEntry& entry, std::size_t number) const;
   std::string path_of(const ShardEntry& entry) const;
   /// The shard of a clip, moment or caption.
@@ -122,10 +146,12 @@ class ShardStore : public ClipStore {
   void rename(const std::string& from, const std::string& to) override;
   void set_license(const std::string& path, const std::string& license) override;
   void move_model(std::string path, std::string text_encoder) override;
+  /// After an `add` it first calls write(), so readers find what was added until then.
   void remove(const std::vector<bool>& gone) override;
 
-  /// Writes what has changed, then the list, and removes the files that no list has. Before that, readers find the old
-  /// index. Throws io_error 401.
+  /// Writes what has changed, then the list, and removes the files that only the earlier list has. Before that, readers
+  /// find the old index. If it throws, the index is as before, and write() can be called again.
+  /// Throws  io_error 401, and 403 if another program has written the list since this object read it
   void write();
 
  private:
@@ -137,14 +163,18 @@ class ShardStore : public ClipStore {
   void take_up(const IndexShards& shards);
   void touch(std::size_t clip);
   void take_up_last_shard();
-  void finish_shard(const MotionIndex& index);
+  ShardEntry write_shard(const MotionIndex& index);
+  std::string new_file_name();
+  void require_same_list() const;
   MotionIndex changed_shard(Index shard, std::span<const IndexedClip> clips, std::span<const Origin> origins) const;
 
   std::filesystem::path folder_;
   ShardList list_;
-  std::vector<bool> changed_;         // for each shard of the list
-  std::vector<ShardEntry> finished_;  // shards of added clips
-  std::optional<MotionIndex> open_;   // added clips, for the next shard
+  std::optional<ShardList> published_;  // the list in the folder
+  std::vector<std::string> made_;       // files that this object has written since
+  std::vector<bool> changed_;           // for each shard of the list
+  std::vector<ShardEntry> finished_;    // shards of added clips
+  std::optional<MotionIndex> open_;     // added clips, for the next shard
   Index open_bytes_ = 0, moments_ = 0, next_number_ = 0;
   std::vector<IndexedClip> clips_;
   std::vector<Origin> origins_;

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <algorithm>  // upper_bound
+#include <cerrno>     // a name that is taken
 #include <cmath>      // sqrt
+#include <cstdlib>    // strtol
 #include <utility>    // exchange
 
 #include <motionlang/core/formatted.hpp>
@@ -25,7 +27,7 @@ inline constexpr Index shards_version = 1, least_shard_bytes = Index{16} << 10;
 /// Tells the system that a part of a mapped file is read soon.
 inline void announce(std::span<const std::byte> part) {
   if (const MappedFile* file = MappedFile::that_holds(part)) {
-    constexpr std::size_t page = 4096;
+    constexpr std::size_t page = 65536;  // a multiple of every system's pages
     const auto begin = static_cast<std::size_t>(part.data() - file->bytes().data()) / page * page;
     const auto end = static_cast<std::size_t>(part.data() - file->bytes().data()) + part.size();
     if (begin < end) system::will_read(file->bytes().data() + begin, end - begin);
@@ -123,21 +125,18 @@ inline void check_codes(const SafetensorsFile& file, const std::string& name, co
 
 }  // namespace detail
 
-MOTIONLANG_BODY bool is_shard_folder(const FilePath& folder) {
-  return std::filesystem::is_regular_file(std::filesystem::path(folder.string()) / shard_list_name);
-}
+namespace detail {
 
-MOTIONLANG_BODY ShardList read_shard_list(const FilePath& folder) {
-  const std::string path = (std::filesystem::path(folder.string()) / shard_list_name).string();
-  const auto document = read_json(path);
+inline ShardList shard_list(std::string_view text, const std::string& path) {
+  const auto document = parse_json(text, path);
   const JsonView list(document, path);
-  if (list.value_or("format", "") != detail::shards_format)
-    raise<io_error>(403, path, ": not a list of shards of motionlang");
-  if (const Index version = list["version"].as<Index>(); version != detail::shards_version)
-    raise<io_error>(404, path, ": version ", version, " of a list of shards, expected ", detail::shards_version);
-  ShardList out{
-      .model = detail::index_model(list["model"]), .shard_bytes = list["shard_bytes"].as<Index>(), .shards = {}};
+  if (list.value_or("format", "") != shards_format) raise<io_error>(403, path, ": not a list of shards of motionlang");
+  if (const Index version = list["version"].as<Index>(); version != shards_version)
+    raise<io_error>(404, path, ": version ", version, " of a list of shards, expected ", shards_version);
+  ShardList out{.model = index_model(list["model"]), .shard_bytes = list["shard_bytes"].as<Index>(), .shards = {}};
   MotionIndex(out.model);  // checks it
+  if (out.shard_bytes < least_shard_bytes)
+    raise<io_error>(403, path, ": shards of ", counted(out.shard_bytes, "byte"), "; at least ", least_shard_bytes);
   const JsonView shards = list["shards"];
   for (Index i = 0; i < shards.size(); ++i) {
     const JsonView s = shards[i];
@@ -152,20 +151,52 @@ MOTIONLANG_BODY ShardList read_shard_list(const FilePath& folder) {
     for (const Index n : {e.bytes, e.clips, e.moments, e.captions}) {
       if (n < 0 || n > most) raise<io_error>(403, s.path(), ": a size of ", n);
     }
-    if (e.file.empty() || e.file.find_first_of("/\\") != e.file.npos || e.file.front() == '.')
+    constexpr std::string_view elsewhere("/\\:\0", 4);
+    if (e.file.empty() || e.file.find_first_of(elsewhere) != e.file.npos || e.file.front() == '.')
       raise<io_error>(403, s.path(), ": '", e.file, "' does not name a file in this folder");
   }
   return out;
 }
 
+inline std::string shard_list_text(const ShardList& list) {
+  auto shards = nlohmann::ordered_json::array();
+  for (const ShardEntry& e : list.shards) {
+    shards.push_back({{"file", e.file},
+                      {"checksum", e.checksum},
+                      {"bytes", e.bytes},
+                      {"clips", e.clips},
+                      {"moments", e.moments},
+                      {"captions", e.captions}});
+  }
+  const nlohmann::ordered_json all{{"format", shards_format},
+                                   {"version", shards_version},
+                                   {"model", index_model_json(list.model)},
+                                   {"shard_bytes", list.shard_bytes},
+                                   {"shards", std::move(shards)}};
+  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY bool is_shard_folder(const FilePath& folder) {
+  return std::filesystem::is_regular_file(std::filesystem::path(folder.string()) / shard_list_name);
+}
+
+MOTIONLANG_BODY ShardList read_shard_list(const FilePath& folder) {
+  const std::string path = (std::filesystem::path(folder.string()) / shard_list_name).string();
+  return detail::shard_list(read_file(path), path);
+}
+
 // ---- reading
 
 MOTIONLANG_BODY std::shared_ptr<const IndexShards> IndexShards::open(const FilePath& folder) {
-  return std::shared_ptr<const IndexShards>(new IndexShards(folder));
+  std::shared_ptr<const IndexShards> out;
+  detail::with_current_list(folder, [&](const ShardList& list) { out.reset(new IndexShards(folder, list)); });
+  return out;
 }
 
-MOTIONLANG_BODY IndexShards::IndexShards(const FilePath& folder)
-    : name_(folder.string()), list_(read_shard_list(folder)) {
+MOTIONLANG_BODY IndexShards::IndexShards(const FilePath& folder, ShardList list)
+    : name_(folder.string()), list_(std::move(list)) {
   for (const ShardEntry& e : list_.shards) {
     shards_.push_back(open_shard(e, shards_.size()));
     shards_.back().clip = std::exchange(clips_, clips_ + e.clips);
@@ -315,15 +346,14 @@ MOTIONLANG_BODY void IndexShards::check(Progress progress) const {
     const auto opened = MotionIndexFile::from_bytes(MappedFile::that_holds(file.tensor("about").bytes)->bytes(),
                                                     file.name(), file.owner());
     const MotionIndex& index = opened.index();
-    std::vector<std::int64_t> places;
-    const std::string about = detail::index_about(index, &places);
-    const auto same = [&](const char* tensor, auto from, auto to) {
-      const auto numbers = direct<std::int64_t>(file.tensor(tensor)).value();
-      if (!std::equal(numbers.begin(), numbers.end(), from, to))
-        raise<io_error>(403, file.name(), ": '", tensor, "' does not fit the clips");
-    };
-    if (about.size() == file.tensor("about").bytes.size()) same("clip_places", places.begin(), places.end());
-    same("caption_clips", index.caption_clips().begin(), index.caption_clips().end());
+    for (Index c = 0; c < index.count(); ++c) {
+      if (!(clip(shards_[i].clip + c) == index.clips()[static_cast<std::size_t>(c)]))
+        raise<io_error>(403, file.name(), ": 'clip_places' does not fit the clips: that of clip ", c,
+                        " leads to another text");
+    }
+    const auto of_captions = direct<std::int64_t>(file.tensor("caption_clips")).value();
+    if (!std::equal(of_captions.begin(), of_captions.end(), index.caption_clips().begin(), index.caption_clips().end()))
+      raise<io_error>(403, file.name(), ": 'caption_clips' does not fit the clips");
     for (const char* table : {"clips", "moments", "captions"}) {
       const Index count = file.tensor(table).shape[0];
       detail::check_codes(file, table, detail::coded_rows(file, table, count, model().width), model().width);
@@ -366,6 +396,7 @@ MOTIONLANG_BODY ShardStore::ShardStore(const FilePath& folder, Index shard_bytes
 
 MOTIONLANG_BODY void ShardStore::take_up(const IndexShards& shards) {
   list_ = shards.list();
+  published_ = list_;
   changed_.assign(list_.shards.size(), false);
   moments_ = shards.moment_count();
   clips_.clear(), origins_.clear();
@@ -376,8 +407,8 @@ MOTIONLANG_BODY void ShardStore::take_up(const IndexShards& shards) {
     }
     const std::string& name = list_.shards[s].file;
     const auto digits = name.find_first_of("0123456789");
-    if (digits != name.npos)
-      next_number_ = std::max<Index>(next_number_, std::strtol(name.c_str() + digits, nullptr, 10) + 1);
+    const long number = digits == name.npos ? 0 : std::strtol(name.c_str() + digits, nullptr, 10);
+    if (number < 1'000'000'000) next_number_ = std::max<Index>(next_number_, number + 1);
   }
   for (Index m = 0; m < moments_; ++m) ++origins_[static_cast<std::size_t>(shards.moment(m).clip)].moments;
 }
@@ -454,7 +485,7 @@ MOTIONLANG_BODY void ShardStore::add(EncodedClip c) {
   const auto moments = std::ssize(c.moments);
   const Index more = detail::bytes_in_shard(c.clip, moments, list_.model.width);
   if (open_->count() > 0 && open_bytes_ + more > list_.shard_bytes) {
-    finish_shard(*open_);
+    finished_.push_back(write_shard(*open_));
     open_.emplace(list_.model), open_bytes_ = detail::bytes_of_header;
   }
   IndexedClip clip = c.clip;
@@ -464,7 +495,7 @@ MOTIONLANG_BODY void ShardStore::add(EncodedClip c) {
   origins_.push_back({-1, 0, moments});
 }
 
-MOTIONLANG_BODY void ShardStore::finish_shard(const MotionIndex& index) {
+MOTIONLANG_BODY ShardEntry ShardStore::write_shard(const MotionIndex& index) {
   const Index width = list_.model.width;
   std::vector<std::int64_t> places;
   const std::string about = detail::index_about(index, &places);
@@ -487,14 +518,14 @@ MOTIONLANG_BODY void ShardStore::finish_shard(const MotionIndex& index) {
   add_codes(coded[2], "captions", index.caption_rows());
   const auto bytes =
       detail::index_bytes(index, about, more, {{"model", detail::index_text(detail::index_model_json(index.model()))}});
-  ShardEntry e{.file = formatted("shard-%05td.index", next_number_++),
-               .checksum = detail::metadata_of(SafetensorsFile::from_bytes(bytes), "checksum"),
-               .bytes = std::ssize(bytes),
-               .clips = index.count(),
-               .moments = std::ssize(index.moments()),
-               .captions = std::ssize(caption_clips)};
+  const ShardEntry e{.file = new_file_name(),
+                     .checksum = detail::metadata_of(SafetensorsFile::from_bytes(bytes), "checksum"),
+                     .bytes = std::ssize(bytes),
+                     .clips = index.count(),
+                     .moments = std::ssize(index.moments()),
+                     .captions = std::ssize(caption_clips)};
   write_file((folder_ / e.file).string(), bytes);
-  finished_.push_back(std::move(e));
+  return e;
 }
 
 /// The rest of a shard of the list, as these entries say.
@@ -508,64 +539,74 @@ MOTIONLANG_BODY MotionIndex ShardStore::changed_shard(Index shard, std::span<con
     next += stays ? 1 : 0;
     return !stays;
   });
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    const IndexedClip before = out.clips()[i];
-    if (before.path != clips[i].path) out.rename(before.path, clips[i].path);
-    if (before.license != clips[i].license) out.set_license(clips[i].path, clips[i].license);
+  VectorTable rows[3];
+  rows[0].append(out.clip_rows()), rows[1].append(out.moment_rows()), rows[2].append(out.caption_rows());
+  return MotionIndex(list_.shards[static_cast<std::size_t>(shard)].file, list_.model, {clips.begin(), clips.end()},
+                     {out.moments().begin(), out.moments().end()}, std::move(rows[0]), std::move(rows[1]),
+                     std::move(rows[2]));
+}
+
+/// A name that no file has. The file is made at once, so no other program takes the name.
+MOTIONLANG_BODY std::string ShardStore::new_file_name() {
+  for (;;) {
+    std::string name = formatted("shard-%05td.index", next_number_++);
+    const int file = detail::system::create((folder_ / name).string().c_str());
+    if (file < 0 && errno == EEXIST) continue;
+    if (file >= 0) ::close(file);  // otherwise write_file says why
+    made_.push_back(name);
+    return name;
   }
-  out.move_model(list_.model.path, list_.model.text_encoder);
-  return out;
+}
+
+MOTIONLANG_BODY void ShardStore::require_same_list() const {
+  std::optional<ShardList> now;
+  if (is_shard_folder(folder_)) now = read_shard_list(folder_);
+  if (now != published_)
+    raise<io_error>(403, (folder_ / shard_list_name).string(),
+                    ": another program has written this index meanwhile; nothing is changed, start again");
 }
 
 MOTIONLANG_BODY void ShardStore::write() {
-  if (open_ && open_->count() > 0) finish_shard(*open_);
+  require_same_list();
+  if (open_ && open_->count() > 0) finished_.push_back(write_shard(*open_));
   open_.reset();
-  std::vector<ShardEntry> added = std::exchange(finished_, {}), all;
+  ShardList next{.model = list_.model, .shard_bytes = list_.shard_bytes, .shards = {}};
   std::size_t first = 0;
   for (Index s = 0; s < std::ssize(list_.shards); ++s) {
     std::size_t end = first;
     while (end < origins_.size() && origins_[end].shard == s) ++end;
     if (!changed_[static_cast<std::size_t>(s)]) {
-      all.push_back(list_.shards[static_cast<std::size_t>(s)]);
+      next.shards.push_back(list_.shards[static_cast<std::size_t>(s)]);
     } else if (end > first) {
-      finish_shard(changed_shard(s, std::span(clips_).subspan(first, end - first),
-                                 std::span(origins_).subspan(first, end - first)));
-      all.push_back(finished_.back());
+      next.shards.push_back(write_shard(changed_shard(s, std::span(clips_).subspan(first, end - first),
+                                                      std::span(origins_).subspan(first, end - first))));
     }
     first = end;
   }
-  finished_.clear();
-  all.insert(all.end(), added.begin(), added.end());
-  list_.shards = std::move(all);
-  auto shards = nlohmann::ordered_json::array();
+  next.shards.insert(next.shards.end(), finished_.begin(), finished_.end());
+  const std::string path = (folder_ / shard_list_name).string(), text = detail::shard_list_text(next);
+  std::optional<ShardList> now = detail::shard_list(text, path);
+  std::vector<std::string> old = made_;
+  if (published_) {
+    for (const ShardEntry& e : published_->shards) old.push_back(e.file);
+  }
+  require_same_list();
+  write_file(path, text);
+
+  published_ = std::move(now), list_ = std::move(next);
+  finished_.clear(), made_.clear();
+  changed_.assign(list_.shards.size(), false);
   std::size_t i = 0;
   for (std::size_t s = 0; s < list_.shards.size(); ++s) {
-    const ShardEntry& e = list_.shards[s];
-    shards.push_back({{"file", e.file},
-                      {"checksum", e.checksum},
-                      {"bytes", e.bytes},
-                      {"clips", e.clips},
-                      {"moments", e.moments},
-                      {"captions", e.captions}});
-    for (Index c = 0; c < e.clips; ++c, ++i) origins_[i].shard = static_cast<Index>(s), origins_[i].clip = c;
-  }
-  const nlohmann::ordered_json list{{"format", detail::shards_format},
-                                    {"version", detail::shards_version},
-                                    {"model", detail::index_model_json(list_.model)},
-                                    {"shard_bytes", list_.shard_bytes},
-                                    {"shards", std::move(shards)}};
-  write_file((folder_ / shard_list_name).string(),
-             list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-  changed_.assign(list_.shards.size(), false);
-  std::vector<std::filesystem::path> old;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
-    const std::string name = entry.path().filename().string();
-    const bool listed =
-        std::any_of(list_.shards.begin(), list_.shards.end(), [&](const ShardEntry& e) { return e.file == name; });
-    if (!listed && name.starts_with("shard-") && name.ends_with(".index")) old.push_back(entry.path());
+    for (Index c = 0; c < list_.shards[s].clips; ++c, ++i)
+      origins_[i].shard = static_cast<Index>(s), origins_[i].clip = c;
   }
   std::error_code none;
-  for (const auto& path : old) std::filesystem::remove(path, none);
+  for (const std::string& file : old) {
+    const bool listed =
+        std::any_of(list_.shards.begin(), list_.shards.end(), [&](const ShardEntry& e) { return e.file == file; });
+    if (!listed) std::filesystem::remove(folder_ / file, none);
+  }
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -24,7 +24,7 @@ class SharedSearch : public VectorSearch {
 
   Index count() const override { return part_->count(); }
   Index width() const override { return part_->width(); }
-  /// All processes call it with the same queries, and get the same answer.
+  /// All processes call it with as many queries and the same k. They search those of rank 0, and get the same answer.
   std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const override;
 
  private:
@@ -32,7 +32,8 @@ class SharedSearch : public VectorSearch {
   AnyCommunicator all_;
 };
 
-/// The search of a process: it has every shard whose number is its rank, modulo their size.
+/// The search of a process: it has every shard whose number is its rank, modulo the number of processes. All call it.
+/// Throws io_error 403 in all processes if the shards of one are not those of rank 0.
 MotionSearch open_shared_search(std::shared_ptr<const IndexShards> shards, const AnyCommunicator& all);
 
 MOTIONLANG_NAMESPACE_END

@@ -9,8 +9,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY std::vector<std::vector<Neighbour>> SharedSearch::search(std::span<const float> queries,
                                                                          Index k) const {
-  auto found = part_->search(queries, k);
-  if (all_.size() == 1) return found;
+  if (all_.size() == 1) return part_->search(queries, k);
+  std::vector<float> first(queries.begin(), queries.end());
+  numbers_of_first(all_, first);  // another kernel may have rounded those of this process in another way
+  auto found = part_->search(first, k);
   MessageWriter mine;
   for (const auto& answer : found) {
     mine.value(std::uint64_t{answer.size()});
@@ -32,6 +34,15 @@ MOTIONLANG_BODY std::vector<std::vector<Neighbour>> SharedSearch::search(std::sp
 }
 
 MOTIONLANG_BODY MotionSearch open_shared_search(std::shared_ptr<const IndexShards> shards, const AnyCommunicator& all) {
+  if (all.size() > 1) {
+    std::string text;
+    for (const ShardEntry& e : shards->list().shards)
+      text += concat_text(e.file, ' ', e.checksum, ' ', e.clips, ' ', e.moments, ' ', e.captions, '\n');
+    if (const Index other = first_other_text(all, text); other > 0)
+      raise<io_error>(403, shards->name(), ": rank ", other, " of ", all.size(),
+                      " has other shards than rank 0: all processes need the same files, and no program may write them "
+                      "meanwhile");
+  }
   const auto in = [&](SearchFor what) {
     return std::make_shared<SharedSearch>(shards->vectors(what, all.rank(), all.size()), all);
   };

@@ -158,6 +158,16 @@ class SeededWalks final : public ml::MotionModel {
       out.push_back(synthetic::walk({.frames = static_cast<int>(timelines[i].end()),
                                      .fps = 20,
                                      .steps_per_second = 0.2 * static_cast<double>(o.seed % 7 + i % 5)}));
+    if (o.notes != nullptr) {  // positions in which the bones grow, faster with some seeds
+      o.notes->layout = "smplrifke";
+      for (std::size_t i = 0; i < timelines.size(); ++i) {
+        std::vector<double>& features = o.notes->features.emplace_back();
+        for (int frame = 0; frame < 3; ++frame) {
+          for (int j = 0; j < 205; ++j)
+            features.push_back(0.01 * j * (1 + 0.02 * frame * static_cast<double>(o.seed % 7)));
+        }
+      }
+    }
     o.progress(1, 2), o.progress(2, 2);
     return out;
   }
@@ -168,6 +178,7 @@ class SeededWalks final : public ml::MotionModel {
 TEST_CASE("several processes judge as one does, and the first one counts the steps of all") {
   const SeededWalks model;
   const ml::Judgement alone = ml::judge(model, ml::own_prompts(), {.seed = 3}, 5, true);
+  CHECK(alone.bones > 0);
   for (const ml::Index processes : {2, 3, 7}) {
     run_processes(processes, [&](const ThreadProcess& process) {
       std::vector<ml::Index> done;

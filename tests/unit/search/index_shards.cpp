@@ -140,6 +140,20 @@ struct Shards : TemporaryFolder {
       bytes.replace(at, to.size(), to);
     ml::write_file(file, bytes);
   }
+  /// The values of a tensor of a shard.
+  template <class T>
+  static std::vector<T> peek(const fs::path& file, const std::string& tensor) {
+    return ml::values_of<T>(ml::SafetensorsFile::open(file).tensor(tensor));
+  }
+  /// Gives a changed shard the right checksum, in the list, too.
+  void reseal(const fs::path& file) const {
+    const auto [before, now] = [&] {
+      const auto opened = ml::SafetensorsFile::open(file);
+      return std::pair(opened.metadata().at("checksum"), ml::tensors_checksum(opened.tensors()));
+    }();
+    REQUIRE(before != now);
+    patch(file, before, now), patch(folder / "shards.json", before, now);
+  }
   /// Writes into a tensor of a shard.
   template <class T>
   static void poke(const fs::path& file, const std::string& tensor, std::size_t at, T value) {
@@ -245,6 +259,11 @@ TEST_CASE("shards: what is missing, cut off, or of another model is reported") {
   };
   list("shard-00000.index", "../shard-00000.index",
        "shards.json: shards[0]: '../shard-00000.index' does not name a file");
+  list("shard-00000.index", "C:shard-00000.index", "'C:shard-00000.index' does not name a file");
+  list("shard-00000.index", "a\\\\shard-00000.index", "does not name a file");
+  list("shard-00000.index", "shard-00000.index\\u0000", "[motionlang.io.403] ");
+  list("\"shard_bytes\": 65536", "\"shard_bytes\": 16383", "[motionlang.io.403] ");
+  list("\"shard_bytes\": 65536", "\"shard_bytes\": -1", "shards.json: shards of -1 bytes; at least 16384");
   list("\"clips\": ", "\"clips\": 1", "the list of shards wants ");
   list("\"moments\": ", "\"moments\": -", "[motionlang.io.403] ");
   list("\"version\": 1", "\"version\": 2", "version 2 of a list of shards, expected 1");
@@ -285,6 +304,158 @@ TEST_CASE("shards: damage inside is found when it is met, and by a check of all 
   const Shards codes;
   Shards::poke<std::int8_t>(codes.shard(1), "moments_codes", 7, 99);
   CHECK_ERROR(ml::IndexShards::open(codes.folder)->check(), "shard-00001.index: damaged: its checksum is ");
+}
+
+TEST_CASE("shards: a check finds bounds and places that do not hold, under right checksums") {
+  {
+    const Shards s;
+    const auto bounds = Shards::peek<float>(s.shard(1), "moments_bounds");
+    for (std::size_t i = 1; i < bounds.size(); i += 2)
+      Shards::poke<float>(s.shard(1), "moments_bounds", i, 0.5f * bounds[i]);
+    s.reseal(s.shard(1));
+    CHECK_ERROR(ml::IndexShards::open(s.folder)->check(), "shard-00001.index: 'moments': the codes of vector ");
+    CHECK_ERROR(ml::IndexShards::open(s.folder)->check(), " are off by ");
+  }
+  {
+    const Shards s;
+    const auto clips = Shards::peek<std::int64_t>(s.shard(0), "caption_clips");
+    REQUIRE(clips[0] != clips[1]);
+    Shards::poke<std::int64_t>(s.shard(0), "caption_clips", 0, clips[1]);
+    Shards::poke<std::int64_t>(s.shard(0), "caption_clips", 1, clips[0]);
+    s.reseal(s.shard(0));
+    CHECK_ERROR(ml::IndexShards::open(s.folder)->check(), "shard-00000.index: 'caption_clips' does not fit the clips");
+  }
+  const Shards s;
+  const auto places = Shards::peek<std::int64_t>(s.shard(0), "clip_places");
+  for (const std::size_t i : {0u, 1u, 2u, 3u})
+    Shards::poke<std::int64_t>(s.shard(0), "clip_places", i, places[(i + 2) % 4]);
+  s.reseal(s.shard(0));
+  CHECK(ml::IndexShards::open(s.folder)->clip(0) == s.clips[1].clip);
+  CHECK_ERROR(ml::IndexShards::open(s.folder)->check(), "shard-00000.index: 'clip_places' does not fit the clips");
+}
+
+TEST_CASE("shards: a write that fails can be tried again, and nothing is lost") {
+  {  // the list cannot be written
+    const TemporaryFolder made;
+    const fs::path folder = made / "new";
+    ml::ShardStore store(folder, model(), shard_bytes);
+    auto flat = flat_index({});
+    const auto add = [&](Index count, std::uint64_t seed) {
+      for (const auto& c : random_clips(count, seed)) store.add(c), flat.add(c);
+    };
+    add(150, 1);
+    fs::create_directories(folder / "shards.json/in the way");
+    CHECK_ERROR(store.write(), "[motionlang.io.401]");
+    CHECK_ERROR(store.write(), "[motionlang.io.401]");
+    add(20, 2);
+    fs::remove_all(folder / "shards.json");
+    store.write();
+    check_as(folder, flat);
+    CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) ==
+          std::ssize(ml::read_shard_list(folder).shards) + 1);
+  }
+  // A shard that changes cannot be read, behind another one that is written already.
+  const Shards s;
+  auto flat = flat_index(s.clips);
+  ml::ShardStore store(s.folder);
+  const auto count = std::ssize(ml::read_shard_list(s.folder).shards);
+  for (const auto& c : random_clips(150, 2)) store.add(c), flat.add(c);
+  const std::string in_third = ml::IndexShards::open(s.folder)->list().shards[2].file;
+  const std::string third = ml::read_motion_index(s.shard(2)).clips()[0].path;
+  for (const std::string& path : {std::string("/clips/1-1.bvh"), third})
+    store.rename(path, path + " moved"), flat.rename(path, path + " moved");
+  fs::rename(s.shard(2), s / "aside");
+  CHECK_ERROR(store.write(), in_third.c_str());
+  fs::rename(s / "aside", s.shard(2));
+  check_as(s.folder, flat_index(s.clips));  // still
+  store.write();
+  check_as(s.folder, flat);
+  const auto now = std::ssize(ml::read_shard_list(s.folder).shards);
+  CHECK(now > count);
+  CHECK(std::distance(fs::directory_iterator(s.folder), fs::directory_iterator()) == now + 1);
+}
+
+TEST_CASE("shards: of two programs that change a folder, the second is refused, and the first loses nothing") {
+  const Shards s;
+  ml::write_file(s.folder / "shard-00099.index", std::string_view("of nobody's list"));
+  auto flat = flat_index(s.clips);
+  {
+    ml::ShardStore first(s.folder), second(s.folder);
+    for (const auto& c : random_clips(150, 3)) second.add(c);
+    for (const auto& c : random_clips(150, 2)) first.add(c), flat.add(c);
+    first.write();
+    CHECK_ERROR(second.write(), "[motionlang.io.403]");
+    CHECK_ERROR(second.write(), "shards.json: another program has written this index meanwhile");
+    check_as(s.folder, flat);
+    for (const auto& c : random_clips(10, 4)) first.add(c), flat.add(c);
+    first.write();  // the list is its own
+  }
+  check_as(s.folder, flat);
+  CHECK(ml::read_file(s.folder / "shard-00099.index") == "of nobody's list");
+  ml::ShardStore first(s / "new", model(), shard_bytes), second(s / "new", model(), shard_bytes);
+  first.write();
+  CHECK_ERROR(second.write(), "another program has written this index meanwhile");
+}
+
+TEST_CASE("shards: files of one shard take each other's names, with licences of their own") {
+  const Shards s;
+  auto flat = flat_index(s.clips);
+  ml::ShardStore store(s.folder);
+  const auto change = [](auto& index) {
+    index.rename("/clips/1-4.bvh", "/clips/c.bvh");
+    index.rename("/clips/1-3.bvh", "/clips/1-4.bvh");
+    index.rename("/clips/1-2.bvh", "/clips/1-3.bvh");
+    index.set_license("/clips/1-5.bvh", "mine");
+    index.rename("/clips/1-5.bvh", "/clips/1-6.bvh");  // which has another licence
+  };
+  change(store), change(flat);
+  store.write();
+  const auto first = ml::read_motion_index(s.folder / ml::read_shard_list(s.folder).shards[0].file);
+  REQUIRE(first.count() > 14);
+  CHECK(first.clips()[4].path == "/clips/1-3.bvh");
+  CHECK(first.clips()[6].path == "/clips/1-4.bvh");
+  CHECK(first.clips()[8].path == "/clips/c.bvh");
+  CHECK(first.clips()[10].license == "mine");
+  CHECK(first.clips()[12].license == "CC0");
+  check_as(s.folder, flat);
+}
+
+TEST_CASE("shards: a number in a file name may be larger than any integer") {
+  const Shards s;
+  auto flat = flat_index(s.clips);
+  const std::string large = "shard-99999999999999999999999.index";
+  fs::rename(s.shard(0), s.folder / large);
+  std::string text = ml::read_file(s.folder / "shards.json");
+  ml::write_file(s.folder / "shards.json", text.replace(text.find("shard-00000.index"), 17, large));
+  ml::ShardStore store(s.folder);
+  for (const auto& c : random_clips(50, 2)) store.add(c), flat.add(c);
+  store.write();
+  check_as(s.folder, flat);
+  const auto list = ml::read_shard_list(s.folder);
+  CHECK(list.shards[0].file == large);
+  for (std::size_t i = 1; i < list.shards.size(); ++i) CHECK(list.shards[i].file.size() == 17);
+}
+
+TEST_CASE("shards: a reader tries again if the list changed while it opened the files") {
+  const Shards s;
+  ml::ShardStore store(s.folder);
+  int tries = 0, changes = 1;
+  const auto open = [&](const ml::ShardList& list) {
+    if (++tries <= changes) {  // another program writes now
+      store.rename(std::string(store.clips()[0].path), "/clips/moved " + std::to_string(tries) + ".bvh");
+      store.write();
+    }
+    for (const auto& e : list.shards) ml::read_motion_index(s.folder / e.file);
+  };
+  ml::detail::with_current_list(s.folder, open);
+  CHECK(tries == 2);
+  tries = 0, changes = 100;
+  CHECK_ERROR(ml::detail::with_current_list(s.folder, open), "[motionlang.io.401]");
+  CHECK(tries == 3);
+  tries = 0, changes = 0;
+  fs::remove(s.shard(1));
+  CHECK_ERROR(ml::detail::with_current_list(s.folder, open), "shard-00001.index");
+  CHECK(tries == 1);
 }
 
 TEST_CASE("shards: folders and sizes that are refused") {

@@ -49,6 +49,32 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("processes that search shards compare their lists, and all search the queries of the first one") {
+  const TemporaryFolder folder;
+  const auto model = synthetic::action_model();
+  const auto write = [&](const char* name, Index last) {
+    ml::ShardStore store(folder / name, model, 16 << 10);
+    for (Index i = 0; i < 60; ++i)
+      store.add(synthetic::acted_clip("clip" + std::to_string(i), {{i < 59 ? i % 8 : last, 40}}, model));
+    store.write();
+    return ml::IndexShards::open(folder / name);
+  };
+  const auto shards = write("shards", 1), others = write("others", 2);
+  CHECK(shards->list().shards.size() == others->list().shards.size());
+  run_processes(3, [&](const ThreadProcess& process) {
+    const ml::AnyCommunicator all(process);
+    CHECK_ERROR(ml::open_shared_search(process.rank() == 2 ? others : shards, all), "[motionlang.io.403] ");
+    CHECK_ERROR(ml::open_shared_search(process.rank() == 2 ? others : shards, all),
+                ": rank 2 of 3 has other shards than rank 0");
+  });
+  const auto wanted = ml::open_motion_search(shards).clips(synthetic::action_vector(3), 20);
+  run_processes(3, [&](const ThreadProcess& process) {
+    const ml::AnyCommunicator all(process);
+    const auto search = ml::open_shared_search(shards, all);
+    CHECK(search.clips(synthetic::action_vector(process.rank() == 0 ? 3 : 5), 20) == wanted);
+  });
+}
+
 TEST_CASE("several processes index a folder: the same file as one, with problems and captions in their order") {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "clips");
