@@ -16906,7 +16906,8 @@ MOTIONLANG_NAMESPACE_END
 ///     const MotionSearch search = open_motion_search(shards);
 ///
 /// Layout   shards.json lists the files with their sizes, checksums and numbers of clips, moments and captions. It is
-///          written last, so a reader has the old shards or the new ones. A shard is an index file
+///          written last, so a reader has the old shards or the new ones. One that has opened the folder keeps the old
+///          ones. One that opens it while the list changes tries again. A shard is an index file
 ///          (search/motion_index_file.hpp) with further tensors:
 ///             clips_codes, moments_codes, captions_codes      I8 (n, width): each row in eight bits
 ///             clips_bounds, moments_bounds, captions_bounds   F32 (n, 2): scale s and allowance e of each row
@@ -16932,6 +16933,7 @@ struct ShardList {
   IndexModel model{};
   Index shard_bytes = 0;
   std::vector<ShardEntry> shards{};
+  bool operator==(const ShardList&) const = default;
 };
 
 /// The name of the list in its folder.
@@ -16940,6 +16942,27 @@ inline constexpr const char* shard_list_name = "shards.json";
 bool is_shard_folder(const FilePath& folder);
 /// Throws io_error 401, 403, 404, config_error 107.
 ShardList read_shard_list(const FilePath& folder);
+
+namespace detail {
+
+/// Calls open(list). If that throws, and another program has written the list meanwhile, it tries again with the new
+/// list, up to three times in all.
+template <class Open>
+void with_current_list(const FilePath& folder, const Open& open) {
+  ShardList list = read_shard_list(folder);
+  for (int left = 2;; --left) {
+    const auto changed = [&](const error&) {
+      if (left == 0) return false;
+      ShardList now = read_shard_list(folder);
+      const bool other = !(now == list);
+      list = std::move(now);
+      return other;
+    };
+    if (guard<error>([&] { open(list); }, changed)) return;
+  }
+}
+
+}  // namespace detail
 
 /// An open folder of shards.
 class IndexShards : public IndexTables {
@@ -16973,7 +16996,7 @@ class IndexShards : public IndexTables {
     SafetensorsFile file;
     Index clip = 0, moment = 0, caption = 0;  // the numbers of the first ones
   };
-  explicit IndexShards(const FilePath& folder);
+  IndexShards(const FilePath& folder, ShardList list);
   Shard open_shard(const ShardEntry& entry, std::size_t number) const;
   std::string path_of(const ShardEntry& entry) const;
   /// The shard of a clip, moment or caption.
@@ -17009,10 +17032,12 @@ class ShardStore : public ClipStore {
   void rename(const std::string& from, const std::string& to) override;
   void set_license(const std::string& path, const std::string& license) override;
   void move_model(std::string path, std::string text_encoder) override;
+  /// After an `add` it first calls write(), so readers find what was added until then.
   void remove(const std::vector<bool>& gone) override;
 
-  /// Writes what has changed, then the list, and removes the files that no list has. Before that, readers find the old
-  /// index. Throws io_error 401.
+  /// Writes what has changed, then the list, and removes the files that only the earlier list has. Before that, readers
+  /// find the old index. If it throws, the index is as before, and write() can be called again.
+  /// Throws  io_error 401, and 403 if another program has written the list since this object read it
   void write();
 
  private:
@@ -17024,14 +17049,18 @@ class ShardStore : public ClipStore {
   void take_up(const IndexShards& shards);
   void touch(std::size_t clip);
   void take_up_last_shard();
-  void finish_shard(const MotionIndex& index);
+  ShardEntry write_shard(const MotionIndex& index);
+  std::string new_file_name();
+  void require_same_list() const;
   MotionIndex changed_shard(Index shard, std::span<const IndexedClip> clips, std::span<const Origin> origins) const;
 
   std::filesystem::path folder_;
   ShardList list_;
-  std::vector<bool> changed_;         // for each shard of the list
-  std::vector<ShardEntry> finished_;  // shards of added clips
-  std::optional<MotionIndex> open_;   // added clips, for the next shard
+  std::optional<ShardList> published_;  // the list in the folder
+  std::vector<std::string> made_;       // files that this object has written since
+  std::vector<bool> changed_;           // for each shard of the list
+  std::vector<ShardEntry> finished_;    // shards of added clips
+  std::optional<MotionIndex> open_;     // added clips, for the next shard
   Index open_bytes_ = 0, moments_ = 0, next_number_ = 0;
   std::vector<IndexedClip> clips_;
   std::vector<Origin> origins_;
@@ -17053,7 +17082,7 @@ inline constexpr Index shards_version = 1, least_shard_bytes = Index{16} << 10;
 /// Tells the system that a part of a mapped file is read soon.
 inline void announce(std::span<const std::byte> part) {
   if (const MappedFile* file = MappedFile::that_holds(part)) {
-    constexpr std::size_t page = 4096;
+    constexpr std::size_t page = 65536;  // a multiple of every system's pages
     const auto begin = static_cast<std::size_t>(part.data() - file->bytes().data()) / page * page;
     const auto end = static_cast<std::size_t>(part.data() - file->bytes().data()) + part.size();
     if (begin < end) system::will_read(file->bytes().data() + begin, end - begin);
@@ -17151,21 +17180,18 @@ inline void check_codes(const SafetensorsFile& file, const std::string& name, co
 
 }  // namespace detail
 
-MOTIONLANG_BODY bool is_shard_folder(const FilePath& folder) {
-  return std::filesystem::is_regular_file(std::filesystem::path(folder.string()) / shard_list_name);
-}
+namespace detail {
 
-MOTIONLANG_BODY ShardList read_shard_list(const FilePath& folder) {
-  const std::string path = (std::filesystem::path(folder.string()) / shard_list_name).string();
-  const auto document = read_json(path);
+inline ShardList shard_list(std::string_view text, const std::string& path) {
+  const auto document = parse_json(text, path);
   const JsonView list(document, path);
-  if (list.value_or("format", "") != detail::shards_format)
-    raise<io_error>(403, path, ": not a list of shards of motionlang");
-  if (const Index version = list["version"].as<Index>(); version != detail::shards_version)
-    raise<io_error>(404, path, ": version ", version, " of a list of shards, expected ", detail::shards_version);
-  ShardList out{
-      .model = detail::index_model(list["model"]), .shard_bytes = list["shard_bytes"].as<Index>(), .shards = {}};
+  if (list.value_or("format", "") != shards_format) raise<io_error>(403, path, ": not a list of shards of motionlang");
+  if (const Index version = list["version"].as<Index>(); version != shards_version)
+    raise<io_error>(404, path, ": version ", version, " of a list of shards, expected ", shards_version);
+  ShardList out{.model = index_model(list["model"]), .shard_bytes = list["shard_bytes"].as<Index>(), .shards = {}};
   MotionIndex(out.model);  // checks it
+  if (out.shard_bytes < least_shard_bytes)
+    raise<io_error>(403, path, ": shards of ", counted(out.shard_bytes, "byte"), "; at least ", least_shard_bytes);
   const JsonView shards = list["shards"];
   for (Index i = 0; i < shards.size(); ++i) {
     const JsonView s = shards[i];
@@ -17176,24 +17202,57 @@ MOTIONLANG_BODY ShardList read_shard_list(const FilePath& folder) {
          .clips = s["clips"].as<Index>(),
          .moments = s["moments"].as<Index>(),
          .captions = s["captions"].as<Index>()};
-    constexpr Index most = Index{1} << 50;  // sums of as many as a list can name stay in an Index
+    // Sums of as many as a list can name stay in an Index; with 32 bits, those of eight shards.
+    constexpr Index most = std::numeric_limits<Index>::max() >> (sizeof(Index) == 8 ? 13 : 3);
     for (const Index n : {e.bytes, e.clips, e.moments, e.captions}) {
       if (n < 0 || n > most) raise<io_error>(403, s.path(), ": a size of ", n);
     }
-    if (e.file.empty() || e.file.find_first_of("/\\") != e.file.npos || e.file.front() == '.')
+    constexpr std::string_view elsewhere("/\\:\0", 4);
+    if (e.file.empty() || e.file.find_first_of(elsewhere) != e.file.npos || e.file.front() == '.')
       raise<io_error>(403, s.path(), ": '", e.file, "' does not name a file in this folder");
   }
   return out;
 }
 
+inline std::string shard_list_text(const ShardList& list) {
+  auto shards = nlohmann::ordered_json::array();
+  for (const ShardEntry& e : list.shards) {
+    shards.push_back({{"file", e.file},
+                      {"checksum", e.checksum},
+                      {"bytes", e.bytes},
+                      {"clips", e.clips},
+                      {"moments", e.moments},
+                      {"captions", e.captions}});
+  }
+  const nlohmann::ordered_json all{{"format", shards_format},
+                                   {"version", shards_version},
+                                   {"model", index_model_json(list.model)},
+                                   {"shard_bytes", list.shard_bytes},
+                                   {"shards", std::move(shards)}};
+  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY bool is_shard_folder(const FilePath& folder) {
+  return std::filesystem::is_regular_file(std::filesystem::path(folder.string()) / shard_list_name);
+}
+
+MOTIONLANG_BODY ShardList read_shard_list(const FilePath& folder) {
+  const std::string path = (std::filesystem::path(folder.string()) / shard_list_name).string();
+  return detail::shard_list(read_file(path), path);
+}
+
 // ---- reading
 
 MOTIONLANG_BODY std::shared_ptr<const IndexShards> IndexShards::open(const FilePath& folder) {
-  return std::shared_ptr<const IndexShards>(new IndexShards(folder));
+  std::shared_ptr<const IndexShards> out;
+  detail::with_current_list(folder, [&](const ShardList& list) { out.reset(new IndexShards(folder, list)); });
+  return out;
 }
 
-MOTIONLANG_BODY IndexShards::IndexShards(const FilePath& folder)
-    : name_(folder.string()), list_(read_shard_list(folder)) {
+MOTIONLANG_BODY IndexShards::IndexShards(const FilePath& folder, ShardList list)
+    : name_(folder.string()), list_(std::move(list)) {
   for (const ShardEntry& e : list_.shards) {
     shards_.push_back(open_shard(e, shards_.size()));
     shards_.back().clip = std::exchange(clips_, clips_ + e.clips);
@@ -17277,16 +17336,16 @@ MOTIONLANG_BODY MotionIndex::Moment IndexShards::moment(Index i) const {
   if (n[0] < 0 || n[0] >= clips || n[1] < 0 || n[2] < 1 || n[1] > most - n[2])
     raise<io_error>(403, s.file.name(), ": a moment of ", n[2], " frames at ", n[1], " of clip ", n[0], " among ",
                     clips);
-  return {s.clip + n[0], {n[1], n[2]}};
+  return {s.clip + static_cast<Index>(n[0]), {static_cast<Index>(n[1]), static_cast<Index>(n[2])}};
 }
 
 MOTIONLANG_BODY Index IndexShards::clip_of_caption(Index i) const {
   const Shard& s = shard_of(&Shard::caption, i);
-  const Index clip = numbers_at<std::int64_t>(s, "caption_clips", i - s.caption)[0],
-              clips = s.file.tensor("clips").shape[0];
+  const std::int64_t clip = numbers_at<std::int64_t>(s, "caption_clips", i - s.caption)[0];
+  const Index clips = s.file.tensor("clips").shape[0];
   if (clip < 0 || clip >= clips)
     raise<io_error>(403, s.file.name(), ": caption ", i - s.caption, " is of clip ", clip, " among ", clips);
-  return s.clip + clip;
+  return s.clip + static_cast<Index>(clip);
 }
 
 MOTIONLANG_BODY std::shared_ptr<const VectorSearch> IndexShards::vectors(SearchFor what, Index part,
@@ -17343,15 +17402,14 @@ MOTIONLANG_BODY void IndexShards::check(Progress progress) const {
     const auto opened = MotionIndexFile::from_bytes(MappedFile::that_holds(file.tensor("about").bytes)->bytes(),
                                                     file.name(), file.owner());
     const MotionIndex& index = opened.index();
-    std::vector<std::int64_t> places;
-    const std::string about = detail::index_about(index, &places);
-    const auto same = [&](const char* tensor, auto from, auto to) {
-      const auto numbers = direct<std::int64_t>(file.tensor(tensor)).value();
-      if (!std::equal(numbers.begin(), numbers.end(), from, to))
-        raise<io_error>(403, file.name(), ": '", tensor, "' does not fit the clips");
-    };
-    if (about.size() == file.tensor("about").bytes.size()) same("clip_places", places.begin(), places.end());
-    same("caption_clips", index.caption_clips().begin(), index.caption_clips().end());
+    for (Index c = 0; c < index.count(); ++c) {
+      if (!(clip(shards_[i].clip + c) == index.clips()[static_cast<std::size_t>(c)]))
+        raise<io_error>(403, file.name(), ": 'clip_places' does not fit the clips: that of clip ", c,
+                        " leads to another text");
+    }
+    const auto of_captions = direct<std::int64_t>(file.tensor("caption_clips")).value();
+    if (!std::equal(of_captions.begin(), of_captions.end(), index.caption_clips().begin(), index.caption_clips().end()))
+      raise<io_error>(403, file.name(), ": 'caption_clips' does not fit the clips");
     for (const char* table : {"clips", "moments", "captions"}) {
       const Index count = file.tensor(table).shape[0];
       detail::check_codes(file, table, detail::coded_rows(file, table, count, model().width), model().width);
@@ -17394,6 +17452,7 @@ MOTIONLANG_BODY ShardStore::ShardStore(const FilePath& folder, Index shard_bytes
 
 MOTIONLANG_BODY void ShardStore::take_up(const IndexShards& shards) {
   list_ = shards.list();
+  published_ = list_;
   changed_.assign(list_.shards.size(), false);
   moments_ = shards.moment_count();
   clips_.clear(), origins_.clear();
@@ -17404,8 +17463,8 @@ MOTIONLANG_BODY void ShardStore::take_up(const IndexShards& shards) {
     }
     const std::string& name = list_.shards[s].file;
     const auto digits = name.find_first_of("0123456789");
-    if (digits != name.npos)
-      next_number_ = std::max<Index>(next_number_, std::strtol(name.c_str() + digits, nullptr, 10) + 1);
+    const long number = digits == name.npos ? 0 : std::strtol(name.c_str() + digits, nullptr, 10);
+    if (number < 1'000'000'000) next_number_ = std::max<Index>(next_number_, number + 1);
   }
   for (Index m = 0; m < moments_; ++m) ++origins_[static_cast<std::size_t>(shards.moment(m).clip)].moments;
 }
@@ -17482,7 +17541,7 @@ MOTIONLANG_BODY void ShardStore::add(EncodedClip c) {
   const auto moments = std::ssize(c.moments);
   const Index more = detail::bytes_in_shard(c.clip, moments, list_.model.width);
   if (open_->count() > 0 && open_bytes_ + more > list_.shard_bytes) {
-    finish_shard(*open_);
+    finished_.push_back(write_shard(*open_));
     open_.emplace(list_.model), open_bytes_ = detail::bytes_of_header;
   }
   IndexedClip clip = c.clip;
@@ -17492,7 +17551,7 @@ MOTIONLANG_BODY void ShardStore::add(EncodedClip c) {
   origins_.push_back({-1, 0, moments});
 }
 
-MOTIONLANG_BODY void ShardStore::finish_shard(const MotionIndex& index) {
+MOTIONLANG_BODY ShardEntry ShardStore::write_shard(const MotionIndex& index) {
   const Index width = list_.model.width;
   std::vector<std::int64_t> places;
   const std::string about = detail::index_about(index, &places);
@@ -17515,14 +17574,14 @@ MOTIONLANG_BODY void ShardStore::finish_shard(const MotionIndex& index) {
   add_codes(coded[2], "captions", index.caption_rows());
   const auto bytes =
       detail::index_bytes(index, about, more, {{"model", detail::index_text(detail::index_model_json(index.model()))}});
-  ShardEntry e{.file = formatted("shard-%05td.index", next_number_++),
-               .checksum = detail::metadata_of(SafetensorsFile::from_bytes(bytes), "checksum"),
-               .bytes = std::ssize(bytes),
-               .clips = index.count(),
-               .moments = std::ssize(index.moments()),
-               .captions = std::ssize(caption_clips)};
+  const ShardEntry e{.file = new_file_name(),
+                     .checksum = detail::metadata_of(SafetensorsFile::from_bytes(bytes), "checksum"),
+                     .bytes = std::ssize(bytes),
+                     .clips = index.count(),
+                     .moments = std::ssize(index.moments()),
+                     .captions = std::ssize(caption_clips)};
   write_file((folder_ / e.file).string(), bytes);
-  finished_.push_back(std::move(e));
+  return e;
 }
 
 /// The rest of a shard of the list, as these entries say.
@@ -17536,64 +17595,74 @@ MOTIONLANG_BODY MotionIndex ShardStore::changed_shard(Index shard, std::span<con
     next += stays ? 1 : 0;
     return !stays;
   });
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    const IndexedClip before = out.clips()[i];
-    if (before.path != clips[i].path) out.rename(before.path, clips[i].path);
-    if (before.license != clips[i].license) out.set_license(clips[i].path, clips[i].license);
+  VectorTable rows[3];
+  rows[0].append(out.clip_rows()), rows[1].append(out.moment_rows()), rows[2].append(out.caption_rows());
+  return MotionIndex(list_.shards[static_cast<std::size_t>(shard)].file, list_.model, {clips.begin(), clips.end()},
+                     {out.moments().begin(), out.moments().end()}, std::move(rows[0]), std::move(rows[1]),
+                     std::move(rows[2]));
+}
+
+/// A name that no file has. The file is made at once, so no other program takes the name.
+MOTIONLANG_BODY std::string ShardStore::new_file_name() {
+  for (;;) {
+    std::string name = formatted("shard-%05td.index", next_number_++);
+    const int file = detail::system::create((folder_ / name).string().c_str());
+    if (file < 0 && errno == EEXIST) continue;
+    if (file >= 0) ::close(file);  // otherwise write_file says why
+    made_.push_back(name);
+    return name;
   }
-  out.move_model(list_.model.path, list_.model.text_encoder);
-  return out;
+}
+
+MOTIONLANG_BODY void ShardStore::require_same_list() const {
+  std::optional<ShardList> now;
+  if (is_shard_folder(folder_)) now = read_shard_list(folder_);
+  if (now != published_)
+    raise<io_error>(403, (folder_ / shard_list_name).string(),
+                    ": another program has written this index meanwhile; nothing is changed, start again");
 }
 
 MOTIONLANG_BODY void ShardStore::write() {
-  if (open_ && open_->count() > 0) finish_shard(*open_);
+  require_same_list();
+  if (open_ && open_->count() > 0) finished_.push_back(write_shard(*open_));
   open_.reset();
-  std::vector<ShardEntry> added = std::exchange(finished_, {}), all;
+  ShardList next{.model = list_.model, .shard_bytes = list_.shard_bytes, .shards = {}};
   std::size_t first = 0;
   for (Index s = 0; s < std::ssize(list_.shards); ++s) {
     std::size_t end = first;
     while (end < origins_.size() && origins_[end].shard == s) ++end;
     if (!changed_[static_cast<std::size_t>(s)]) {
-      all.push_back(list_.shards[static_cast<std::size_t>(s)]);
+      next.shards.push_back(list_.shards[static_cast<std::size_t>(s)]);
     } else if (end > first) {
-      finish_shard(changed_shard(s, std::span(clips_).subspan(first, end - first),
-                                 std::span(origins_).subspan(first, end - first)));
-      all.push_back(finished_.back());
+      next.shards.push_back(write_shard(changed_shard(s, std::span(clips_).subspan(first, end - first),
+                                                      std::span(origins_).subspan(first, end - first))));
     }
     first = end;
   }
-  finished_.clear();
-  all.insert(all.end(), added.begin(), added.end());
-  list_.shards = std::move(all);
-  auto shards = nlohmann::ordered_json::array();
+  next.shards.insert(next.shards.end(), finished_.begin(), finished_.end());
+  const std::string path = (folder_ / shard_list_name).string(), text = detail::shard_list_text(next);
+  std::optional<ShardList> now = detail::shard_list(text, path);
+  std::vector<std::string> old = made_;
+  if (published_) {
+    for (const ShardEntry& e : published_->shards) old.push_back(e.file);
+  }
+  require_same_list();
+  write_file(path, text);
+
+  published_ = std::move(now), list_ = std::move(next);
+  finished_.clear(), made_.clear();
+  changed_.assign(list_.shards.size(), false);
   std::size_t i = 0;
   for (std::size_t s = 0; s < list_.shards.size(); ++s) {
-    const ShardEntry& e = list_.shards[s];
-    shards.push_back({{"file", e.file},
-                      {"checksum", e.checksum},
-                      {"bytes", e.bytes},
-                      {"clips", e.clips},
-                      {"moments", e.moments},
-                      {"captions", e.captions}});
-    for (Index c = 0; c < e.clips; ++c, ++i) origins_[i].shard = static_cast<Index>(s), origins_[i].clip = c;
-  }
-  const nlohmann::ordered_json list{{"format", detail::shards_format},
-                                    {"version", detail::shards_version},
-                                    {"model", detail::index_model_json(list_.model)},
-                                    {"shard_bytes", list_.shard_bytes},
-                                    {"shards", std::move(shards)}};
-  write_file((folder_ / shard_list_name).string(),
-             list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-  changed_.assign(list_.shards.size(), false);
-  std::vector<std::filesystem::path> old;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
-    const std::string name = entry.path().filename().string();
-    const bool listed =
-        std::any_of(list_.shards.begin(), list_.shards.end(), [&](const ShardEntry& e) { return e.file == name; });
-    if (!listed && name.starts_with("shard-") && name.ends_with(".index")) old.push_back(entry.path());
+    for (Index c = 0; c < list_.shards[s].clips; ++c, ++i)
+      origins_[i].shard = static_cast<Index>(s), origins_[i].clip = c;
   }
   std::error_code none;
-  for (const auto& path : old) std::filesystem::remove(path, none);
+  for (const std::string& file : old) {
+    const bool listed =
+        std::any_of(list_.shards.begin(), list_.shards.end(), [&](const ShardEntry& e) { return e.file == file; });
+    if (!listed) std::filesystem::remove(folder_ / file, none);
+  }
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -31815,6 +31884,12 @@ const packed = (bytes) => {
 };
 const unpackedBytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
+/** Words as a name of a file that every system and the program take. */
+const plain = (words) => words.replace(/[^\w-]+/g, "_").slice(0, 80) || "_";
+const plainFile = (name) => {
+  const dot = name.lastIndexOf(".");
+  return plain(name.slice(0, dot)) + name.slice(dot).toLowerCase();
+};
 /** The program motionlang, which sent this page. The link has a token after "#token=", which every question repeats. */
 class ServerEngine {
   constructor(onprogress) {
@@ -31832,12 +31907,19 @@ class ServerEngine {
     this.has = new Set();
     this.life = {};
     this.stop = new AbortController();
-    this.ready = this.ask("load").then((about) => { this.folder = about.folder; });
+    this.ready = this.ask("load").then(({ folder, steps }) => {
+      this.folder = folder;
+      const list = element("steps"), [usual, fast] = list.options;
+      usual.text = steps;
+      fast.disabled = steps < 10;
+      list.parentNode.hidden = !steps;
+    });
     this.ready.catch(() => {});
   }
   async ask(kind, about = {}) {
     const { signal } = this.stop;
-    const inText = (key, value) => value instanceof ArrayBuffer || value instanceof Uint8Array ? packed(value) : value;
+    const inText = (key, value) => value instanceof ArrayBuffer || value instanceof Uint8Array ? packed(value)
+      : value?.bytes && value.name ? { ...value, name: plainFile(value.name) } : value;
     try {
       const response = await fetch("ask", {
         method: "POST", signal, headers: { "Content-Type": "application/json", "X-Motionlang-Token": this.token },
@@ -32711,8 +32793,7 @@ function offer(name, bytes, type) {
   setTimeout(() => URL.revokeObjectURL(address), 10000);
 }
 function fileName() {
-  const words = project.bars.map((b) => b.text.trim()).filter(Boolean)[0] || "motion";
-  return words.replace(/[^a-z0-9]+/gi, "_");
+  return plain(project.bars.map((b) => b.text.trim()).filter(Boolean)[0] || "motion");
 }
 press("save", async () => {
   const format = element("kind").value;
@@ -32910,7 +32991,11 @@ async function openLink() {
     say(`The link has no timeline that can be read: ${reason.message}`, true);
   }
 }
-addEventListener("hashchange", async () => { await openLink(); generate(); });
+addEventListener("hashchange", async () => {
+  if (location.hash.startsWith("#token=")) return location.reload();
+  await openLink();
+  generate();
+});
 
 /** For scripts that look at the page: what it shows and has, as a copy. */
 window.motionlang = Object.freeze({

@@ -147,7 +147,8 @@ inline ShardList shard_list(std::string_view text, const std::string& path) {
          .clips = s["clips"].as<Index>(),
          .moments = s["moments"].as<Index>(),
          .captions = s["captions"].as<Index>()};
-    constexpr Index most = Index{1} << 50;  // sums of as many as a list can name stay in an Index
+    // Sums of as many as a list can name stay in an Index; with 32 bits, those of eight shards.
+    constexpr Index most = std::numeric_limits<Index>::max() >> (sizeof(Index) == 8 ? 13 : 3);
     for (const Index n : {e.bytes, e.clips, e.moments, e.captions}) {
       if (n < 0 || n > most) raise<io_error>(403, s.path(), ": a size of ", n);
     }
@@ -280,16 +281,16 @@ MOTIONLANG_BODY MotionIndex::Moment IndexShards::moment(Index i) const {
   if (n[0] < 0 || n[0] >= clips || n[1] < 0 || n[2] < 1 || n[1] > most - n[2])
     raise<io_error>(403, s.file.name(), ": a moment of ", n[2], " frames at ", n[1], " of clip ", n[0], " among ",
                     clips);
-  return {s.clip + n[0], {n[1], n[2]}};
+  return {s.clip + static_cast<Index>(n[0]), {static_cast<Index>(n[1]), static_cast<Index>(n[2])}};
 }
 
 MOTIONLANG_BODY Index IndexShards::clip_of_caption(Index i) const {
   const Shard& s = shard_of(&Shard::caption, i);
-  const Index clip = numbers_at<std::int64_t>(s, "caption_clips", i - s.caption)[0],
-              clips = s.file.tensor("clips").shape[0];
+  const std::int64_t clip = numbers_at<std::int64_t>(s, "caption_clips", i - s.caption)[0];
+  const Index clips = s.file.tensor("clips").shape[0];
   if (clip < 0 || clip >= clips)
     raise<io_error>(403, s.file.name(), ": caption ", i - s.caption, " is of clip ", clip, " among ", clips);
-  return s.clip + clip;
+  return s.clip + static_cast<Index>(clip);
 }
 
 MOTIONLANG_BODY std::shared_ptr<const VectorSearch> IndexShards::vectors(SearchFor what, Index part,

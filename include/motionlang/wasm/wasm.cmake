@@ -35,21 +35,33 @@ function(motionlang_wasm source models)
     list(APPEND objects ${wasm}/${name}.o)
   endforeach()
 
-  set(exports _malloc,_free)
-  file(STRINGS ${source}/c/motionlang_c.h lines REGEX "^MOTIONLANG_C_API ")
-  foreach(line ${lines})
-    if(line MATCHES "(motionlang_[a-z_]+)\\(")
-      string(APPEND exports ",_${CMAKE_MATCH_1}")
+  # motionlang_wasm has all functions, and the module of the page only those that the page calls.
+  file(STRINGS ${source}/c/motionlang_c.h declared REGEX "^MOTIONLANG_C_API .*motionlang_[a-z_]+\\(")
+  list(TRANSFORM declared REPLACE ".*(motionlang_[a-z_]+)\\(.*" "_\\1")
+  set(page_source ${source}/view/detail/studio_page_source.hpp)
+  file(READ ${page_source} called)
+  string(REGEX MATCHALL "_motionlang_[a-z_]+" called "${called}")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${page_source} ${source}/c/motionlang_c.h)
+  set(used)
+  foreach(name ${declared})
+    if(name IN_LIST called)
+      list(APPEND used ${name})
     endif()
   endforeach()
-  set(module ${wasm}/motionlang_wasm.js)
-  add_custom_command(OUTPUT ${module} ${wasm}/motionlang_wasm.wasm
-                     COMMAND ${emxx} ${objects} -o ${module} --no-entry -sMODULARIZE -sEXPORT_NAME=motionlangModule
-                             -sENVIRONMENT=worker,node -sDYNAMIC_EXECUTION=0 -sALLOW_MEMORY_GROWTH -sINITIAL_MEMORY=64MB
-                             -sFORCE_FILESYSTEM -sEXPORTED_FUNCTIONS=${exports}
-                             -sEXPORTED_RUNTIME_METHODS=FS,UTF8ToString,lengthBytesUTF8,stringToUTF8
-                     DEPENDS ${objects} ${source}/c/motionlang_c.h COMMENT "Linking motionlang_wasm.wasm" VERBATIM)
-  add_custom_target(motionlang_wasm DEPENDS ${module})
+  foreach(module motionlang_wasm studio_wasm)
+    set(exports ${declared})
+    if(module STREQUAL studio_wasm)
+      set(exports ${used})
+    endif()
+    list(JOIN exports "," exports)
+    add_custom_command(OUTPUT ${wasm}/${module}.js ${wasm}/${module}.wasm
+                       COMMAND ${emxx} ${objects} -o ${wasm}/${module}.js --no-entry -sMODULARIZE -sEXPORT_NAME=motionlangModule
+                               -sENVIRONMENT=worker,node -sDYNAMIC_EXECUTION=0 -sALLOW_MEMORY_GROWTH -sINITIAL_MEMORY=64MB
+                               -sFORCE_FILESYSTEM -sEXPORTED_FUNCTIONS=_malloc,_free,${exports}
+                               -sEXPORTED_RUNTIME_METHODS=FS,UTF8ToString,lengthBytesUTF8,stringToUTF8
+                       DEPENDS ${objects} COMMENT "Linking ${module}.wasm" VERBATIM)
+  endforeach()
+  add_custom_target(motionlang_wasm DEPENDS ${wasm}/motionlang_wasm.js)
 
   add_executable(motionlang_write_studio EXCLUDE_FROM_ALL ${source}/wasm/write_studio.cpp)
   target_link_libraries(motionlang_write_studio PRIVATE motionlang::instantiated)
@@ -57,10 +69,10 @@ function(motionlang_wasm source models)
   set(model ${models}/stmc_free.safetensors)
   add_custom_command(OUTPUT ${page}
                      COMMAND ${CMAKE_COMMAND} -E copy ${model} model.safetensors
-                     COMMAND ${CMAKE_COMMAND} -D FILE=motionlang_wasm.wasm -P ${source}/wasm/gzip.cmake
+                     COMMAND ${CMAKE_COMMAND} -D FILE=studio_wasm.wasm -P ${source}/wasm/gzip.cmake
                      COMMAND ${CMAKE_COMMAND} -D FILE=model.safetensors -P ${source}/wasm/gzip.cmake
-                     COMMAND motionlang_write_studio ${module} motionlang_wasm.wasm.gz model.safetensors.gz ${models}/gallery.txt ${page}
-                     DEPENDS ${module} motionlang_write_studio ${model} ${models}/gallery.txt ${source}/wasm/gzip.cmake
+                     COMMAND motionlang_write_studio studio_wasm.js studio_wasm.wasm.gz model.safetensors.gz ${models}/gallery.txt ${page}
+                     DEPENDS ${wasm}/studio_wasm.js motionlang_write_studio ${model} ${models}/gallery.txt ${source}/wasm/gzip.cmake
                      WORKING_DIRECTORY ${wasm} COMMENT "Writing studio.html" VERBATIM)
   add_custom_target(studio DEPENDS ${page})
   set_target_properties(studio PROPERTIES PAGE ${page})
