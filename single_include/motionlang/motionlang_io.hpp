@@ -31910,7 +31910,7 @@ class ServerEngine {
     this.ready = this.ask("load").then(({ folder, steps }) => {
       this.folder = folder;
       const list = element("steps"), [usual, fast] = list.options;
-      usual.text = steps;
+      usual.text = "as the model asks";
       fast.disabled = steps < 10;
       list.parentNode.hidden = !steps;
     });

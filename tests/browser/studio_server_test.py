@@ -244,8 +244,8 @@ def in_browser(server, driver_port, project, problems):
         wait(first, "document.getElementById('progress').value > 0", MADE)
         click(first, "#cancel")
         expect(problems, "it cannot be cancelled", wait(first, "!motionlang.state().making", 10))
-        expect(problems, "other steps than those of the model",
-               first.run("return document.getElementById('steps').options[0].text") == "20")
+        expect(problems, "the steps of another model",
+               first.run("return document.getElementById('steps').options[0].text") == "as the model asks")
         named = project.parent / "Übung (1).BVH"
         named.write_bytes((project / "walk_backwards.bvh").read_bytes())
         drop(first, named)

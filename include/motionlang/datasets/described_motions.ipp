@@ -28,6 +28,7 @@
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/motion_file.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/on_smpl.hpp>
 #include <motionlang/text/mirror_caption.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN

@@ -2,7 +2,8 @@
 // Bodies of studio_server.hpp.
 #pragma once
 
-#include <algorithm>           // min_element
+#include <algorithm>           // find, min_element
+#include <array>               // kinds of files
 #include <chrono>              // time limits
 #include <condition_variable>  // turns
 #include <list>                // motions, the oldest first
@@ -184,7 +185,8 @@ class StudioServer::Body {
     return text_of({{"seconds", motion->seconds()}, {"notes", notes}});
   }
   static bool is_one_of_readable(const std::string& name) {
-    return detail::is_one_of(file_kind(name), {".bvh", ".glb", ".gltf", ".vrm", ".vrma", ".npz", ".npy"});
+    constexpr std::array<std::string_view, 7> kinds{".bvh", ".glb", ".gltf", ".vrm", ".vrma", ".npz", ".npy"};
+    return std::find(kinds.begin(), kinds.end(), file_kind(name)) != kinds.end();
   }
 
   /// The motion that is kept, with its first frame at its time.

@@ -6,6 +6,7 @@
 
 #include <motionlang/backend/precision.hpp>
 #include <motionlang/file/file.hpp>
+#include <motionlang/file/project_folder.hpp>
 #include <motionlang/generate/arm_overlay.hpp>
 #include <motionlang/generate/describe_files.hpp>
 #include <motionlang/generate/finish_motion.hpp>
@@ -20,6 +21,8 @@
 #include <motionlang/generate/missing_parts.hpp>
 #include <motionlang/generate/reuse_notes.hpp>
 #include <motionlang/generate/samples.hpp>
+#include <motionlang/generate/studio_request.hpp>
+#include <motionlang/generate/studio_server.hpp>
 #include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/generate/timeline_tracks.hpp>
 #include <motionlang/generate/timelines_of_text.hpp>
@@ -138,4 +141,16 @@ void stmc_() {
 }
 void words() {
 #include "text/known_words.1.inc"
+}
+void project_(std::span<const std::byte> bytes) {
+  const auto offer = [](const std::string&) {};
+#include "file/project_folder.1.inc"
+}
+void studio_request_(const StudioHead& head, const std::string& token, std::string_view body) {
+  const auto answer = [](int, const auto&) {};
+#include "generate/studio_request.1.inc"
+}
+void studio_server_(std::unique_ptr<MotionModel> model, std::string_view body) {
+  const auto send = [](std::string_view) { return true; };
+#include "generate/studio_server.1.inc"
 }

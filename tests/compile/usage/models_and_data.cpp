@@ -25,11 +25,15 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/one_euro_filter.hpp>
 #include <motionlang/kinematics/treadmill.hpp>
+#include <motionlang/search/index_shards.hpp>
 #include <motionlang/search/kept_index.hpp>
 #include <motionlang/search/query_bench.hpp>
 #include <motionlang/search/search.hpp>
 #include <motionlang/search/text_answer.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
+#include <motionlang/train/messages.hpp>
+#include <motionlang/train/shared_index.hpp>
+#include <motionlang/train/shared_search.hpp>
 #include <motionlang/view/body_view.hpp>
 #include <motionlang/view/rig_viewer.hpp>
 #include <motionlang/view/rig_writer.hpp>
@@ -169,4 +173,20 @@ void queries_(const MotionIndex& index, const TmrSearchEncoder<B>& tmr) {
 }
 void answer_(const MotionIndex& index, const TmrSearchEncoder<B>& tmr) {
 #include "search/text_answer.1.inc"
+}
+void shards_(const TmrSearchEncoder<B>& tmr, const EncodedClip& clip) {
+#include "search/index_shards.1.inc"
+}
+void open_shards() {
+#include "search/index_shards.2.inc"
+}
+void messages_(const AnyCommunicator& all, std::uint64_t seed, const std::vector<float>& rows) {
+#include "train/messages.1.inc"
+}
+void shared_index(const AnyCommunicator& all, const TmrSearchEncoder<B>& tmr, ShardStore& store, IndexUpdate& update,
+                  const MotionReadOptions& read, Progress progress) {
+#include "train/shared_index.1.inc"
+}
+void shared_search(const AnyCommunicator& all, std::span<const float> query) {
+#include "train/shared_search.1.inc"
 }
