@@ -13195,7 +13195,7 @@ MOTIONLANG_BODY std::filesystem::path KitAmassPaths::file(const std::string& id,
   const auto folders = collection == "kit" ? std::vector{"KIT"} : std::vector{"CMU", "EKUT"};
   for (const char* folder : folders) {
     for (const std::string& name : names) {
-      if (const auto found = amass / folder / name; std::filesystem::exists(found)) return found;
+      if (auto found = amass / folder / name; std::filesystem::exists(found)) return found;
     }
   }
   return {};
@@ -13657,7 +13657,8 @@ inline void add_kit_recordings(DescribedMotions& out, const DataSources& sources
     } else {
       constexpr Index step = 8;  // lengths count at 12.5 frames per second, whatever the rate of the rows
       const KitRecording recording = recordings.load(id);
-      seconds = static_cast<double>((recording.frames() + step - 1) / step) * step / KitRecording::fps;
+      const Index steps = (recording.frames() + step - 1) / step;
+      seconds = static_cast<double>(steps * step) / KitRecording::fps;
       if (recording.frames() > fewest_rows * step) d.rows = kit_rows(recording, maker);
     }
     const Index frames = std::ssize(d.rows) / maker.width;
@@ -17110,6 +17111,7 @@ class ShardScan : public VectorSearch {
     for (std::size_t p = 0; p < pieces_.size() && k > 0 && !best.empty(); ++p) {
       if (p + 1 < pieces_.size()) announce(std::as_bytes(pieces_[p + 1].scan.codes));
       std::vector<float> least;
+      least.reserve(best.size());
       for (const NearestK& b : best) least.push_back(b.least());
       const auto found = pieces_[p].scan.nearest(wanted, std::min(k, pieces_[p].scan.count), least);
       for (std::size_t q = 0; q < best.size(); ++q) {
@@ -17117,6 +17119,7 @@ class ShardScan : public VectorSearch {
       }
     }
     std::vector<std::vector<Neighbour>> out;
+    out.reserve(best.size());
     for (NearestK& b : best) out.push_back(b.take());
     return out;
   }
@@ -17189,7 +17192,7 @@ inline ShardList shard_list(std::string_view text, const std::string& path) {
   if (const Index version = list["version"].as<Index>(); version != shards_version)
     raise<io_error>(404, path, ": version ", version, " of a list of shards, expected ", shards_version);
   ShardList out{.model = index_model(list["model"]), .shard_bytes = list["shard_bytes"].as<Index>(), .shards = {}};
-  MotionIndex(out.model);  // checks it
+  const MotionIndex checked(out.model);
   if (out.shard_bytes < least_shard_bytes)
     raise<io_error>(403, path, ": shards of ", counted(out.shard_bytes, "byte"), "; at least ", least_shard_bytes);
   const JsonView shards = list["shards"];
@@ -17574,12 +17577,12 @@ MOTIONLANG_BODY ShardEntry ShardStore::write_shard(const MotionIndex& index) {
   add_codes(coded[2], "captions", index.caption_rows());
   const auto bytes =
       detail::index_bytes(index, about, more, {{"model", detail::index_text(detail::index_model_json(index.model()))}});
-  const ShardEntry e{.file = new_file_name(),
-                     .checksum = detail::metadata_of(SafetensorsFile::from_bytes(bytes), "checksum"),
-                     .bytes = std::ssize(bytes),
-                     .clips = index.count(),
-                     .moments = std::ssize(index.moments()),
-                     .captions = std::ssize(caption_clips)};
+  ShardEntry e{.file = new_file_name(),
+               .checksum = detail::metadata_of(SafetensorsFile::from_bytes(bytes), "checksum"),
+               .bytes = std::ssize(bytes),
+               .clips = index.count(),
+               .moments = std::ssize(index.moments()),
+               .captions = std::ssize(caption_clips)};
   write_file((folder_ / e.file).string(), bytes);
   return e;
 }

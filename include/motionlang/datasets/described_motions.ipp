@@ -327,7 +327,8 @@ inline void add_kit_recordings(DescribedMotions& out, const DataSources& sources
     } else {
       constexpr Index step = 8;  // lengths count at 12.5 frames per second, whatever the rate of the rows
       const KitRecording recording = recordings.load(id);
-      seconds = static_cast<double>((recording.frames() + step - 1) / step) * step / KitRecording::fps;
+      const Index steps = (recording.frames() + step - 1) / step;
+      seconds = static_cast<double>(steps * step) / KitRecording::fps;
       if (recording.frames() > fewest_rows * step) d.rows = kit_rows(recording, maker);
     }
     const Index frames = std::ssize(d.rows) / maker.width;

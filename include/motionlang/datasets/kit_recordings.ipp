@@ -66,7 +66,7 @@ MOTIONLANG_BODY std::filesystem::path KitAmassPaths::file(const std::string& id,
   const auto folders = collection == "kit" ? std::vector{"KIT"} : std::vector{"CMU", "EKUT"};
   for (const char* folder : folders) {
     for (const std::string& name : names) {
-      if (const auto found = amass / folder / name; std::filesystem::exists(found)) return found;
+      if (auto found = amass / folder / name; std::filesystem::exists(found)) return found;
     }
   }
   return {};

@@ -154,7 +154,7 @@ class StudioServer::Body {
     auto& client = clients_[name];
     if (!client) client = std::make_shared<detail::StudioClient>();
     client->asked = ++questions_;
-    const auto out = client;
+    auto out = client;
     if (std::ssize(clients_) > o_.clients)  // who asks at this moment keeps its own until it is answered
       clients_.erase(std::min_element(clients_.begin(), clients_.end(),
                                       [](const auto& a, const auto& b) { return a.second->asked < b.second->asked; }));
@@ -168,7 +168,7 @@ class StudioServer::Body {
     raise<config_error>(101, "this motion is gone");
   }
 
-  std::string read(const StudioQuestion& q, detail::StudioClient& client) {
+  std::string read(const StudioQuestion& q, detail::StudioClient& client) const {
     if (!is_one_of_readable(q.name))
       raise<config_error>(103, "'", q.name,
                           "': the studio reads motions in .bvh, .glb, .gltf, .vrm, .vrma, .npz and .npy");
@@ -246,8 +246,8 @@ class StudioServer::Body {
       reuse = {{"frames", r->frames}, {"kept", r->kept}, {"work", work}, {"exact", r->exact}};
     }
     const std::string record = made.record.empty() ? "null" : concat_text(made.number);
-    const std::string out = concat_text("{\"motion\":", made.number, ",\"record\":", record,
-                                        ",\"reuse\":", text_of(reuse), ",\"data\":", viewer_data(*made.motion), "}");
+    std::string out = concat_text("{\"motion\":", made.number, ",\"record\":", record, ",\"reuse\":", text_of(reuse),
+                                  ",\"data\":", viewer_data(*made.motion), "}");
     remember(client, std::move(made));
     return out;
   }

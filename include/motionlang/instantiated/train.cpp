@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Bodies of the headers in train/, compiled once for motionlang::instantiated.
 #include <motionlang/train/batch_parts.ipp>
-#include <motionlang/train/communicator.ipp>
 #include <motionlang/train/learned_captions.ipp>
-#include <motionlang/train/messages.ipp>
 #include <motionlang/train/stmc_start.ipp>
 #include <motionlang/train/stmc_training.ipp>
 #include <motionlang/train/stmc_training_notes.ipp>

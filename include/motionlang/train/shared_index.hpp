@@ -16,7 +16,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 class SharedFileEncoder : public FileEncoder {
  public:
   /// The encoder must outlive the object, and so must what `all` refers to.
-  SharedFileEncoder(const AnyCommunicator& all, const SearchEncoder& encoder, const IndexModel& model,
+  SharedFileEncoder(const AnyCommunicator& all, const SearchEncoder& encoder, IndexModel model,
                     const MotionReadOptions& read = {});
   ~SharedFileEncoder() override;
   SharedFileEncoder(const SharedFileEncoder&) = delete;
