@@ -17,7 +17,7 @@ class SharedFileEncoder : public FileEncoder {
  public:
   /// The encoder must outlive the object, and so must what `all` refers to.
   SharedFileEncoder(const AnyCommunicator& all, const SearchEncoder& encoder, IndexModel model,
-                    const MotionReadOptions& read = {});
+                    MotionReadOptions read = {});
   ~SharedFileEncoder() override;
   SharedFileEncoder(const SharedFileEncoder&) = delete;
   SharedFileEncoder& operator=(const SharedFileEncoder&) = delete;

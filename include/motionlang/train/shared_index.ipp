@@ -99,8 +99,8 @@ inline IndexModel take_model(MessageReader& in) {
 }  // namespace detail
 
 MOTIONLANG_BODY SharedFileEncoder::SharedFileEncoder(const AnyCommunicator& all, const SearchEncoder& encoder,
-                                                     IndexModel model, const MotionReadOptions& read)
-    : all_(all), encoder_(encoder), read_(read), model_(std::move(model)) {
+                                                     IndexModel model, MotionReadOptions read)
+    : all_(all), encoder_(encoder), read_(std::move(read)), model_(std::move(model)) {
   MessageWriter out;
   detail::put_model(out, model_);
   for (Index r = 1; r < all_.size(); ++r) send_message(all_, out.bytes(), r);
