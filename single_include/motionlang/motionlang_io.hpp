@@ -11154,19 +11154,11 @@ inline int whole_number(std::string_view digits, std::string_view where) {
   return value;
 }
 
-inline std::vector<std::string> filled_lines(const FilePath& path) {
-  std::vector<std::string> out;
-  for_each_line(read_file(path), [&](std::string_view line, Index) {
-    if (!trim(line).empty()) out.emplace_back(trim(line));
-  });
-  return out;
-}
-
 inline LeftOut read_uestc(const FilePath& folder, double fps, const std::function<void(ActionRecording)>& use,
                           Progress progress) {
   const FilePath path = folder.string() + "/vibe_cache_refined.pkl",
                  lengths_path = folder.string() + "/info/num_frames_min.txt";
-  const auto names = filled_lines(folder.string() + "/info/names.txt"), lengths = filled_lines(lengths_path);
+  const auto names = read_ids(folder.string() + "/info/names.txt"), lengths = read_ids(lengths_path);
   constexpr std::size_t most = 40'000'000;  // 25600 videos of seven arrays
   const Pickle file = Pickle::open(path, {.max_values = most, .inline_bytes = joblib_array_bytes});
   const PickleValue poses = file.root()["pose"], joints = file.root()["joints3d"], cameras = file.root()["orig_cam"];
@@ -16271,11 +16263,12 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
     motion = overlay_parts(variant(base, with.frames(), mirrored, 1, rng, options), with, parts);
     const double which = rng.uniform();
     const std::string about_arms = one_of(overlay.captions), about_legs = one_of(detail::without_arms(base.captions));
-    sample.caption = which < 0.45 || about_legs.empty() ? about_arms
-                     : which < 0.7                      ? about_legs
-                     : which < 0.85                     ? about_legs + " while " + about_arms
-                                                        : about_arms + " and " + about_legs;
-    sample.verb = which < 0.45 || about_legs.empty() ? overlay.verb : which < 0.7 ? base.verb : -1;
+    if (which < 0.45 || about_legs.empty())
+      sample.caption = about_arms, sample.verb = overlay.verb;
+    else if (which < 0.7)
+      sample.caption = about_legs, sample.verb = base.verb;
+    else
+      sample.caption = which < 0.85 ? about_legs + " while " + about_arms : about_arms + " and " + about_legs;
   } else {
     const CaptionedSegment& s = pick(all_, rng);
     sample.caption = one_of(s.captions);
@@ -16508,6 +16501,8 @@ class IndexUpdate {
   const IndexReport& report() const { return report_; }
 
  private:
+  IndexUpdate(std::shared_ptr<ClipStore> index, const FilePath& folder, const SearchEncoder& encoder,
+              IndexOptions options);
   void look_at_files();
   void take_captions();
   void find_changes();
@@ -16517,8 +16512,7 @@ class IndexUpdate {
   const std::string& license_beside(const std::filesystem::path& folder);
   void take(const FileToIndex& file, std::vector<ClipToIndex> clips);
 
-  std::shared_ptr<ClipStore> own_;  // of a MotionIndex
-  ClipStore& index_;
+  std::shared_ptr<ClipStore> index_;
   const SearchEncoder& encoder_;
   std::filesystem::path folder_;
   IndexOptions options_;
@@ -16629,18 +16623,13 @@ MOTIONLANG_BODY IndexModel index_model(const SearchEncoder& encoder, const Momen
 
 MOTIONLANG_BODY IndexUpdate::IndexUpdate(MotionIndex& index, const FilePath& folder, const SearchEncoder& encoder,
                                          IndexOptions options)
-    : own_(std::make_shared<StoreOfIndex>(index)),
-      index_(*own_),
-      encoder_(encoder),
-      folder_(indexed_path(folder)),
-      options_(std::move(options)) {
-  take_captions();
-  look_at_files();
-  find_changes();
-}
+    : IndexUpdate(std::make_shared<StoreOfIndex>(index), folder, encoder, std::move(options)) {}
 MOTIONLANG_BODY IndexUpdate::IndexUpdate(ClipStore& index, const FilePath& folder, const SearchEncoder& encoder,
                                          IndexOptions options)
-    : index_(index), encoder_(encoder), folder_(indexed_path(folder)), options_(std::move(options)) {
+    : IndexUpdate(std::shared_ptr<ClipStore>(std::shared_ptr<void>(), &index), folder, encoder, std::move(options)) {}
+MOTIONLANG_BODY IndexUpdate::IndexUpdate(std::shared_ptr<ClipStore> index, const FilePath& folder,
+                                         const SearchEncoder& encoder, IndexOptions options)
+    : index_(std::move(index)), encoder_(encoder), folder_(indexed_path(folder)), options_(std::move(options)) {
   take_captions();
   look_at_files();
   find_changes();
@@ -16678,7 +16667,7 @@ MOTIONLANG_BODY void IndexUpdate::take_captions() {
 MOTIONLANG_BODY void IndexUpdate::find_changes() {
   std::map<std::string, IndexedClip> known;  // a clip of each file
   std::set<std::string> now;
-  for (const IndexedClip& c : index_.clips()) known.emplace(c.path, c);
+  for (const IndexedClip& c : index_->clips()) known.emplace(c.path, c);
   for (const FileToIndex& f : files_) now.insert(f.path.string());
   std::map<std::pair<std::int64_t, std::string>, IndexedClip> moved;  // missing from their old places: time, content
   for (const auto& [path, c] : known) {
@@ -16698,7 +16687,7 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
       ++report_.unchanged;
       keep(before->second, path);
     } else if (from != moved.end() && has_lines(from->second, path)) {
-      index_.rename(from->second.path, path);
+      index_->rename(from->second.path, path);
       ++report_.renamed;
       keep(from->second, path);
       moved.erase(from);
@@ -16712,7 +16701,7 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
       if (lines != lines_of_.end()) fresh_.back().lines = lines->second;
     }
   }
-  report_.removed = index_.remove_if([&](const IndexedClip& c) {
+  report_.removed = index_->remove_if([&](const IndexedClip& c) {
     return outdated.contains(c.path) || (is_below(c.path, folder_) && !now.contains(c.path));
   });
   for (const auto& [clip, lines] : lines_of_) {
@@ -16730,7 +16719,7 @@ MOTIONLANG_BODY bool IndexUpdate::has_lines(const IndexedClip& c, const std::str
 MOTIONLANG_BODY void IndexUpdate::keep(const IndexedClip& c, const std::string& path) {
   const std::string license = license_of(path, c.license);
   if (license == c.license) return;
-  index_.set_license(path, license);
+  index_->set_license(path, license);
   ++report_.relicensed;
 }
 
@@ -16755,7 +16744,8 @@ MOTIONLANG_BODY void IndexUpdate::run(Progress progress, FileEncoder* others) {
   const std::vector<FileToIndex> fresh = std::exchange(fresh_, {});
   for (std::size_t begin = 0; begin < fresh.size(); begin += at_once) {
     const auto some = std::span(fresh).subspan(begin, std::min(at_once, fresh.size() - begin));
-    auto clips = others != nullptr ? others->encode(some) : encode_files(some, encoder_, index_.model(), options_.read);
+    auto clips =
+        others != nullptr ? others->encode(some) : encode_files(some, encoder_, index_->model(), options_.read);
     for (std::size_t f = 0; f < some.size(); ++f) take(some[f], std::move(clips[f]));
     progress(static_cast<Index>(begin + some.size()), std::ssize(fresh));
   }
@@ -16852,7 +16842,7 @@ MOTIONLANG_BODY void IndexUpdate::take(const FileToIndex& file, std::vector<Clip
         const auto& v = vector_of_.at(text);
         c.clip.caption_vectors.insert(c.clip.caption_vectors.end(), v.begin(), v.end());
       }
-      index_.add(std::move(c.clip));
+      index_->add(std::move(c.clip));
       ++report_.added;
     };
     if (c.problem.empty()) {
@@ -17153,11 +17143,6 @@ inline CodedRows coded_rows(const SafetensorsFile& file, const std::string& name
           shard_tensor<std::int8_t>(file, name + "_codes", {count, width})};
 }
 
-inline std::string metadata_of(const SafetensorsFile& file, const char* key) {
-  const auto found = file.metadata().find(key);
-  return found == file.metadata().end() ? std::string() : found->second;
-}
-
 /// The model without its place.
 inline std::string comparable(IndexModel m) {
   m.path.clear(), m.text_encoder.clear();
@@ -17180,10 +17165,6 @@ inline void check_codes(const SafetensorsFile& file, const std::string& name, co
                       std::sqrt(square), ", more than the allowance ", allowed);
   });
 }
-
-}  // namespace detail
-
-namespace detail {
 
 inline ShardList shard_list(std::string_view text, const std::string& path) {
   const auto document = parse_json(text, path);
@@ -17279,10 +17260,7 @@ MOTIONLANG_BODY IndexShards::Shard IndexShards::open_shard(const ShardEntry& e, 
                     counted(mapped->bytes().size(), "byte"), ", the list ", shard_list_name, " says ", e.bytes);
   Shard out{.file = SafetensorsFile::from_bytes(mapped->bytes(), path, mapped)};
   const SafetensorsFile& file = out.file;
-  if (detail::metadata_of(file, "format") != detail::index_format)
-    raise<io_error>(403, path, ": not an index of motionlang");
-  if (const std::string version = detail::metadata_of(file, "version"); version != detail::index_version)
-    raise<io_error>(404, path, ": version ", version, " of an index, expected ", detail::index_version);
+  detail::require_index(file);
   const std::string where = path + ": model", text = detail::metadata_of(file, "model");
   const auto document = parse_json(text.empty() ? "{}" : text, where);
   const IndexModel model = detail::index_model(JsonView(document, where));

@@ -16,7 +16,7 @@ import sys
 from pages_test import wait
 from studio_test import (CONTROL, DELETE, ENTER, MADE, RIGHT, SHIFT, click, drag, expect, find, made, press, run, saved,
                          state, type_into, write)
-from viewer_test import WEBGL, Browser, start_driver
+from viewer_test import WEBGL, Browser, severe, start_driver
 
 ESCAPE, HOME, TAB = "\ue00c", "\ue011", "\ue004"
 LONG = "walk forward # 0 # 4\nraise both arms # 4 # 6\nsit down # 6 # 9\nwalk forward # 9 # 12\n"
@@ -322,8 +322,7 @@ def main(driver_path, page, program, folder):
             steps(browser, problems)
         dropped(browser, folder, problems)
         again(browser, page, problems)
-        problems += [entry["message"] for entry in browser.post("/se/log", {"type": "browser"})
-                     if entry["level"] == "SEVERE"]
+        problems += severe(browser)
     finally:
         if browser:
             browser.close()

@@ -19,7 +19,7 @@ import time
 from pages_test import wait
 from studio_edit_test import drop
 from studio_test import MADE, click, expect, made, state, write
-from viewer_test import WEBGL, Browser, start_driver
+from viewer_test import WEBGL, Browser, severe, start_driver
 
 CLIENT = "0123456789abcdef" * 2
 
@@ -255,8 +255,7 @@ def in_browser(server, driver_port, project, problems):
         expect(problems, "a link with a token does not reload the page",
                wait(first, "!window.before && window.motionlang && motionlang.state().motions > 0", MADE))
         for browser in (first, second):
-            problems += [entry["message"] for entry in browser.post("/se/log", {"type": "browser"})
-                         if entry["level"] == "SEVERE" and "favicon" not in entry["message"]]
+            problems += [message for message in severe(browser) if "favicon" not in message]
         stranger = second
         stranger.post("/url", {"url": "about:blank"})
         stranger.post("/url", {"url": f"http://localhost:{server.port}/"})  # without a token

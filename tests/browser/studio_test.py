@@ -13,7 +13,7 @@ import sys
 import time
 
 from pages_test import wait
-from viewer_test import WEBGL, Browser, start_driver
+from viewer_test import WEBGL, Browser, severe, start_driver
 
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  # the key of an element in WebDriver
 CONTROL, SHIFT, ENTER, RIGHT, DELETE = "\ue009", "\ue008", "\ue007", "\ue014", "\ue017"
@@ -254,8 +254,7 @@ def main(driver_path, page, program, folder):
             steps(browser, problems)
         files(browser, program, folder, problems)
         link, timeline = kept(browser, page, problems)
-        problems += [entry["message"] for entry in browser.post("/se/log", {"type": "browser"})
-                     if entry["level"] == "SEVERE"]
+        problems += severe(browser)
         browser.close()
         browser = Browser(port, WEBGL)
         elsewhere(browser, link, timeline, problems)

@@ -63,6 +63,11 @@ def drag_and_wheel(browser):
     return problems
 
 
+def severe(browser):
+    """What the page's console reports as an error."""
+    return [entry["message"] for entry in browser.post("/se/log", {"type": "browser"}) if entry["level"] == "SEVERE"]
+
+
 def start_driver(path, tries=5):
     """The program and the port on which it listens.
 
@@ -89,8 +94,7 @@ def use_page(port, page, name, steps, renderer, flags):
             used = browser.run("return motionlang.state().renderer")
             problems += [] if used == renderer else [f"draws with {used}"]
             problems += steps(browser)
-        problems += [entry["message"] for entry in browser.post("/se/log", {"type": "browser"})
-                     if entry["level"] == "SEVERE"]
+        problems += severe(browser)
     finally:
         browser.close()
     print(f"{name}{renderer}: {'; '.join(problems) or 'passed'}")

@@ -53,7 +53,9 @@ class Search {
   void run() {
     if (!o_.queries.empty()) {
       if (!o_.text.empty()) ml::raise<usage_error>(102, "search: give either a text or --queries");
-      const ml::MotionIndex all = shards_ ? shards_->whole() : file_->index();
+      std::optional<ml::MotionIndex> whole;
+      if (shards_) whole = shards_->whole();
+      const ml::MotionIndex& all = whole ? *whole : file_->index();
       return print(ml::describe_query_answers(ml::answer_queries(all, model(), ml::read_queries(o_.queries))));
     }
     if (o_.text.empty() == o_.like.empty())

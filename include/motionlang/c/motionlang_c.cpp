@@ -11,8 +11,6 @@
 #include <motionlang/generate/load_trained_motion_model.hpp>
 #include <motionlang/generate/timeline_report.hpp>
 #include <motionlang/generate/timelines_of_text.hpp>
-#include <motionlang/kinematics/delayed.hpp>
-#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/search/kept_index.hpp>
 #include <motionlang/search/text_answer.hpp>
@@ -277,8 +275,7 @@ int motionlang_cut_motion(const motionlang_motion* motion, double from, double t
     const double last = whole.seconds();
     if (!(from >= 0 && from <= to && to <= last + 1))
       ml::raise<ml::config_error>(101, "motionlang_cut_motion: ", from, " to ", to, " s of ", last, " s");
-    const auto frame = [&](double at) { return std::min(ml::frame_at(at, whole.fps), whole.frames()); };
-    return ml::delayed(ml::crop(whole, frame(from), frame(to)), start);
+    return ml::kept_part(whole, from, to, start);
   });
 }
 int motionlang_generate_text(const motionlang_model* model, const char* text, double seconds,

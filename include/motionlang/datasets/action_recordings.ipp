@@ -98,19 +98,11 @@ inline int whole_number(std::string_view digits, std::string_view where) {
   return value;
 }
 
-inline std::vector<std::string> filled_lines(const FilePath& path) {
-  std::vector<std::string> out;
-  for_each_line(read_file(path), [&](std::string_view line, Index) {
-    if (!trim(line).empty()) out.emplace_back(trim(line));
-  });
-  return out;
-}
-
 inline LeftOut read_uestc(const FilePath& folder, double fps, const std::function<void(ActionRecording)>& use,
                           Progress progress) {
   const FilePath path = folder.string() + "/vibe_cache_refined.pkl",
                  lengths_path = folder.string() + "/info/num_frames_min.txt";
-  const auto names = filled_lines(folder.string() + "/info/names.txt"), lengths = filled_lines(lengths_path);
+  const auto names = read_ids(folder.string() + "/info/names.txt"), lengths = read_ids(lengths_path);
   constexpr std::size_t most = 40'000'000;  // 25600 videos of seven arrays
   const Pickle file = Pickle::open(path, {.max_values = most, .inline_bytes = joblib_array_bytes});
   const PickleValue poses = file.root()["pose"], joints = file.root()["joints3d"], cameras = file.root()["orig_cam"];

@@ -363,11 +363,12 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
     motion = overlay_parts(variant(base, with.frames(), mirrored, 1, rng, options), with, parts);
     const double which = rng.uniform();
     const std::string about_arms = one_of(overlay.captions), about_legs = one_of(detail::without_arms(base.captions));
-    sample.caption = which < 0.45 || about_legs.empty() ? about_arms
-                     : which < 0.7                      ? about_legs
-                     : which < 0.85                     ? about_legs + " while " + about_arms
-                                                        : about_arms + " and " + about_legs;
-    sample.verb = which < 0.45 || about_legs.empty() ? overlay.verb : which < 0.7 ? base.verb : -1;
+    if (which < 0.45 || about_legs.empty())
+      sample.caption = about_arms, sample.verb = overlay.verb;
+    else if (which < 0.7)
+      sample.caption = about_legs, sample.verb = base.verb;
+    else
+      sample.caption = which < 0.85 ? about_legs + " while " + about_arms : about_arms + " and " + about_legs;
   } else {
     const CaptionedSegment& s = pick(all_, rng);
     sample.caption = one_of(s.captions);

@@ -5,9 +5,12 @@
 #include <algorithm>  // min
 
 #include <motionlang/compose/detail/seconds_text.hpp>
+#include <motionlang/compose/timeline.hpp>
 #include <motionlang/core/option_error.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/generate/kept_clip_text.hpp>
+#include <motionlang/kinematics/delayed.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -30,6 +33,11 @@ MOTIONLANG_BODY BodyParts parse_kept_parts(std::string_view names) {
     if (names.find(',') == names.npos) return out;
     names.remove_prefix(names.find(',') + 1);
   }
+}
+
+MOTIONLANG_BODY Motion kept_part(const Motion& motion, double from, double to, double start) {
+  const auto frame = [&](double at) { return std::min(frame_at(at, motion.fps), motion.frames()); };
+  return delayed(crop(motion, frame(from), frame(to)), start);
 }
 
 MOTIONLANG_NAMESPACE_END

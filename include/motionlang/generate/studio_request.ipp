@@ -5,6 +5,7 @@
 #include <algorithm>         // all_of, find, find_if
 #include <initializer_list>  // words
 
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/json.hpp>
 #include <motionlang/generate/studio_request.hpp>
@@ -17,9 +18,7 @@ inline bool is_one_of(std::string_view word, std::initializer_list<std::string_v
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 inline std::string in_small_letters(std::string text) {
-  for (char& c : text) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
+  for (char& c : text) c = lower(c);
   return text;
 }
 /// Compares all characters, whichever differ.

@@ -20,8 +20,6 @@
 #include <motionlang/generate/kept_clip_text.hpp>
 #include <motionlang/generate/studio_server.hpp>
 #include <motionlang/generate/timeline_report.hpp>
-#include <motionlang/kinematics/delayed.hpp>
-#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/view/rig_viewer.hpp>
 #include <motionlang/view/studio_page.hpp>
 #include <motionlang/view/view_file.hpp>
@@ -29,6 +27,11 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
+
+/// In one line; bytes that are not UTF-8 are replaced.
+inline std::string answer_text(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
 
 /// The motions and files of one client.
 struct StudioClient {
@@ -127,9 +130,7 @@ class StudioServer::Body {
     return {&turns_, [](detail::StudioTurns* t) { t->leave(); }};
   }
 
-  static std::string text_of(const nlohmann::ordered_json& json) {
-    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-  }
+  static std::string text_of(const nlohmann::ordered_json& json) { return detail::answer_text(json); }
   static std::string packed(std::span<const std::byte> bytes) { return detail::to_base64(bytes); }
 
   const ProjectFolder& folder() const {
@@ -199,10 +200,8 @@ class StudioServer::Body {
       }
     }
     if (!whole) raise<config_error>(101, "the file of the kept motion is gone");
-    const auto frame = [&](double at) { return std::min(frame_at(at, whole->fps), whole->frames()); };
     const double to = clip.from + clip.end - clip.start;
-    KeptClip out{.motion = delayed(crop(*whole, frame(clip.from), frame(to)), clip.start),
-                 .seconds = {{clip.start, clip.end}}};
+    KeptClip out{.motion = kept_part(*whole, clip.from, to, clip.start), .seconds = {{clip.start, clip.end}}};
     if (!clip.parts.empty()) out.parts = parse_kept_parts(clip.parts);
     return out;
   }
@@ -301,8 +300,7 @@ MOTIONLANG_BODY void StudioServer::answer(std::string_view question, const Studi
   std::string line;
   const auto work = [&] { line = concat_text("{\"value\":", body_->value(question, write), "}\n"); };
   detail::guard<std::exception>(work, [&](const std::exception& e) {
-    const nlohmann::ordered_json error{{"error", e.what()}};
-    line = error.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    line = detail::answer_text({{"error", e.what()}}) + "\n";
     return true;
   });
   write(line);

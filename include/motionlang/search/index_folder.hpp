@@ -102,6 +102,8 @@ class IndexUpdate {
   const IndexReport& report() const { return report_; }
 
  private:
+  IndexUpdate(std::shared_ptr<ClipStore> index, const FilePath& folder, const SearchEncoder& encoder,
+              IndexOptions options);
   void look_at_files();
   void take_captions();
   void find_changes();
@@ -111,8 +113,7 @@ class IndexUpdate {
   const std::string& license_beside(const std::filesystem::path& folder);
   void take(const FileToIndex& file, std::vector<ClipToIndex> clips);
 
-  std::shared_ptr<ClipStore> own_;  // of a MotionIndex
-  ClipStore& index_;
+  std::shared_ptr<ClipStore> index_;
   const SearchEncoder& encoder_;
   std::filesystem::path folder_;
   IndexOptions options_;

@@ -80,18 +80,13 @@ MOTIONLANG_BODY IndexModel index_model(const SearchEncoder& encoder, const Momen
 
 MOTIONLANG_BODY IndexUpdate::IndexUpdate(MotionIndex& index, const FilePath& folder, const SearchEncoder& encoder,
                                          IndexOptions options)
-    : own_(std::make_shared<StoreOfIndex>(index)),
-      index_(*own_),
-      encoder_(encoder),
-      folder_(indexed_path(folder)),
-      options_(std::move(options)) {
-  take_captions();
-  look_at_files();
-  find_changes();
-}
+    : IndexUpdate(std::make_shared<StoreOfIndex>(index), folder, encoder, std::move(options)) {}
 MOTIONLANG_BODY IndexUpdate::IndexUpdate(ClipStore& index, const FilePath& folder, const SearchEncoder& encoder,
                                          IndexOptions options)
-    : index_(index), encoder_(encoder), folder_(indexed_path(folder)), options_(std::move(options)) {
+    : IndexUpdate(std::shared_ptr<ClipStore>(std::shared_ptr<void>(), &index), folder, encoder, std::move(options)) {}
+MOTIONLANG_BODY IndexUpdate::IndexUpdate(std::shared_ptr<ClipStore> index, const FilePath& folder,
+                                         const SearchEncoder& encoder, IndexOptions options)
+    : index_(std::move(index)), encoder_(encoder), folder_(indexed_path(folder)), options_(std::move(options)) {
   take_captions();
   look_at_files();
   find_changes();
@@ -129,7 +124,7 @@ MOTIONLANG_BODY void IndexUpdate::take_captions() {
 MOTIONLANG_BODY void IndexUpdate::find_changes() {
   std::map<std::string, IndexedClip> known;  // a clip of each file
   std::set<std::string> now;
-  for (const IndexedClip& c : index_.clips()) known.emplace(c.path, c);
+  for (const IndexedClip& c : index_->clips()) known.emplace(c.path, c);
   for (const FileToIndex& f : files_) now.insert(f.path.string());
   std::map<std::pair<std::int64_t, std::string>, IndexedClip> moved;  // missing from their old places: time, content
   for (const auto& [path, c] : known) {
@@ -149,7 +144,7 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
       ++report_.unchanged;
       keep(before->second, path);
     } else if (from != moved.end() && has_lines(from->second, path)) {
-      index_.rename(from->second.path, path);
+      index_->rename(from->second.path, path);
       ++report_.renamed;
       keep(from->second, path);
       moved.erase(from);
@@ -163,7 +158,7 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
       if (lines != lines_of_.end()) fresh_.back().lines = lines->second;
     }
   }
-  report_.removed = index_.remove_if([&](const IndexedClip& c) {
+  report_.removed = index_->remove_if([&](const IndexedClip& c) {
     return outdated.contains(c.path) || (is_below(c.path, folder_) && !now.contains(c.path));
   });
   for (const auto& [clip, lines] : lines_of_) {
@@ -181,7 +176,7 @@ MOTIONLANG_BODY bool IndexUpdate::has_lines(const IndexedClip& c, const std::str
 MOTIONLANG_BODY void IndexUpdate::keep(const IndexedClip& c, const std::string& path) {
   const std::string license = license_of(path, c.license);
   if (license == c.license) return;
-  index_.set_license(path, license);
+  index_->set_license(path, license);
   ++report_.relicensed;
 }
 
@@ -206,7 +201,8 @@ MOTIONLANG_BODY void IndexUpdate::run(Progress progress, FileEncoder* others) {
   const std::vector<FileToIndex> fresh = std::exchange(fresh_, {});
   for (std::size_t begin = 0; begin < fresh.size(); begin += at_once) {
     const auto some = std::span(fresh).subspan(begin, std::min(at_once, fresh.size() - begin));
-    auto clips = others != nullptr ? others->encode(some) : encode_files(some, encoder_, index_.model(), options_.read);
+    auto clips =
+        others != nullptr ? others->encode(some) : encode_files(some, encoder_, index_->model(), options_.read);
     for (std::size_t f = 0; f < some.size(); ++f) take(some[f], std::move(clips[f]));
     progress(static_cast<Index>(begin + some.size()), std::ssize(fresh));
   }
@@ -303,7 +299,7 @@ MOTIONLANG_BODY void IndexUpdate::take(const FileToIndex& file, std::vector<Clip
         const auto& v = vector_of_.at(text);
         c.clip.caption_vectors.insert(c.clip.caption_vectors.end(), v.begin(), v.end());
       }
-      index_.add(std::move(c.clip));
+      index_->add(std::move(c.clip));
       ++report_.added;
     };
     if (c.problem.empty()) {

@@ -97,11 +97,6 @@ inline CodedRows coded_rows(const SafetensorsFile& file, const std::string& name
           shard_tensor<std::int8_t>(file, name + "_codes", {count, width})};
 }
 
-inline std::string metadata_of(const SafetensorsFile& file, const char* key) {
-  const auto found = file.metadata().find(key);
-  return found == file.metadata().end() ? std::string() : found->second;
-}
-
 /// The model without its place.
 inline std::string comparable(IndexModel m) {
   m.path.clear(), m.text_encoder.clear();
@@ -124,10 +119,6 @@ inline void check_codes(const SafetensorsFile& file, const std::string& name, co
                       std::sqrt(square), ", more than the allowance ", allowed);
   });
 }
-
-}  // namespace detail
-
-namespace detail {
 
 inline ShardList shard_list(std::string_view text, const std::string& path) {
   const auto document = parse_json(text, path);
@@ -223,10 +214,7 @@ MOTIONLANG_BODY IndexShards::Shard IndexShards::open_shard(const ShardEntry& e, 
                     counted(mapped->bytes().size(), "byte"), ", the list ", shard_list_name, " says ", e.bytes);
   Shard out{.file = SafetensorsFile::from_bytes(mapped->bytes(), path, mapped)};
   const SafetensorsFile& file = out.file;
-  if (detail::metadata_of(file, "format") != detail::index_format)
-    raise<io_error>(403, path, ": not an index of motionlang");
-  if (const std::string version = detail::metadata_of(file, "version"); version != detail::index_version)
-    raise<io_error>(404, path, ": version ", version, " of an index, expected ", detail::index_version);
+  detail::require_index(file);
   const std::string where = path + ": model", text = detail::metadata_of(file, "model");
   const auto document = parse_json(text.empty() ? "{}" : text, where);
   const IndexModel model = detail::index_model(JsonView(document, where));

@@ -29,6 +29,17 @@ inline nlohmann::ordered_json indexed_clip_json(const IndexedClip& c) {
   return clip;
 }
 
+inline std::string metadata_of(const SafetensorsFile& file, const char* key) {
+  const auto found = file.metadata().find(key);
+  return found == file.metadata().end() ? std::string() : found->second;
+}
+/// Throws io_error 403 for another file than an index, 404 for one of another version.
+inline void require_index(const SafetensorsFile& file) {
+  if (metadata_of(file, "format") != index_format) raise<io_error>(403, file.name(), ": not an index of motionlang");
+  if (const std::string version = metadata_of(file, "version"); version != index_version)
+    raise<io_error>(404, file.name(), ": version ", version, " of an index, expected ", index_version);
+}
+
 /// In one line; bytes that are not UTF-8 are replaced.
 inline std::string index_text(const nlohmann::ordered_json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -100,17 +111,10 @@ MOTIONLANG_BODY std::span<const std::byte> MotionIndexFile::extra(std::string_vi
 }
 
 MOTIONLANG_BODY MotionIndex MotionIndexFile::read(const SafetensorsFile& file) {
-  const auto about_file = [&](const char* key) {
-    const auto found = file.metadata().find(key);
-    return found == file.metadata().end() ? std::string() : found->second;
-  };
-  if (about_file("format") != detail::index_format) raise<io_error>(403, file.name(), ": not an index of motionlang");
-  if (about_file("version") != detail::index_version)
-    raise<io_error>(404, file.name(), ": version ", about_file("version"), " of an index, expected ",
-                    detail::index_version);
-  if (const std::string found = tensors_checksum(file.tensors()); found != about_file("checksum"))
-    raise<io_error>(403, file.name(), ": damaged: its checksum is ", found, ", it was written with ",
-                    about_file("checksum"));
+  detail::require_index(file);
+  const std::string written = detail::metadata_of(file, "checksum");
+  if (const std::string found = tensors_checksum(file.tensors()); found != written)
+    raise<io_error>(403, file.name(), ": damaged: its checksum is ", found, ", it was written with ", written);
 
   const TensorView& about = file.tensor("about");
   if (about.dtype != DType::U8) raise<io_error>(407, file.name(), ": 'about' is ", about.dtype, ", not U8");

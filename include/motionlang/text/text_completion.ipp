@@ -6,6 +6,7 @@
 #include <span>       // words
 #include <sstream>    // words
 
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/text/text_completion.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -14,9 +15,7 @@ namespace detail {
 
 /// The words of a text with small letters.
 inline std::vector<std::string> small_words(std::string text) {
-  for (char& c : text) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
+  for (char& c : text) c = lower(c);
   std::istringstream in(text);
   std::vector<std::string> out;
   for (std::string word; in >> word;) out.push_back(word);

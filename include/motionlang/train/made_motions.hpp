@@ -50,6 +50,8 @@ class MadeMotions {
 
  private:
   std::vector<std::filesystem::path> found(const std::string& id) const;
+  /// The files of its id, else of its clip; there may be none.
+  std::vector<std::filesystem::path> found(const DescribedMotion& motion) const;
   std::filesystem::path folder_;
   double rate_;
 };

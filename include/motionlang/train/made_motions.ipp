@@ -47,9 +47,13 @@ MOTIONLANG_BODY std::vector<std::filesystem::path> MadeMotions::found(const std:
   return out;
 }
 
-MOTIONLANG_BODY std::vector<std::filesystem::path> MadeMotions::files(const DescribedMotion& motion) const {
+MOTIONLANG_BODY std::vector<std::filesystem::path> MadeMotions::found(const DescribedMotion& motion) const {
   auto out = found(motion.id);
-  if (out.empty()) out = found(motion.clip);
+  return out.empty() ? found(motion.clip) : out;
+}
+
+MOTIONLANG_BODY std::vector<std::filesystem::path> MadeMotions::files(const DescribedMotion& motion) const {
+  auto out = found(motion);
   if (out.empty())
     raise<io_error>(401, folder_.string(), " has no ", motion.id, ".npy, .npz, .bvh, .glb or .vrma",
                     motion.clip == motion.id ? "" : ", also not as " + motion.clip);
@@ -60,7 +64,7 @@ MOTIONLANG_BODY Index MadeMotions::samples(const std::vector<DescribedMotion>& p
   LeftOut missing;
   Index count = 0, fewest = 0;
   for (const DescribedMotion& m : part) {
-    const Index own = std::ssize(found(m.id).empty() ? found(m.clip) : found(m.id));
+    const Index own = std::ssize(found(m));
     fewest = &m == &part.front() ? own : std::min(fewest, own);
     if (own > 0) continue;
     ++count;

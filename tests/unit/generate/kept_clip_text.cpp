@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "../../support/check_error.hpp"
+#include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
 
@@ -22,4 +23,13 @@ TEST_CASE("body parts of a kept clip") {
   CHECK_ERROR(ml::parse_kept_parts("legs,tail"), "[motionlang.config.103] `keep_parts`: 'tail' is not one of left arm");
   CHECK_ERROR(ml::parse_kept_parts(""), "'' is not one of");
   CHECK_ERROR(ml::parse_kept_parts("legs,"), "'' is not one of");
+}
+
+TEST_CASE("a part of a motion is kept from a time on, as far as the motion goes") {
+  const ml::Motion walk = synthetic::walk({.frames = 40, .fps = 20});
+  const ml::Motion kept = ml::kept_part(walk, 0.5, 1, 1.5);
+  CHECK(kept.frames() == 30 + 10);
+  for (const ml::Index f : {0, 30}) CHECK(kept.root[static_cast<std::size_t>(f)] == walk.root[10]);
+  CHECK(kept.root.back() == walk.root[19]);
+  CHECK(ml::kept_part(walk, 1.5, 9, 0).frames() == 10);
 }
