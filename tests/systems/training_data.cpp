@@ -253,6 +253,21 @@ TEST_CASE("what few segments show is drawn more often, and arms are laid over pe
   const double share = 4 / (8 + 30 * std::sqrt(100 / 30.0));  // 0.064; 0.031 if all were alike
   CHECK(count("stand") > 400 * share * 0.6);
   CHECK(count("stand") < 400 * share * 1.5);
+  // Practised words are drawn more often.
+  ml::TrainingSet practised = set;
+  practised.practise(std::vector<std::string>{"stand", "Stand still"}, 8);
+  CHECK(practised.segments()[0].weight == 32);
+  CHECK(practised.segments()[1].weight == segments[1].weight);
+  int stands_now = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed)
+    stands_now += static_cast<int>(practised.draw(ml::Philox{.seed = seed}, options).caption.starts_with("stand"));
+  CHECK(stands_now > 400 * 8 * share / (1 + 7 * share) * 0.7);
+  CHECK(stands_now > 3 * count("stand"));
+  CHECK_ERROR(practised.practise(std::vector<std::string>{"walk", "fly"}, 2),
+              "[motionlang.config.102] TrainingSet: no caption has \"fly\", so nobody can practise it");
+  CHECK(practised.segments()[1].weight == segments[1].weight);  // nothing was changed
+  CHECK_ERROR(practised.practise(std::vector<std::string>{"walk"}, 0),
+              "[motionlang.config.101] TrainingSet: words are practised 0 times as often");
   options.compose = options.still = 1;
   int together = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {

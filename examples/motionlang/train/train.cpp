@@ -33,10 +33,11 @@ void run(const TrainOptions& o) {
   options.communicator = training_processes(o.run);
   o.machine.apply();
   make_output_folder("--out", o.run.out);
-  const auto data = [&] {
+  auto data = [&] {
     ProgressBar bar("reading motions");
     return ml::TrainingSet(o.captions, o.data, bar);
   }();
+  if (!o.config.practised.empty()) data.practise(o.config.practised, o.config.practice);
   std::printf("%s, %.1f minutes\n", ml::counted(data.segments().size(), "segment").c_str(), data.seconds() / 60);
   ml::Trainer trainer(ml::StmcTraining<ml::Autodiff<ml::EigenBackend<float>>>(
       o.config, data, o.vectors.empty() ? ml::WordVectors() : ml::read_word_vectors(o.vectors)));
@@ -98,6 +99,11 @@ void add_train(CLI::App& app) {
                  "starts them over. With --start, the default is 0");
   file_option(*c, "--start", o->start,
               "Start with the weights of this model, which has the same sizes. Its words and features may differ");
+  c->add_option("--practise", o->config.practised,
+                "Words whose segments are drawn more often, for example \"march,look around\": what `motionlang judge` "
+                "still sees fail")
+      ->delimiter(',');
+  checked_option(*c, "--practice", o->config.practice, positive(), "This many times as often")->needs("--practise");
   checked_option(*c, "--seed", o->config.seed, seed_number(),
                  "Seed. The same seed gives the same weights, also after a stop");
   c->add_option("--license", o->license, "Licence of the weights, for their metadata; the data must allow it");

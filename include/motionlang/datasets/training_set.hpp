@@ -80,6 +80,11 @@ class TrainingSet {
   /// All captions and their mirror images, from which a tokenizer learns.
   std::vector<std::string> all_captions() const;
 
+  /// Makes segments `factor` times as likely to be drawn if one of their captions has one of these words or phrases
+  /// ("nod" also finds "nods" and "nodding"): what `motionlang judge` still sees fail. Throws config_error 101 for a
+  /// factor that is not above 0, 102 for words that no caption has.
+  void practise(std::span<const std::string> words, double factor);
+
   /// A sample that depends only on the generator. It is one of these:
   ///   - a segment: mirrored, faster or slower, with its cycle repeated if it has one, or a part of it
   ///   - an action in its own time and then its continuation, if the table has one
@@ -109,6 +114,8 @@ class TrainingSet {
   };
   const CaptionedSegment& pick(const Choice& choice, Philox& rng) const;
   void weigh();
+  /// Fills the choices with the segments and their weights.
+  void list_choices();
 
   std::vector<CaptionedSegment> segments_;
   std::vector<std::string> verbs_{};

@@ -209,6 +209,11 @@ MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, 
     segments_.push_back(std::move(s));
   }
   weigh();
+  list_choices();
+}
+
+MOTIONLANG_BODY void TrainingSet::list_choices() {
+  all_ = bases_ = still_ = overlays_ = {};
   for (std::size_t i = 0; i < segments_.size(); ++i) {
     const CaptionedSegment& s = segments_[i];
     const bool arms = (s.parts.bits & detail::arm_parts().bits) != 0, legs = s.parts.has(BodyPart::legs);
@@ -236,6 +241,26 @@ MOTIONLANG_BODY void TrainingSet::weigh() {
     }
     s.weight = action.empty() ? 1 : std::clamp(std::sqrt(common / segments_about[action]), 1.0, most);
   }
+}
+
+MOTIONLANG_BODY void TrainingSet::practise(std::span<const std::string> words, double factor) {
+  if (!(factor > 0)) raise<config_error>(101, "TrainingSet: words are practised ", factor, " times as often");
+  const auto spaced = [](const std::string& text) { return " " + join_text(detail::caption_words(text), " "); };
+  std::vector<bool> chosen(segments_.size());
+  for (const std::string& word : words) {
+    const std::string start = spaced(word);
+    bool found = false;
+    for (std::size_t i = 0; i < segments_.size() && start != " "; ++i) {
+      for (const std::string& caption : segments_[i].captions) {
+        if (spaced(caption).find(start) != std::string::npos) chosen[i] = found = true;
+      }
+    }
+    if (!found) raise<config_error>(102, "TrainingSet: no caption has \"", word, "\", so nobody can practise it");
+  }
+  for (std::size_t i = 0; i < segments_.size(); ++i) {
+    if (chosen[i]) segments_[i].weight *= factor;
+  }
+  list_choices();
 }
 
 MOTIONLANG_BODY const CaptionedSegment& TrainingSet::pick(const Choice& choice, Philox& rng) const {

@@ -55,6 +55,8 @@ struct StmcTrainingConfig {
   Index text_steps = 3000;     // of the text encoder alone, before the denoiser is trained
   std::uint64_t seed = 1;
   SampleOptions samples{};
+  std::vector<std::string> practised{};  // words for TrainingSet::practise, for the record of the settings
+  double practice = 4;                   // and its factor
 };
 
 namespace detail {

@@ -73,6 +73,9 @@ MOTIONLANG_BODY std::map<std::string, std::string> stmc_settings(const StmcTrain
   add("dropout", config.model.denoiser.dropout);
   add("text_dropout", config.model.text.dropout);
   add("seed", config.seed);
+  if (!config.practised.empty()) {
+    add("practised", concat_text(join_text(config.practised), " (", config.practice, " times as often)"));
+  }
   add("samples",
       concat_text(config.samples.shortest, " to ", counted(config.samples.longest, "frame"), ", no text ",
                   config.samples.no_text, ", composed ", config.samples.compose, ", still ", config.samples.still,
