@@ -7,7 +7,7 @@
 #include <motionlang/core/formatted.hpp>
 #include <motionlang/core/option_error.hpp>
 #include <motionlang/core/utf8.hpp>
-#include <motionlang/file/json.hpp>
+#include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/generate/describe_files.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 
@@ -87,7 +87,7 @@ MOTIONLANG_BODY std::string described_json(std::span<const DescribedMotionPart> 
                    {"end", d.end},
                    {"descriptions", std::move(texts)}});
   }
-  return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return detail::json_text(out, 2) + "\n";
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <motionlang/compose/timeline_text.hpp>
-#include <motionlang/file/json.hpp>
+#include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/generate/timeline_report.hpp>
 #include <motionlang/view/track.hpp>
@@ -64,14 +64,14 @@ MOTIONLANG_BODY std::string timeline_report(const MotionModel& model, std::strin
                                       {"seconds", timeline.end()},
                                       {"texts", std::move(texts)},
                                       {"warnings", std::move(warnings)}};
-  return report.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return detail::json_text(report);
 }
 
 MOTIONLANG_BODY std::string known_texts_report(std::span<const KnownText> texts) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const KnownText& t : texts)
     out.push_back({{"text", t.text}, {"seconds", t.action.seconds}, {"repeats", t.action.repeats}});
-  return out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return detail::json_text(out);
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -12,8 +12,8 @@
 #include <motionlang/core/option_error.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/file/detail/bytes.hpp>
+#include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/file/detail/system_file.hpp>
-#include <motionlang/file/json.hpp>
 #include <motionlang/search/index_shards.hpp>
 #include <motionlang/search/motion_index_file.ipp>
 
@@ -100,7 +100,7 @@ inline CodedRows coded_rows(const SafetensorsFile& file, const std::string& name
 /// The model without its place.
 inline std::string comparable(IndexModel m) {
   m.path.clear(), m.text_encoder.clear();
-  return index_text(index_model_json(m));
+  return json_text(index_model_json(m));
 }
 
 /// Throws io_error 403 with the first row whose bounds do not hold.
@@ -167,7 +167,7 @@ inline std::string shard_list_text(const ShardList& list) {
                                    {"model", index_model_json(list.model)},
                                    {"shard_bytes", list.shard_bytes},
                                    {"shards", std::move(shards)}};
-  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return json_text(all, 2) + "\n";
 }
 
 }  // namespace detail
@@ -446,8 +446,7 @@ namespace detail {
 /// The bytes that a clip takes in a shard.
 inline Index bytes_in_shard(const IndexedClip& clip, Index moments, Index width) {
   const Index captions = std::ssize(clip.captions), rows = 1 + moments + captions;
-  return rows * (width * 5 + 8) + 24 * moments + 8 * captions + 16 + std::ssize(index_text(indexed_clip_json(clip))) +
-         1;
+  return rows * (width * 5 + 8) + 24 * moments + 8 * captions + 16 + std::ssize(json_text(indexed_clip_json(clip))) + 1;
 }
 inline constexpr Index bytes_of_header = 8192;  // and of what else a shard has
 
@@ -508,7 +507,7 @@ MOTIONLANG_BODY ShardEntry ShardStore::write_shard(const MotionIndex& index) {
   add_codes(coded[1], "moments", index.moment_rows());
   add_codes(coded[2], "captions", index.caption_rows());
   const auto bytes =
-      detail::index_bytes(index, about, more, {{"model", detail::index_text(detail::index_model_json(index.model()))}});
+      detail::index_bytes(index, about, more, {{"model", detail::json_text(detail::index_model_json(index.model()))}});
   ShardEntry e{.file = new_file_name(),
                .checksum = detail::metadata_of(SafetensorsFile::from_bytes(bytes), "checksum"),
                .bytes = std::ssize(bytes),

@@ -5,7 +5,7 @@
 #include <utility>  // exchange
 
 #include <motionlang/file/detail/bytes.hpp>
-#include <motionlang/file/json.hpp>
+#include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/search/motion_index_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -40,19 +40,14 @@ inline void require_index(const SafetensorsFile& file) {
     raise<io_error>(404, file.name(), ": version ", version, " of an index, expected ", index_version);
 }
 
-/// In one line; bytes that are not UTF-8 are replaced.
-inline std::string index_text(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 /// places  receives the first byte of each clip in the text, and the byte behind its last
 inline std::string index_about(const MotionIndex& index, std::vector<std::int64_t>* places = nullptr) {
-  std::string out = "{\"model\":" + index_text(index_model_json(index.model())) + ",\"clips\":[";
+  std::string out = "{\"model\":" + json_text(index_model_json(index.model())) + ",\"clips\":[";
   bool first = true;
   for (const IndexedClip& c : index.clips()) {
     if (!std::exchange(first, false)) out += ',';
     const std::int64_t begin = std::ssize(out);
-    out += index_text(indexed_clip_json(c));
+    out += json_text(indexed_clip_json(c));
     if (places != nullptr) places->insert(places->end(), {begin, std::ssize(out)});
   }
   return out + "]}";

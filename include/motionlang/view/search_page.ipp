@@ -7,7 +7,7 @@
 
 #include <motionlang/core/formatted.hpp>
 #include <motionlang/core/utf8.hpp>
-#include <motionlang/file/json.hpp>
+#include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/formats/motion_folder.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/view/detail/markup.hpp>
@@ -72,7 +72,7 @@ MOTIONLANG_BODY std::string search_json(std::span<const FoundMotion> found, cons
                                    {"shown", answer.shown},
                                    {"unknown_words", std::move(unheard)},
                                    {"hits", std::move(hits)}};
-  return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return detail::json_text(out, 2) + "\n";
 }
 
 MOTIONLANG_BODY void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read) {

@@ -2,6 +2,7 @@
 // Bodies of viewer.hpp.
 #pragma once
 
+#include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/view/detail/page_parts.hpp>
 #include <motionlang/view/detail/viewer_page.hpp>
@@ -52,10 +53,6 @@ inline nlohmann::ordered_json body_json(const SkinnedMesh<std::uint16_t>& mesh, 
           {"triangles", packed(mesh.triangles)}, {"offsets", std::move(offsets)}, {"parents", skeleton.parents}};
 }
 
-inline std::string json_text(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motions,
                                              const SkinnedMesh<std::uint16_t>& mesh, const Skeleton& skeleton,
                                              const ViewerOptions& options) {
@@ -66,7 +63,8 @@ MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motio
 
 MOTIONLANG_BODY std::string body_viewer_data(const Motion& motion, const SkinnedMesh<std::uint16_t>& mesh,
                                              const Skeleton& skeleton) {
-  return json_text({{"motion", shown_motion(motion, {}, "")}, {"body", body_json(mesh, skeleton)}});
+  return json_text(
+      nlohmann::ordered_json{{"motion", shown_motion(motion, {}, "")}, {"body", body_json(mesh, skeleton)}});
 }
 
 }  // namespace detail

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/file/json.hpp>
 
 namespace ml = motionlang;
@@ -95,4 +96,10 @@ TEST_CASE("values of the wrong kind name the way") {
            [&] { model["width"].keys(); }, [&] { model.value_or("name", 1); }}) {
     CHECK_MESSAGE(message_of(wrong).starts_with("[motionlang.config.107] config.json: "), message_of(wrong));
   }
+}
+
+TEST_CASE("a document as text: in one line or indented; what is not UTF-8 is replaced") {
+  const nlohmann::ordered_json foreign{{"name", "a\xff"}, {"list", {1, 2}}};
+  CHECK(ml::detail::json_text(foreign) == "{\"name\":\"a\xef\xbf\xbd\",\"list\":[1,2]}");
+  CHECK(ml::detail::json_text(nlohmann::json{{"n", 1}}, 2) == "{\n  \"n\": 1\n}");
 }

@@ -10,6 +10,7 @@
 #include <string_view>  // types of accessors
 #include <vector>       // data
 
+#include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/formats/detail/glb_container.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
@@ -89,8 +90,7 @@ class GlbBuilder {
   std::vector<std::byte> finish() {
     if (document["buffers"].empty()) document["buffers"].push_back(nlohmann::ordered_json::object());
     document["buffers"][0]["byteLength"] = binary_.size();
-    constexpr auto repair = nlohmann::ordered_json::error_handler_t::replace;  // names that are not UTF-8
-    return glb_file(document.dump(-1, ' ', false, repair), std::move(binary_));
+    return glb_file(json_text(document), std::move(binary_));
   }
 
  private:

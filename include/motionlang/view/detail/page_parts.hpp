@@ -12,7 +12,7 @@
 #include <string_view>       // scripts
 
 #include <motionlang/file/detail/bytes.hpp>
-#include <motionlang/file/json.hpp>
+#include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/formats/detail/figure_pose.hpp>
 #include <motionlang/view/detail/markup.hpp>
 #include <motionlang/view/track.hpp>
@@ -107,7 +107,7 @@ inline std::string self_contained_page(std::string_view title, std::string_view 
                                        const nlohmann::ordered_json& page,
                                        std::initializer_list<std::string_view> scripts, std::string_view allowed = "") {
   std::string data, program;
-  for (const char c : page.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
+  for (const char c : json_text(page)) {
     data += c == '<' ? "\\u003c" : std::string(1, c);  // no tag can end the script; '<' only stands in texts
   }
   for (const std::string_view script : scripts) program += script;
