@@ -13,7 +13,7 @@
 
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/file/detail/bytes.hpp>
-#include <motionlang/file/json.hpp>
+#include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/file/project_folder.hpp>
 #include <motionlang/formats/glb_rig.hpp>
 #include <motionlang/generate/generate_options.hpp>
@@ -27,11 +27,6 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-
-/// In one line; bytes that are not UTF-8 are replaced.
-inline std::string answer_text(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
 
 /// The motions and files of one client.
 struct StudioClient {
@@ -130,7 +125,7 @@ class StudioServer::Body {
     return {&turns_, [](detail::StudioTurns* t) { t->leave(); }};
   }
 
-  static std::string text_of(const nlohmann::ordered_json& json) { return detail::answer_text(json); }
+  static std::string text_of(const nlohmann::ordered_json& json) { return detail::json_text(json); }
   static std::string packed(std::span<const std::byte> bytes) { return detail::to_base64(bytes); }
 
   const ProjectFolder& folder() const {
@@ -300,7 +295,7 @@ MOTIONLANG_BODY void StudioServer::answer(std::string_view question, const Studi
   std::string line;
   const auto work = [&] { line = concat_text("{\"value\":", body_->value(question, write), "}\n"); };
   detail::guard<std::exception>(work, [&](const std::exception& e) {
-    line = detail::answer_text({{"error", e.what()}}) + "\n";
+    line = detail::json_text(nlohmann::ordered_json{{"error", e.what()}}) + "\n";
     return true;
   });
   write(line);
