@@ -2,79 +2,31 @@
 // Bodies of timeline_text.hpp.
 #pragma once
 
-#include <cmath>        // abs
-#include <type_traits>  // frames or seconds
+#include <cmath>  // abs
 
-#include <motionlang/compose/detail/timeline_line.hpp>
+#include <motionlang/compose/detail/timeline_parser.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/core/sort.hpp>
 #include <motionlang/core/text_lines.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-/// T = Index: frames at options.fps; T = double: seconds.
-template <class T>
-BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOptions& options) {
-  if (line.fields() < 3) line.fail(501, line.fields(), "expected 'text # start # end # body parts'");
-  const auto time = [&](std::size_t i) {
-    if constexpr (std::is_same_v<T, Index>) {
-      const double seconds = line.seconds(i);
-      if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, i, "'", line.field(i), "' is too late");
-      return frame_at(seconds, options.fps);
-    } else {
-      return line.seconds(i);
-    }
-  };
-  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3, options.body), line.place(0)};
-  if (out.parts == BodyParts{} && !options.as_published) out.parts = options.body.all();
-  if (!(out.start < out.end) && !options.as_published) {
-    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
-              line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
-  }
-  return out;
-}
-
-template <class T>
-std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const TimelineTextOptions& options) {
-  if (!(options.fps > 0)) raise<config_error>(101, "parse_timelines: fps ", options.fps);
-  std::vector<BasicTimeline<T>> out;
-  bool inside = false;
-  for_each_line(text, [&](std::string_view line, Index number) {
-    const bool blank = trim(line).empty();
-    if (!blank) {
-      if (!inside) out.push_back({{}, options.body});
-      out.back().intervals.push_back(parse_interval<T>(TimelineLine(line, number, options.name), options));
-    }
-    inside = !blank;
-  });
-  if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
-  for (auto& timeline : out) {
-    shift_to_zero(timeline);
-    for (const auto& i : timeline.intervals) {
-      if (i.end <= static_cast<T>(latest_time)) continue;
-      fail_at(502, options.name, i.place, "a timeline that lasts ", i.end, " is too long");
-    }
-  }
-  return out;
-}
-
-}  // namespace detail
-
 MOTIONLANG_BODY std::vector<Timeline> parse_timelines(std::string_view text, const TimelineTextOptions& options) {
-  return detail::parse_timelines_as<Index>(text, options);
+  std::vector<Timeline> out;
+  detail::parse_timelines_into(text, options, out);
+  return out;
 }
 
 MOTIONLANG_BODY std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
                                                                           const TimelineTextOptions& options) {
-  return detail::parse_timelines_as<double>(text, options);
+  std::vector<TimelineInSeconds> out;
+  detail::parse_timelines_into(text, options, out);
+  return out;
 }
 
 MOTIONLANG_BODY Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options) {
   auto all = parse_timelines(text, options);
-  if (all.size() > 1)
-    detail::fail_at(509, options.name, all[1].intervals.front().place, all.size(), " timelines where one is expected");
+  detail::require_one_timeline(all, options);
   return std::move(all.front());
 }
 

@@ -2,6 +2,7 @@
 // Bodies of timeline_report.hpp.
 #pragma once
 
+#include <motionlang/compose/detail/timeline_parser.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/generate/text_warnings.hpp>
@@ -41,9 +42,8 @@ inline nlohmann::ordered_json part_names(BodyParts parts, const BodyPartition& b
 MOTIONLANG_BODY std::string timeline_report(const MotionModel& model, std::string_view text,
                                             const GenerateOptions& options) {
   constexpr std::string_view source = "timeline";
-  const TimelineTextOptions reading{.fps = model.fps(), .name = source};
-  const Timeline frames = parse_timeline(text, reading);
-  const TimelineInSeconds timeline = parse_timelines_in_seconds(text, reading).front();
+  const auto [frames, timeline] =
+      detail::parse_timeline_in_both(text, TimelineTextOptions{.fps = model.fps(), .name = source});
   nlohmann::ordered_json texts = nlohmann::ordered_json::array(), warnings = nlohmann::ordered_json::array();
   std::vector<std::string> messages;
   for (const IntervalInSeconds& i : timeline.intervals) {
