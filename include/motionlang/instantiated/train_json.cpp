@@ -8,8 +8,8 @@
 #include <motionlang/train/diffusion_items.ipp>
 #include <motionlang/train/diffusion_presets.ipp>
 #include <motionlang/train/diffusion_systems.ipp>
+#include <motionlang/train/diffusion_task.ipp>
 #include <motionlang/train/diffusion_texts.ipp>
-#include <motionlang/train/diffusion_training.ipp>
 #include <motionlang/train/epoch_task.ipp>
 #include <motionlang/train/guo_config.ipp>
 #include <motionlang/train/guo_evaluation.ipp>

@@ -28,14 +28,12 @@
 #include <motionlang/datasets/tm2t_data.hpp>
 #include <motionlang/train/diffusion_presets.hpp>
 #include <motionlang/train/diffusion_systems.hpp>
+#include <motionlang/train/diffusion_task.hpp>
 #include <motionlang/train/diffusion_texts.hpp>
-#include <motionlang/train/epoch_task.hpp>
 #include <motionlang/train/feature_statistics.hpp>
 #include <motionlang/train/motion_batch.hpp>
 #include <motionlang/train/trainer.hpp>
-#include <motionlang/weights/diffusion_folder.hpp>
 #include <motionlang/weights/own_text_encoder.hpp>
-#include <motionlang/weights/trained_model.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -69,13 +67,10 @@ struct DiffusionPlace {
 
 namespace detail {
 
-/// The number of a training's steps: that of all epochs if `updates` is 0. Otherwise it is the first end of an epoch
-/// after `updates` steps, as in MDM.
-Index training_steps(Index updates, Index epochs, Index per_epoch);
-
-/// The place of a step in batches that leave out the last one of an epoch: the step that `EpochBatches` with all of
-/// them gives this batch.
-Index step_with_last(Index step, Index per_epoch, Index with_last);
+template <AutodiffBackend Tape, class System>
+using TextDiffusionTask = DiffusionTask<
+    EpochTask<typename System::Config, DiffusionModel<Tape, System>, DiffusionModel<typename Tape::inner, System>>,
+    System::drops_last>;
 
 /// Deviations whose root and contacts are divided by `bias`.
 template <Backend B>
@@ -96,11 +91,9 @@ TextFeatures<To> converted(const TextFeatures<From>& f) {
 }  // namespace detail
 
 template <AutodiffBackend Tape, class System>
-class DiffusionTraining : public EpochTask<typename System::Config, DiffusionModel<Tape, System>,
-                                           DiffusionModel<typename Tape::inner, System>> {
+class DiffusionTraining : public detail::TextDiffusionTask<Tape, System> {
  public:
-  using Base =
-      EpochTask<typename System::Config, DiffusionModel<Tape, System>, DiffusionModel<typename Tape::inner, System>>;
+  using Base = detail::TextDiffusionTask<Tape, System>;
   using typename Base::A, typename Base::B, typename Base::Config;
 
   /// data         must outlive the training
@@ -110,24 +103,18 @@ class DiffusionTraining : public EpochTask<typename System::Config, DiffusionMod
   DiffusionTraining(Config config, const DescribedMotions& data, DiffusionTexts<B> texts = {},
                     const std::filesystem::path& statistics = {});
 
-  Index steps() const { return detail::training_steps(config_.updates, config_.optimiser.epochs, steps_per_epoch()); }
   void update(const Gradients<A>& gradients, Index step) {
     // From this step on the rate of the average no longer grows.
     constexpr Index no_warmup = std::numeric_limits<std::int32_t>::max();
-    learner_.update(gradients, config_.optimiser.rate(step, steps()), System::ema_warmup(config_) ? step : no_warmup);
-  }
-  ValidationPlan validation() const {
-    ValidationPlan plan = Base::validation();
-    plan.every = config_.validation.every * steps_per_epoch() * (plan.every > 0 ? 1 : 0);
-    return plan;
+    learner_.update(gradients, config_.optimiser.rate(step, this->steps()),
+                    System::ema_warmup(config_) ? step : no_warmup);
   }
   std::map<std::string, std::string> settings() const;
 
   /// One term: the published loss of the system.
   LossTerms<A> loss(Philox rng, Index step, const Context& context) const {
-    return part_loss(rng, step, {0, samples(step)}, context);
+    return part_loss(rng, step, {0, this->samples(step)}, context);
   }
-  Index samples(Index step) const { return std::ssize(motions_of(step)); }
   LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const;
   /// The loss without dropout, of first texts and always with the same noise.
   std::vector<Measure> validate();
@@ -139,14 +126,6 @@ class DiffusionTraining : public EpochTask<typename System::Config, DiffusionMod
   template <Backend T>
   using Model = DiffusionModel<T, System>;
 
-  Index steps_per_epoch() const {
-    return System::drops_last ? std::max<Index>(1, std::ssize(data_->training) / config_.optimiser.batch)
-                              : batches_.per_epoch();
-  }
-  /// The numbers of the motions of a step.
-  std::vector<Index> motions_of(Index step) const {
-    return batches_(detail::step_with_last(step, steps_per_epoch(), batches_.per_epoch()), this->seed());
-  }
   Index text_width() const { return texts_.encode ? texts_.width : config_.text.width; }
   Normalizer<B> motion_statistics(const std::filesystem::path& folder) const;
   Normalizer<B> text_statistics() const;
@@ -160,9 +139,8 @@ class DiffusionTraining : public EpochTask<typename System::Config, DiffusionMod
   Tensor<T, 0> loss_of(const Model<T>& model, const DiffusionBatch<T>& batch, const Philox& rng, double drop,
                        const Context& context, const DiffusionPlace& place = {}) const;
 
-  using Base::batches_, Base::config_, Base::data_, Base::learner_;
+  using Base::config_, Base::data_, Base::diffusion_, Base::learner_;
   DiffusionTexts<B> texts_;
-  GaussianDiffusion diffusion_;
 };
 
 template <AutodiffBackend A>
@@ -172,16 +150,10 @@ using MdmTraining = DiffusionTraining<A, MdmSystem>;
 template <AutodiffBackend A>
 using MotionDiffuseTraining = DiffusionTraining<A, MotionDiffuseSystem>;
 
-/// The process of a configuration.
-GaussianDiffusion diffusion_of(const DiffusionProcessConfig& c);
-
 template <AutodiffBackend Tape, class System>
 DiffusionTraining<Tape, System>::DiffusionTraining(Config config, const DescribedMotions& data, DiffusionTexts<B> texts,
                                                    const std::filesystem::path& statistics)
-    : Base(System::name, std::move(config), data),
-      texts_(std::move(texts)),
-      diffusion_(diffusion_of(config_.diffusion)) {
-  config_.require_consistent();
+    : Base(System::name, std::move(config), data), texts_(std::move(texts)) {
   const bool pieces = config_.text.encoder == "word_pieces";
   if (pieces == static_cast<bool>(texts_.encode))
     raise<config_error>(102, "text.encoder = ", config_.text.encoder,
@@ -239,7 +211,6 @@ auto DiffusionTraining<Tape, System>::text_statistics() const -> Normalizer<B> {
 template <AutodiffBackend Tape, class System>
 std::map<std::string, std::string> DiffusionTraining<Tape, System>::settings() const {
   auto out = Base::settings();
-  out.erase("updates");  // a run may be extended
   if (const auto& own = learner_.average.text_encoder) {
     std::string& pieces = out["text.pieces"];
     for (const std::string& p : own->tokenizer.pieces->vocabulary()) pieces += p + "\n";
@@ -290,20 +261,11 @@ template <Backend T>
 Tensor<T, 0> DiffusionTraining<Tape, System>::loss_of(const Model<T>& model, const DiffusionBatch<T>& batch,
                                                       const Philox& rng, double drop, const Context& context,
                                                       const DiffusionPlace& place) const {
-  using S = typename T::scalar;
-  auto steps = rng.split("t"), drops = rng.split("drop");
-  const Shape shape = batch.x0.rows.shape();
-  NoisedMotions<T> noised{batch.x0, normal_rows<T>(place.first_row, shape[0], shape[1], rng.split("noise")), {}};
-  std::vector<S> kept;
-  for (Index i = 0; i < place.first + std::ssize(batch.texts); ++i) {
-    const auto t = static_cast<Index>(steps.below(static_cast<std::uint32_t>(diffusion_.steps())));
-    const bool dropped = drops.uniform() < drop;
-    if (i < place.first) continue;
-    noised.t.push_back(t);
-    kept.push_back(dropped ? S(0) : S(1));
-  }
+  const auto drawn = this->draws(rng, place.first, std::ssize(batch.texts), drop);
+  const NoisedMotions<T> noised = this->with_noise(batch.x0, place.first_row, rng, drawn.t);
   auto text = texts_of(model, batch.texts, context);
   if (drop > 0) {
+    const std::vector<typename T::scalar> kept(drawn.kept.begin(), drawn.kept.end());
     const auto factor = Tensor<T, 2>::from(kept, {std::ssize(kept), 1});
     text.tokens.rows = text.tokens.rows * repeat_for_rows(factor, text.tokens.offsets);
   }
@@ -315,7 +277,7 @@ Tensor<T, 0> DiffusionTraining<Tape, System>::loss_of(const Model<T>& model, con
 template <AutodiffBackend Tape, class System>
 auto DiffusionTraining<Tape, System>::part_loss(Philox rng, Index step, const BatchPart& part,
                                                 const Context& context) const -> LossTerms<A> {
-  const std::vector<Index> which = motions_of(step);
+  const std::vector<Index> which = this->motions_of(step);
   const auto items_rng = rng.split("items");
   const Index padded = System::pads(config_).frames;
   std::vector<DiffusionItem> items;
@@ -355,11 +317,7 @@ void DiffusionTraining<Tape, System>::save(const std::filesystem::path& folder,
   DiffusionRun run = detail::described_texts(System::name, config_.text, System::states(config_));
   run.steps = config_.diffusion.steps, run.schedule = config_.diffusion.schedule, run.fps = data_->fps;
   System::describe(run, config_, data_->width, text_width());
-  ModelFolder description = described_model(System::name, about);
-  description.features = run.features;
-  description.fps = run.fps;
-  description.text_encoder = run.text_encoder;
-  description.config = detail::diffusion_options(run);
+  ModelFolder description = detail::described_diffusion(System::name, run, about);
   description.others["training"] = config_json(config_);
   TensorStore store;
   store.add_module(model.denoiser, System::prefix);
@@ -371,9 +329,6 @@ void DiffusionTraining<Tape, System>::save(const std::filesystem::path& folder,
 
 MOTIONLANG_NAMESPACE_END
 
-#ifndef MOTIONLANG_INSTANTIATED
-#include <motionlang/train/diffusion_training.ipp>
-#endif
 #ifdef MOTIONLANG_INSTANTIATED_TRAINING
 #include <motionlang/backend/detail/eigen_class.hpp>
 extern template class motionlang::DiffusionTraining<motionlang::Autodiff<motionlang::EigenBackend<float>>,

@@ -19,12 +19,18 @@
 
 #include <motionlang/train/action_task.hpp>
 #include <motionlang/train/diffusion_presets.hpp>
-#include <motionlang/train/diffusion_training.hpp>
+#include <motionlang/train/diffusion_systems.hpp>
+#include <motionlang/train/diffusion_task.hpp>
 #include <motionlang/train/trainer.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
+template <AutodiffBackend Tape>
+using ActionDiffusionTask =
+    DiffusionTask<ActionTask<MdmActionTrainingConfig, MdmDenoiser<Tape>, MdmDenoiser<typename Tape::inner>>,
+                  /*drops_last=*/true>;
+
 MdmConfig network_sizes(const MdmActionTrainingConfig& c, Index actions);
 
 /// Writes what the reader of the folder takes.
@@ -42,34 +48,18 @@ Sequences<B> joints_in_place(const Sequences<B>& x, ActorClipsConfig clips) {
 }  // namespace detail
 
 template <AutodiffBackend Tape>
-class MdmActionTraining
-    : public ActionTask<MdmActionTrainingConfig, MdmDenoiser<Tape>, MdmDenoiser<typename Tape::inner>> {
+class MdmActionTraining : public detail::ActionDiffusionTask<Tape> {
  public:
-  using Base = ActionTask<MdmActionTrainingConfig, MdmDenoiser<Tape>, MdmDenoiser<typename Tape::inner>>;
+  using Base = detail::ActionDiffusionTask<Tape>;
   using typename Base::A, typename Base::B;
 
   /// data    must outlive the training
   /// Throws  config_error 101 to 103 for an invalid configuration
   MdmActionTraining(const MdmActionTrainingConfig& config, const DescribedMotions& data);
 
-  Index steps() const { return detail::training_steps(config_.updates, config_.optimiser.epochs, steps_per_epoch()); }
-  void update(const Gradients<A>& gradients, Index step) {
-    learner_.update(gradients, config_.optimiser.rate(step, steps()), step);
-  }
-  ValidationPlan validation() const {
-    ValidationPlan plan = Base::validation();
-    plan.every = config_.validation.every * steps_per_epoch() * (plan.every > 0 ? 1 : 0);
-    return plan;
-  }
-  std::map<std::string, std::string> settings() const {
-    auto out = Base::settings();
-    out.erase("updates");  // a run may be extended
-    return out;
-  }
   LossTerms<A> loss(Philox rng, Index step, const Context& context) const {
-    return part_loss(rng, step, {0, samples(step)}, context);
+    return part_loss(rng, step, {0, this->samples(step)}, context);
   }
-  Index samples(Index step) const { return std::ssize(motions_of(step)); }
   LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const;
   /// The loss without dropout, of the same windows and noise in every call.
   std::vector<Measure> validate();
@@ -78,24 +68,17 @@ class MdmActionTraining
   void save(const std::filesystem::path& folder, const std::map<std::string, std::string>& about);
 
  private:
-  Index steps_per_epoch() const { return std::max<Index>(1, std::ssize(data_->training) / config_.optimiser.batch); }
-  /// The numbers of the motions of a step.
-  std::vector<Index> motions_of(Index step) const {
-    return batches_(detail::step_with_last(step, steps_per_epoch(), batches_.per_epoch()), this->seed());
-  }
   /// The loss of a part of a batch.
   template <Backend T>
   LossTerms<T> loss_of(const MdmDenoiser<T>& model, const ActionBatch<T>& whole, const BatchPart& part,
                        const Philox& rng, double drop, const Context& context) const;
 
-  using Base::batches_, Base::classes_, Base::config_, Base::data_, Base::labels_, Base::learner_;
-  GaussianDiffusion diffusion_;
+  using Base::classes_, Base::config_, Base::data_, Base::diffusion_, Base::labels_, Base::learner_;
 };
 
 template <AutodiffBackend Tape>
 MdmActionTraining<Tape>::MdmActionTraining(const MdmActionTrainingConfig& config, const DescribedMotions& data)
-    : Base("mdm of actions", config, data, labels_of(data)), diffusion_(diffusion_of(config.diffusion)) {
-  config_.require_consistent();
+    : Base("mdm of actions", config, data, labels_of(data)) {
   this->begin(detail::new_mdm<B>(detail::network_sizes(config_, std::ssize(labels_)),
                                  Philox{.seed = this->seed()}.split("init")));
 }
@@ -103,7 +86,8 @@ MdmActionTraining<Tape>::MdmActionTraining(const MdmActionTrainingConfig& config
 template <AutodiffBackend Tape>
 auto MdmActionTraining<Tape>::part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) const
     -> LossTerms<A> {
-  const auto batch = action_batch<A>(data_->training, classes_, motions_of(step), config_.clips, rng.split("windows"));
+  const auto batch =
+      action_batch<A>(data_->training, classes_, this->motions_of(step), config_.clips, rng.split("windows"));
   return loss_of(learner_.model, batch, part, rng, config_.drop, context);
 }
 
@@ -123,20 +107,12 @@ LossTerms<T> MdmActionTraining<Tape>::loss_of(const MdmDenoiser<T>& model, const
                                               const Context& context) const {
   using S = typename T::scalar;
   const ActionBatch<T> batch = part_of(whole, part);
-  auto steps = rng.split("t"), drops = rng.split("drop");
-  NoisedMotions<T> noised{
-      batch.x,
-      normal_rows<T>(whole.x.offsets.begin(part.first), batch.x.rows.size(0), batch.x.width(), rng.split("noise")),
-      {}};
+  const auto drawn = this->draws(rng, part.first, std::ssize(batch.classes), drop);
+  const NoisedMotions<T> noised = this->with_noise(batch.x, whole.x.offsets.begin(part.first), rng, drawn.t);
   const Index actions = model.config.num_actions;
   std::vector<S> one_hot(batch.classes.size() * static_cast<std::size_t>(actions));
-  for (Index i = 0; i < part.last; ++i) {
-    const auto t = static_cast<Index>(steps.below(static_cast<std::uint32_t>(diffusion_.steps())));
-    const bool dropped = drops.uniform() < drop;
-    if (i < part.first) continue;
-    noised.t.push_back(t);
-    const auto row = static_cast<std::size_t>(i - part.first);
-    if (!config_.unconstrained && !dropped)
+  for (std::size_t row = 0; row < batch.classes.size(); ++row) {
+    if (!config_.unconstrained && drawn.kept[row])
       one_hot[row * static_cast<std::size_t>(actions) + static_cast<std::size_t>(batch.classes[row])] = 1;
   }
   const auto action = TextFeatures<T>::pooled(Tensor<T, 2>::from(one_hot, {std::ssize(batch.classes), actions}));

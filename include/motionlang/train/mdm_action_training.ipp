@@ -30,11 +30,8 @@ MOTIONLANG_BODY ModelFolder described_mdm_actions(const MdmActionTrainingConfig&
   run.system = "mdm", run.text_encoder = "none";
   run.mdm = sizes;
   run.steps = c.diffusion.steps, run.schedule = c.diffusion.schedule;
-  ModelFolder out = described_model("mdm", about);
-  out.features = "actor";
-  out.fps = c.clips.fps;
-  out.text_encoder = run.text_encoder;
-  out.config = diffusion_options(run);
+  run.features = "actor", run.fps = c.clips.fps;
+  ModelFolder out = described_diffusion("mdm", run, about);
   out.config["unconstrained"] = c.unconstrained;
   out.config["cond_mask_prob"] = c.drop;
   out.config["num_actions"] = sizes.num_actions;

@@ -2,6 +2,8 @@
 // the folder of a model.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include <motionlang/backend/usual.hpp>
 #include <motionlang/file/fields_json.hpp>
 #include <motionlang/file/file.hpp>
@@ -9,6 +11,7 @@
 #include <motionlang/train/diffusion_losses.hpp>
 #include <motionlang/train/diffusion_presets.hpp>
 #include <motionlang/train/diffusion_systems.hpp>
+#include <motionlang/train/diffusion_task.hpp>
 #include <motionlang/train/diffusion_texts.hpp>
 #include <motionlang/train/diffusion_training.hpp>
 #include <motionlang/train/mdm_action_training.hpp>
@@ -367,4 +370,18 @@ TEST_CASE("MDM of actions is trained, resumed with the same bits, and read like 
   config.unconstrained = true;
   ml::MdmActionTraining<A>(config, data).save(folder / "any", {{"license", "MIT"}, {"provenance", "a test"}});
   CHECK(ml::load_mdm_action_run<B>(ml::find_run(folder / "any")).labels == std::vector<std::string>{"any"});
+}
+
+TEST_CASE("the draws of a part are those that its motions have in the whole batch") {
+  const ml::Philox rng{.seed = 3};
+  const auto all = ml::detail::diffusion_draws(rng, 0, 40, 50, 0.5),
+             last = ml::detail::diffusion_draws(rng, 30, 10, 50, 0.5);
+  CHECK(std::vector<Index>(all.t.begin() + 30, all.t.end()) == last.t);
+  CHECK(std::vector<bool>(all.kept.begin() + 30, all.kept.end()) == last.kept);
+  CHECK(*std::ranges::max_element(all.t) > 25);
+  CHECK(*std::ranges::max_element(all.t) < 50);
+  const auto kept = std::ranges::count(all.kept, true);
+  CHECK(kept > 8);
+  CHECK(kept < 32);
+  CHECK(std::ranges::count(ml::detail::diffusion_draws(rng, 0, 40, 50, 0).kept, true) == 40);
 }
