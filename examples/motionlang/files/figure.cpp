@@ -1,13 +1,11 @@
 // motionlang figure: pictures as the papers have them, from timelines, motions, tables and texts.
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/datasets/word_counts.hpp>
 #include <motionlang/generate/timeline_tracks.hpp>
-#include <motionlang/search/text_similarity.hpp>
 #include <motionlang/view/film_strip.hpp>
+#include <motionlang/view/similarity_picture.hpp>
 #include <motionlang/view/timeline_picture.hpp>
 #include <motionlang/view/word_charts.hpp>
 
@@ -76,21 +74,12 @@ void draw_moments(const FigureCommand& o) {
     ml::raise<usage_error>(102, "--truth has ", o.truth.size(), " ranges for ", counted(o.texts.size(), "text"));
   const ml::Motion motion = read_only_performed_motion(o.in.at(0));
   const SearchModel model = search_model(o.model, o.text_encoder);
-  std::vector<ml::CurvePanel> panels;
-  for (std::size_t i = 0; i < o.texts.size(); ++i) {
-    const auto frames = std::max<ml::Index>(1, std::lround(o.window * model.model().fps));
-    const auto found = ml::text_similarity(model, o.texts[i], motion, frames);
-    ml::Curve curve{"similarity", {}, found.similarity};
-    for (std::size_t f = 0; f < found.similarity.size(); ++f) curve.steps.push_back(static_cast<double>(f) / found.fps);
-    const double best = static_cast<double>(found.best) / found.fps;
-    ml::CurvePanel panel{.title = o.texts[i], .curves = {std::move(curve)}, .axis = "seconds"};
-    if (!o.truth.empty()) panel.shaded.push_back(range_of(o.truth[i]));
-    panel.marks.push_back(best);
-    panels.push_back(std::move(panel));
-    std::printf("%-40s %.2f s, similarity %.3f\n", ml::printable(o.texts[i]).c_str(), best,
-                found.similarity[static_cast<std::size_t>(found.best)]);
-  }
-  o.write(ml::curves_svg(panels));
+  std::vector<ml::TextToLocate> texts;
+  for (const std::string& text : o.texts) texts.push_back({text});
+  for (std::size_t i = 0; i < o.truth.size(); ++i) texts[i].truth = range_of(o.truth[i]);
+  const auto picture = ml::similarity_picture(model, texts, motion, o.window);
+  print(picture.about);
+  o.write(ml::curves_svg(picture.panels));
 }
 
 void draw_words(const FigureCommand& o) {

@@ -74,21 +74,6 @@ struct Measured {
   const ml::EmbeddingCache* token_cache() const { return states ? &*states : nullptr; }
 };
 
-/// Table 5.5.
-void print_filtered(const ml::DescribedMotions& data, const ml::EmbeddingCache& sentences) {
-  std::printf("negatives that training leaves out, %%\n  threshold        ");
-  constexpr double thresholds[] = {0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95};
-  for (const double t : thresholds) std::printf("%8.2f", t);
-  std::printf("\n  batches of 32    ");
-  for (const double t : thresholds) std::printf("%8.2f", ml::filtered_negatives<B>(data.training, sentences, t, 32));
-  constexpr Index batches[] = {16, 32, 64, 128};
-  std::printf("\n  batch            ");
-  for (const Index b : batches) std::printf("%8td", b);
-  std::printf("\n  threshold 0.8    ");
-  for (const Index b : batches) std::printf("%8.2f", ml::filtered_negatives<B>(data.training, sentences, 0.8, b));
-  std::printf("\n");
-}
-
 /// Figures 5.3 to 5.7.
 void write_galleries(const EvaluationOptions& o, const Measured& m, const ml::LatentTable& table,
                      const ml::TextMotionFile& file) {
@@ -167,7 +152,7 @@ void evaluate_tmr(const EvaluationOptions& o) {
     });
   }
   print_retrieval_tables(o, *m.part, table, made, m.sentences, /*euclidean=*/false);
-  if (o.filtered) print_filtered(m.data, m.sentences);
+  if (o.filtered) print(ml::filtered_negatives_table(ml::filtered_shares<B>(m.data.training, m.sentences)));
   if (!o.html.empty()) write_galleries(o, m, table, file);
 }
 

@@ -11,6 +11,7 @@
 #include <motionlang/train/diffusion_task.ipp>
 #include <motionlang/train/diffusion_texts.ipp>
 #include <motionlang/train/epoch_task.ipp>
+#include <motionlang/train/filtered_negatives.ipp>
 #include <motionlang/train/guo_config.ipp>
 #include <motionlang/train/guo_evaluation.ipp>
 #include <motionlang/train/guo_matching_training.ipp>

@@ -8,6 +8,7 @@
 #include <motionlang/view/inspection_page.ipp>
 #include <motionlang/view/loss_curves.ipp>
 #include <motionlang/view/retrieval_page.ipp>
+#include <motionlang/view/similarity_picture.ipp>
 #include <motionlang/view/study_chart.ipp>
 #include <motionlang/view/text_colours.ipp>
 #include <motionlang/view/timeline_picture.ipp>

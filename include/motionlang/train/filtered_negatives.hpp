@@ -4,6 +4,7 @@
 ///
 ///     filtered_negatives<B>(data.training, sentences, 0.8, 32);          // percent of a batch's negatives
 ///     similar_pairs(Rows(e.span(), e.size(1)), 0.95);                    // of all pairs of test texts
+///     filtered_negatives_table(filtered_shares<B>(data.training, sentences));  // table 5.5
 ///
 /// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 3.3; thesis 5.3.1 and table 5.5
 #pragma once
@@ -46,6 +47,26 @@ double filtered_negatives(const std::vector<DescribedMotion>& motions, const Emb
   return sum / static_cast<double>(count);
 }
 
+/// Table 5.5: such percentages by threshold, with one size of a batch, and by size, with one threshold.
+struct FilteredShares {
+  std::vector<double> thresholds{0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95};
+  std::vector<Index> batches{16, 32, 64, 128};
+  Index batch = 32;
+  double threshold = 0.8;
+  std::vector<double> by_threshold{}, by_batch{};
+};
+/// Throws as filtered_negatives.
+template <Backend B>
+FilteredShares filtered_shares(const std::vector<DescribedMotion>& motions, const EmbeddingCache& sentences) {
+  FilteredShares out;
+  for (const double t : out.thresholds)
+    out.by_threshold.push_back(filtered_negatives<B>(motions, sentences, t, out.batch));
+  for (const Index b : out.batches) out.by_batch.push_back(filtered_negatives<B>(motions, sentences, out.threshold, b));
+  return out;
+}
+/// The table as text.
+std::string filtered_negatives_table(const FilteredShares& shares);
+
 /// Pairs of different places in a list of texts.
 struct SimilarPairs {
   Index similar = 0, all = 0;
@@ -63,3 +84,7 @@ SimilarPairs similar_pairs(const Rows<S>& sentences, double threshold) {
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/train/filtered_negatives.ipp>
+#endif

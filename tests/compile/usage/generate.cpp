@@ -33,6 +33,7 @@
 #include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/gallery_page.hpp>
 #include <motionlang/view/loss_curves.hpp>
+#include <motionlang/view/similarity_picture.hpp>
 #include <motionlang/view/studio_page.hpp>
 #include <motionlang/view/study_chart.hpp>
 #include <motionlang/view/study_page.hpp>
@@ -101,6 +102,9 @@ void curves_() {
 }
 void text_similarity_(const SearchEncoder& tmr, const Motion& motion) {
 #include "search/text_similarity.1.inc"
+}
+void similarity_picture_(const SearchEncoder& tmr, const std::vector<TextToLocate>& texts, const Motion& motion) {
+#include "view/similarity_picture.1.inc"
 }
 void judge_(const std::unique_ptr<MotionModel>& model) {
 #include "generate/judged_prompts.1.inc"

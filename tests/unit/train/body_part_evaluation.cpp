@@ -56,6 +56,16 @@ TEST_CASE("filtered negatives: the share of a batch, and similar pairs of a list
   CHECK(ml::filtered_negatives<B>(motions, sentences, 0.8, 4) == doctest::Approx(100.0 * 3 / 6));
   CHECK(ml::filtered_negatives<B>(motions, sentences, 0.99, 4) == doctest::Approx(100.0 * 1 / 6));
   CHECK_ERROR(ml::filtered_negatives<B>(motions, sentences, 0.8, 1), "[motionlang.numeric.302]");
+  ml::FilteredShares table{.thresholds = {0.8, 0.99}, .batches = {4}, .by_threshold = {50, 16.666}, .by_batch = {50}};
+  CHECK(ml::filtered_negatives_table(table) ==
+        "negatives that training leaves out, %\n"
+        "  threshold            0.80    0.99\n"
+        "  batches of 32       50.00   16.67\n"
+        "  batch                   4\n"
+        "  threshold 0.8       50.00\n");
+  const auto shares = ml::filtered_shares<B>(motions, sentences);
+  CHECK(shares.by_threshold[5] == ml::filtered_negatives<B>(motions, sentences, 0.8, 32));
+  CHECK(shares.by_batch == std::vector<double>(4, shares.by_threshold[5]));
   const std::vector<float> all{1, 0, 0.96f, 0.28f, 0, 1};
   const auto pairs = ml::similar_pairs(ml::Rows(std::span<const float>(all), 2), 0.95);
   CHECK(pairs.all == 3);
