@@ -3,16 +3,14 @@
 #include <cstdio>
 #include <map>
 #include <optional>
-#include <set>
-#include <sstream>
 
-#include <motionlang/datasets/babel_motions.hpp>
 #include <motionlang/datasets/body_part_lines.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/file/input_files.hpp>
 #include <motionlang/train/body_part_evaluation.hpp>
 
 #include "../commands.hpp"
+#include "../formatted.hpp"
 #include "../progress_bar.hpp"
 
 namespace program {
@@ -26,44 +24,15 @@ struct BodyPartOptions {
   ml::BodyPartPrompt form = ml::BodyPartPrompt::few_shot;
 };
 
-std::vector<std::string> wanted_labels(const BodyPartOptions& o) {
-  if (!o.babel.empty()) return ml::babel_labels(o.babel, o.spelling);
-  std::istringstream lines(ml::read_file(o.labels));
-  std::set<std::string> out;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.ends_with('\r')) line.pop_back();
-    if (!line.empty()) out.insert(line);
-  }
-  return {out.begin(), out.end()};
-}
-
-void print_accuracy(const char* what, const ml::PartAccuracy& a) {
-  std::printf("  %-30s", what);
-  for (const double x : a.of_parts) std::printf("%11.2f", x);
-  std::printf("%8.2f%8td\n", a.mean(), a.items);
-}
-
 /// Table B.1.
-void print_accuracies(const BodyPartOptions& o, const std::optional<ml::BodyPartAnswers>& answers) {
+void print_accuracies(const BodyPartOptions& o, const ml::BodyPartAnswers* answers) {
   const auto truth = ml::parse_body_part_truth(ml::read_file(o.truth), o.truth.string());
-  std::printf("%s\n  %-30s", ml::counted(truth.labels.size(), "label").c_str(), "");
-  for (const auto part : ml::sinc_part_names) std::printf("%11s", std::string(part).c_str());
-  std::printf("%8s%8s\n", "mean", "items");
+  std::vector<ml::DescribedMotion> motions;
   if (!o.data.empty()) {
-    ml::SincDataConfig config;
-    config.types = "seg+seq";
-    config.test_share = config.validation_share = 0;
-    const ml::BabelSources sources{o.data, o.babel, {}, {}, o.spelling};
     ProgressBar bar("reading motions");
-    const auto motions =
-        ml::read_babel_motions(sources, "smplvelp", ml::split_config(config), ml::sinc_reader(config), bar);
-    bar.finish();
-    print_accuracy("velocities of motions", ml::velocity_part_accuracy(truth, motions.training, "smplvelp"));
+    motions = ml::labelled_motions({o.data, o.babel, {}, {}, o.spelling}, bar);
   }
-  print_accuracy("words of the label (lexicon)", ml::part_accuracy(truth, [](const std::string& label) {
-                   return std::optional(ml::as_sinc_parts(ml::guess_body_parts(label)));
-                 }));
-  if (answers) print_accuracy("answers", ml::part_accuracy(truth, ml::answered_parts(*answers)));
+  print(ml::labellers_table(truth, ml::labeller_accuracies(truth, o.data.empty() ? nullptr : &motions, answers)));
 }
 
 void run(const BodyPartOptions& o) {
@@ -78,20 +47,14 @@ void run(const BodyPartOptions& o) {
     ml::write_file(o.table, std::string_view(ml::body_part_table_text(*answers)));
     std::printf("%s  %s\n", ml::counted(answers->size(), "answer").c_str(), o.table.string().c_str());
   }
-  if (!o.truth.empty()) return print_accuracies(o, answers);
+  if (!o.truth.empty()) return print_accuracies(o, answers ? &*answers : nullptr);
   if (o.babel.empty() && o.labels.empty()) return;
-  std::set<std::string> known;
-  for (const auto& [label, answer] : answers.value_or(ml::BodyPartAnswers())) {
-    if (ml::known_body_part_answer(answer)) known.insert(label);
-  }
-  const auto all = wanted_labels(o);
-  std::vector<std::string> open;
-  for (const std::string& label : all) {
-    if (!known.contains(label)) open.push_back(label);
-  }
+  const auto all =
+      o.babel.empty() ? ml::parse_label_list(ml::read_file(o.labels)) : ml::babel_labels(o.babel, o.spelling);
+  const auto open = ml::unanswered_labels(all, answers.value_or(ml::BodyPartAnswers()));
   const std::string lines = ml::body_part_questions(open, o.form);
   if (o.prompts.empty()) {
-    std::fwrite(lines.data(), 1, lines.size(), stdout);
+    print(lines);
   } else {
     ml::write_file(o.prompts, std::string_view(lines));
     std::printf("%s of %zu without an answer  %s\n", ml::counted(open.size(), "label").c_str(), all.size(),

@@ -32,6 +32,8 @@ BodyPartAnswers parse_body_part_answers(std::string_view text, std::string_view 
 /// Answers in the lines above or in a table of SINC's form, by what the file holds. Throws io_error 401, 403,
 /// config_error 107.
 BodyPartAnswers read_body_part_answers(const FilePath& path);
+/// The labels without an answer that names a part, in their order.
+std::vector<std::string> unanswered_labels(std::span<const std::string> labels, const BodyPartAnswers& answers);
 /// The table as SINC has it. A label with several answers gets the last one.
 std::string body_part_table_text(const BodyPartAnswers& answers);
 
@@ -44,6 +46,8 @@ struct BodyPartTruth {
 /// 0.5 and 1.
 BodyPartTruth parse_body_part_truth(std::string_view text, std::string_view name = "truth");
 
+/// The labels on the lines of a text, sorted, without empty lines.
+std::vector<std::string> parse_label_list(std::string_view text);
 /// Labels of BABEL as train-sinc takes them: those of segments and, without segments, of whole sequences; sorted. No
 /// motion is read.
 std::vector<std::string> babel_labels(const FilePath& babel, const FilePath& spelling = "");

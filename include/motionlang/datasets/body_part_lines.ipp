@@ -48,6 +48,19 @@ MOTIONLANG_BODY BodyPartAnswers read_body_part_answers(const FilePath& path) {
   return out;
 }
 
+MOTIONLANG_BODY std::vector<std::string> unanswered_labels(std::span<const std::string> labels,
+                                                           const BodyPartAnswers& answers) {
+  std::set<std::string_view> known;
+  for (const auto& [label, answer] : answers) {
+    if (known_body_part_answer(answer)) known.insert(label);
+  }
+  std::vector<std::string> out;
+  for (const std::string& label : labels) {
+    if (!known.contains(label)) out.push_back(label);
+  }
+  return out;
+}
+
 MOTIONLANG_BODY std::string body_part_table_text(const BodyPartAnswers& answers) {
   nlohmann::ordered_json table = nlohmann::ordered_json::object();
   for (const auto& [label, answer] : answers) table[label] = {"", "", answer};
@@ -74,6 +87,14 @@ MOTIONLANG_BODY BodyPartTruth parse_body_part_truth(std::string_view text, std::
     }
   });
   return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> parse_label_list(std::string_view text) {
+  std::set<std::string> found;
+  detail::for_each_line(text, [&](std::string_view line, Index) {
+    if (!line.empty()) found.emplace(line);
+  });
+  return {found.begin(), found.end()};
 }
 
 MOTIONLANG_BODY std::vector<std::string> babel_labels(const FilePath& babel, const FilePath& spelling) {

@@ -12,11 +12,13 @@
 #include <functional>  // labellers
 #include <numeric>     // mean
 #include <optional>    // labels without an answer
+#include <span>        // rows
 #include <string>      // labels
 #include <vector>      // motions
 
 #include <motionlang/compose/body_part_lexicon.hpp>
 #include <motionlang/compose/text_sinc_parts.hpp>
+#include <motionlang/datasets/babel_motions.hpp>
 #include <motionlang/datasets/body_part_lines.hpp>
 #include <motionlang/datasets/described_motions.hpp>
 
@@ -40,6 +42,22 @@ std::function<std::optional<SincParts>(const std::string& label)> answered_parts
 /// features  of the motions, with SMPL's joints
 PartAccuracy velocity_part_accuracy(const BodyPartTruth& truth, const std::vector<DescribedMotion>& motions,
                                     const std::string& features, double threshold = 0.65);
+
+/// A row of table B.1.
+struct LabellerAccuracy {
+  std::string labeller;
+  PartAccuracy accuracy;
+};
+/// The rows: velocities and answers if these are given, and the lexicon.
+/// motions  of `labelled_motions`
+std::vector<LabellerAccuracy> labeller_accuracies(const BodyPartTruth& truth,
+                                                  const std::vector<DescribedMotion>* motions,
+                                                  const BodyPartAnswers* answers);
+/// The table as text, below the number of labels.
+std::string labellers_table(const BodyPartTruth& truth, std::span<const LabellerAccuracy> rows);
+
+/// All motions of BABEL with single labels, for the row of velocities. Throws as read_babel_motions.
+std::vector<DescribedMotion> labelled_motions(const BabelSources& sources, Progress progress);
 
 MOTIONLANG_NAMESPACE_END
 

@@ -5,6 +5,7 @@
 #include <algorithm>  // copy
 #include <map>        // answers by label
 
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/kinematics/sinc_part_motion.hpp>
 #include <motionlang/metrics/accuracy.hpp>
@@ -82,6 +83,37 @@ MOTIONLANG_BODY PartAccuracy velocity_part_accuracy(const BodyPartTruth& truth,
                  detail::truth_of(truth, found->second));
   }
   return compared.accuracy();
+}
+
+MOTIONLANG_BODY std::vector<LabellerAccuracy> labeller_accuracies(const BodyPartTruth& truth,
+                                                                  const std::vector<DescribedMotion>* motions,
+                                                                  const BodyPartAnswers* answers) {
+  std::vector<LabellerAccuracy> out;
+  if (motions != nullptr) out.push_back({"velocities of motions", velocity_part_accuracy(truth, *motions, "smplvelp")});
+  out.push_back({"words of the label (lexicon)", part_accuracy(truth, [](const std::string& label) {
+                   return std::optional(as_sinc_parts(guess_body_parts(label)));
+                 })});
+  if (answers != nullptr) out.push_back({"answers", part_accuracy(truth, answered_parts(*answers))});
+  return out;
+}
+
+MOTIONLANG_BODY std::string labellers_table(const BodyPartTruth& truth, std::span<const LabellerAccuracy> rows) {
+  std::string out = counted(truth.labels.size(), "label") + formatted("\n  %-30s", "");
+  for (const auto part : sinc_part_names) out += formatted("%11s", std::string(part).c_str());
+  out += formatted("%8s%8s\n", "mean", "items");
+  for (const auto& [labeller, accuracy] : rows) {
+    out += formatted("  %-30s", labeller.c_str());
+    for (const double x : accuracy.of_parts) out += formatted("%11.2f", x);
+    out += formatted("%8.2f%8td\n", accuracy.mean(), accuracy.items);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<DescribedMotion> labelled_motions(const BabelSources& sources, Progress progress) {
+  SincDataConfig config;
+  config.types = "seg+seq";
+  config.test_share = config.validation_share = 0;
+  return read_babel_motions(sources, "smplvelp", split_config(config), sinc_reader(config), progress).training;
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -35,6 +35,13 @@ TEST_CASE("a question is a line of JSON; answers in lines become the table that 
   CHECK_ERROR(ml::parse_body_part_answers("\n{\n", "a.jsonl"), "a.jsonl:2");
 }
 
+TEST_CASE("labels on lines, and those without an answer that names a part") {
+  const auto labels = ml::parse_label_list("wave\r\nsit\n\nwave\njump\n");
+  CHECK(labels == std::vector<std::string>{"jump", "sit", "wave"});
+  const ml::BodyPartAnswers answers{{"sit", "the sofa"}, {"jump", "left leg\nright leg"}, {"run", "legs"}};
+  CHECK(ml::unanswered_labels(labels, answers) == std::vector<std::string>{"sit", "wave"});
+}
+
 TEST_CASE("what people say: six columns of 0, 1 and 0.5") {
   const auto truth = ml::parse_body_part_truth("# label\twalk\nwalk\t1\t0.5\t0\t0\t1\t1\n\nwave\t0\t0\t0\t1\t0\t0\n");
   CHECK(truth.labels == std::vector<std::string>{"walk", "wave"});

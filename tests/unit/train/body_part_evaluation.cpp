@@ -25,6 +25,17 @@ TEST_CASE("table B.1: the share of right answers of each part, without those tha
   CHECK(a.of_parts[2] == doctest::Approx(2.0 / 3));  // nod got a left arm, by the lexicon
   CHECK(a.of_parts[3] == 1);
   CHECK(a.mean() == doctest::Approx((2.0 / 3 + 0.5 + 2.0 / 3 + 1 + 1 + 1) / 6));
+
+  const auto rows = ml::labeller_accuracies(truth, nullptr, &answers);
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[0].accuracy.items == 4);  // the lexicon answers always
+  CHECK(rows[1].accuracy.mean() == a.mean());
+  CHECK(ml::labellers_table(truth, std::span(rows).last(1)) ==
+        "4 labels\n"
+        "                                     global      torso   left arm  right arm   left leg  rig"
+        "ht leg    mean   items\n"
+        "  answers                              0.67       0.50       0.67       1.00       1.00       1.00    0.81    "
+        "   3\n");
 }
 
 TEST_CASE("velocities: the legs of a walk move fastest against the pelvis that they carry") {
