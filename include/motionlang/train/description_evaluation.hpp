@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// How well descriptions fit their motions, by the networks of Guo et al.: R-precision and distance, the first columns
-/// of TM2T's table 1.
+/// Evaluates descriptions of motions: TM2T's table 1. They are compared with people's descriptions, and the networks of
+/// Guo et al. say how well they fit their motions (R-precision and distance).
 ///
-///     const CommonTags tags(data.training);
-///     const MatchingMetric m = description_match(judge, entries, tags.tagged(said), data.width, Philox{.seed = 0});
-///     use(m.r_precision(1), m.matching_score());
+///     const auto entries = text_entries(data.test, "test");
+///     const auto figures = description_figures(run, data, entries, {.guo = &judge}, {.seed = 0});
+///     const std::string table = description_table(figures.rows);
 ///
 /// Source   TM2T (Guo et al., ECCV 2022), table 1; final_evaluations_m2t.py: for each motion, the descriptions of its
 ///          batch are ranked
@@ -12,14 +12,21 @@
 ///          texts, and "OTHER" if it occurs in none
 #pragma once
 
-#include <algorithm>  // min
-#include <map>        // tags
-#include <span>       // texts
-#include <string>     // texts
-#include <vector>     // motions
+#include <algorithm>    // min
+#include <array>        // BLEU
+#include <map>          // tags
+#include <optional>     // judges
+#include <span>         // texts
+#include <string>       // texts
+#include <string_view>  // names
+#include <utility>      // move
+#include <vector>       // motions
 
+#include <motionlang/core/progress.hpp>
+#include <motionlang/train/bert_judge.hpp>
 #include <motionlang/train/guo_evaluation.hpp>
 #include <motionlang/train/text_entries.hpp>
+#include <motionlang/weights/tm2t_run.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -68,6 +75,108 @@ MatchingMetric description_match(const GuoJudge<B>& judge, std::span<const TextE
     const auto words = judge.texts(said);
     out.add(Rows(motions.span(), motions.size(1)), Rows(words.span(), words.size(1)));
   }
+  return out;
+}
+
+/// Who judges besides the words themselves; null: nobody.
+template <Backend B>
+struct DescriptionJudges {
+  BertJudge<B>* bert = nullptr;
+  const GuoJudge<B>* guo = nullptr;
+};
+
+/// The value of BERTScore that counts as 0: none; that of random texts of the training part; or TM2T's own, which
+/// fits layer 17 of roberta-large alone.
+enum class BertBaseline { none, random, tm2t };
+/// Throws config_error 103 for another name.
+BertBaseline parse_bert_baseline(std::string_view name);
+
+struct DescriptionOptions {
+  BertBaseline baseline = BertBaseline::none;
+  std::uint64_t seed = 0;
+  Progress progress{};  // of the descriptions
+};
+
+/// A row of the table. Scores are from 0 to 1.
+struct DescriptionScores {
+  std::string by;  // who describes
+  std::array<double, 4> bleu{};
+  double rouge_l = 0, cider = 0;
+  std::optional<double> bert{};
+  std::optional<std::array<double, 3>> r_precision{};
+  double distance = 0;  // with r_precision
+};
+struct DescriptionFigures {
+  std::vector<DescriptionScores> rows{};  // the model, random texts and, for the networks of Guo et al., the first text
+  BertScore baseline{};
+};
+
+/// The table as text, in per cent. Columns of judges are left out if the first row lacks them.
+std::string description_table(std::span<const DescriptionScores> rows);
+
+namespace detail {
+
+/// Descriptions of all entries: beside references, and with tags as the networks of Guo et al. read them.
+struct Descriptions {
+  std::vector<CaptionPair> pairs{};
+  std::vector<std::string> tagged{};
+
+  void add(const CaptionPair& references, const DescribedText& text, const GloVe& words);
+};
+/// For each entry a random text of the training part.
+Descriptions random_descriptions(std::span<const CaptionPair> references, const std::vector<DescribedMotion>& training,
+                                 const GloVe& words, Philox rng);
+
+template <Backend B>
+DescriptionScores description_scores(const std::string& by, const Descriptions& given,
+                                     std::span<const TextEntry> entries, Index width,
+                                     const DescriptionJudges<B>& judges, const BertScore& baseline, const Philox& rng) {
+  DescriptionScores out{by, motionlang::bleu(corpus_counts(given.pairs)), motionlang::rouge_l(given.pairs),
+                        motionlang::cider(given.pairs)};
+  if (judges.bert != nullptr) out.bert = (*judges.bert)(given.pairs, baseline);
+  if (judges.guo != nullptr) {
+    const MatchingMetric m = description_match(*judges.guo, entries, given.tagged, width, rng.split("batches"));
+    out.r_precision = {m.r_precision(1), m.r_precision(2), m.r_precision(3)};
+    out.distance = m.matching_score();
+  }
+  return out;
+}
+
+}  // namespace detail
+
+/// run      a TM2T from motions to texts
+/// entries  of a part of the data
+/// Throws   numeric_error 302 without references, and what the judges throw
+template <Backend B>
+DescriptionFigures description_figures(const Tm2tRun<B>& run, const DescribedMotions& data,
+                                       std::span<const TextEntry> entries, const DescriptionJudges<B>& judges,
+                                       const DescriptionOptions& options = {}) {
+  detail::Descriptions said, by_people;
+  std::vector<std::string> texts;
+  for (const TextEntry& e : entries) {
+    const Index length = std::min(e.frames.length / 4 * 4, tm2t_longest);
+    const auto rows = entry_rows(e, 0, length, data.width);
+    const CaptionPair references = entry_references(e, run.words);
+    said.pairs.push_back(references);
+    said.pairs.back().candidate =
+        run.model.describe({Tensor<B, 2>::from(rows, {length, data.width}), Offsets{length}}, run.words).front();
+    texts.push_back(said.pairs.back().candidate);
+    by_people.add(references, *e.texts.front(), run.words);
+    options.progress(std::ssize(texts), std::ssize(entries));
+  }
+  said.tagged = CommonTags(data.training).tagged(texts);
+  const Philox rng{.seed = options.seed};
+  const auto by_chance = detail::random_descriptions(said.pairs, data.training, run.words, rng.split("chance"));
+  DescriptionFigures out;
+  if (judges.bert != nullptr && options.baseline == BertBaseline::random)
+    out.baseline = judges.bert->mean(by_chance.pairs);
+  if (options.baseline == BertBaseline::tm2t) out.baseline = tm2t_bert_baseline;
+  const auto add = [&](const std::string& by, const detail::Descriptions& given) {
+    out.rows.push_back(detail::description_scores(by, given, entries, data.width, judges, out.baseline, rng));
+  };
+  add("described", said);
+  add("a random text of the training part", by_chance);
+  if (judges.guo != nullptr) add("the first text of people", by_people);
   return out;
 }
 

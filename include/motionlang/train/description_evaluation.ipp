@@ -4,6 +4,8 @@
 
 #include <sstream>  // words
 
+#include <motionlang/core/formatted.hpp>
+#include <motionlang/datasets/described_words.hpp>
 #include <motionlang/train/description_evaluation.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -39,5 +41,51 @@ MOTIONLANG_BODY std::vector<std::string> CommonTags::tagged(std::span<const std:
   for (const std::string& s : sentences) out.push_back(tagged(s));
   return out;
 }
+
+MOTIONLANG_BODY BertBaseline parse_bert_baseline(std::string_view name) {
+  if (name == "none") return BertBaseline::none;
+  if (name == "random") return BertBaseline::random;
+  if (name == "tm2t") return BertBaseline::tm2t;
+  raise<config_error>(103, "baseline of BERTScore '", name, "' is not one of none, random, tm2t");
+}
+
+MOTIONLANG_BODY std::string description_table(std::span<const DescriptionScores> rows) {
+  const bool match = !rows.empty() && rows.front().r_precision, bert = !rows.empty() && rows.front().bert;
+  std::string out = formatted("  %-34s%s%8s%8s%8s%8s%9s%9s%s\n", "", match ? "     R@1     R@2     R@3  MM-Dist" : "",
+                              "BLEU-1", "BLEU-2", "BLEU-3", "BLEU-4", "ROUGE-L", "CIDEr", bert ? "  BERTScore" : "");
+  for (const DescriptionScores& row : rows) {
+    out += formatted("  %-34s", row.by.c_str());
+    if (match) {
+      for (const double p : row.r_precision.value()) out += formatted("%8.3f", p);
+      out += formatted("%9.3f", row.distance);
+    }
+    for (const double b : row.bleu) out += formatted("%8.2f", 100 * b);
+    out += formatted("%9.2f%9.2f", 100 * row.rouge_l, 100 * row.cider);
+    if (bert) out += formatted("%11.2f", 100 * row.bert.value());
+    out += "\n";
+  }
+  return out;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY void Descriptions::add(const CaptionPair& references, const DescribedText& text, const GloVe& words) {
+  pairs.push_back(references);
+  pairs.back().candidate = lemmas(words_of(text, words));
+  tagged.push_back(tagged_text(text));
+}
+
+MOTIONLANG_BODY Descriptions random_descriptions(std::span<const CaptionPair> references,
+                                                 const std::vector<DescribedMotion>& training, const GloVe& words,
+                                                 Philox rng) {
+  Descriptions out;
+  for (const CaptionPair& pair : references) {
+    const auto& texts = training[rng.below(static_cast<std::uint32_t>(training.size()))].texts;
+    out.add(pair, texts[rng.below(static_cast<std::uint32_t>(texts.size()))], words);
+  }
+  return out;
+}
+
+}  // namespace detail
 
 MOTIONLANG_NAMESPACE_END

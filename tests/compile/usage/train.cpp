@@ -51,8 +51,7 @@ void learned(const TrainingSet& data, const Stmc<B>& stmc, const StmcModelConfig
 void body_part_evaluation(const BodyPartTruth& truth, const BodyPartTable& table) {
 #include "train/body_part_evaluation.1.inc"
 }
-void description_evaluation(const GuoJudge<B>& judge, const std::vector<TextEntry>& entries,
-                            const DescribedMotions& data, const std::vector<std::string>& said) {
+void description_evaluation(const GuoJudge<B>& judge, const Tm2tRun<B>& run, const DescribedMotions& data) {
 #include "train/description_evaluation.1.inc"
 }
 void filtered(const DescribedMotions& data, const EmbeddingCache& sentences, const Tensor<B, 2>& e) {

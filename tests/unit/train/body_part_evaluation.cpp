@@ -1,9 +1,8 @@
-// Labellers of body parts against people; filtered negatives; tags of descriptions.
+// Labellers of body parts against people; filtered negatives.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/kinematics/sinc_part_motion.hpp>
 #include <motionlang/train/body_part_evaluation.hpp>
-#include <motionlang/train/description_evaluation.hpp>
 #include <motionlang/train/filtered_negatives.hpp>
 
 #include "../../support/check_error.hpp"
@@ -82,17 +81,4 @@ TEST_CASE("filtered negatives: the share of a batch, and similar pairs of a list
   CHECK(pairs.all == 3);
   CHECK(pairs.similar == 1);
   CHECK(pairs.percent() == doctest::Approx(100.0 / 3));
-}
-
-TEST_CASE("words of a description get the tag that they have most often") {
-  const auto text = [](std::vector<ml::TaggedWord> words) { return ml::DescribedText{"", {}, std::move(words)}; };
-  const ml::DescribedMotion m{
-      "1",
-      "1",
-      {},
-      {text({{"man", "NOUN"}, {"walk", "VERB"}}), text({{"a", "DET"}, {"walk", "NOUN"}}), text({{"walk", "VERB"}})}};
-  const ml::CommonTags tags({m});
-  CHECK(tags.tagged("a man walk oddly") == "a/DET man/NOUN walk/VERB oddly/OTHER");
-  CHECK(!tags.empty());
-  CHECK(ml::CommonTags({}).tagged("a man") == "a man");
 }
