@@ -1,5 +1,4 @@
 // motionlang tokens: the motion tokens of TM2T, of motions and as pictures.
-#include <algorithm>
 #include <cstdio>
 
 #include <motionlang/backend/eigen.hpp>
@@ -27,23 +26,6 @@ struct TokenOptions {
   MachineOptions machine;
 };
 
-/// The codes to draw, with how often they occur: those that are named, else the commonest of the motions, else the
-/// first.
-std::vector<std::pair<ml::Index, ml::Index>> wanted_codes(const TokenOptions& o, ml::Index known,
-                                                          const std::vector<std::vector<ml::Index>>& motions) {
-  const auto counts = ml::counted_codes(motions);
-  std::vector<std::pair<ml::Index, ml::Index>> out;
-  const auto uses_of = [&](ml::Index code) {
-    const auto found = std::ranges::find(counts, code, &std::pair<ml::Index, ml::Index>::first);
-    return found == counts.end() ? 0 : found->second;
-  };
-  for (const ml::Index code : o.codes) out.emplace_back(code, uses_of(code));
-  if (!out.empty()) return out;
-  if (!counts.empty()) return {counts.begin(), counts.begin() + std::min<ml::Index>(o.most, std::ssize(counts))};
-  for (ml::Index code = 0; code < std::min(o.most, known); ++code) out.emplace_back(code, 0);
-  return out;
-}
-
 void run(const TokenOptions& o) {
   o.machine.apply();
   if (o.inputs.empty() && o.page.empty())
@@ -63,11 +45,8 @@ void run(const TokenOptions& o) {
   }
   if (all.size() > 1) std::printf("%zu of %td codes in use\n", ml::counted_codes(all).size(), known);
   if (o.page.empty()) return;
-  const auto wanted = wanted_codes(o, known, all);
-  std::vector<ml::Index> codes;
-  for (const auto& [code, uses] : wanted) codes.push_back(code);
-  auto clips = ml::token_clips(model, codes);
-  for (std::size_t i = 0; i < clips.size(); ++i) clips[i].uses = wanted[i].second;
+  const auto codes = ml::codes_to_show(o.codes, all, o.most, known);
+  const auto clips = ml::token_clips(model, std::span(codes));
   ml::write_file(o.page, std::string_view(ml::token_page(clips, "Motion tokens of " + o.model)));
   std::printf("%s  %s\n", ml::counted(clips.size(), "code").c_str(), o.page.c_str());
 }

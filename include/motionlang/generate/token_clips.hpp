@@ -11,6 +11,7 @@
 #include <map>        // counts
 #include <span>       // codes
 #include <string>     // pages
+#include <utility>    // codes and counts
 #include <vector>     // clips
 
 #include <motionlang/features/feature_rows.hpp>
@@ -54,6 +55,22 @@ std::vector<TokenClip> token_clips(const Tm2t<B>& model, std::span<const Index> 
 
 /// The codes by how often they occur, the commonest first; equally frequent ones by number.
 std::vector<std::pair<Index, Index>> counted_codes(std::span<const std::vector<Index>> motions);
+
+/// The codes to show, with how often they occur in the motions. They are those that are named, else the commonest of
+/// the motions, else the first.
+/// most   without names: not more than this many;   known  codes of the tokenizer
+std::vector<std::pair<Index, Index>> codes_to_show(std::span<const Index> named,
+                                                   std::span<const std::vector<Index>> motions, Index most,
+                                                   Index known);
+/// The clips of such codes. Throws as above.
+template <Backend B>
+std::vector<TokenClip> token_clips(const Tm2t<B>& model, std::span<const std::pair<Index, Index>> codes) {
+  std::vector<Index> numbers;
+  for (const auto& [code, uses] : codes) numbers.push_back(code);
+  auto out = token_clips(model, std::span<const Index>(numbers));
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].uses = codes[i].second;
+  return out;
+}
 
 /// A self-contained page with a film strip of every clip.
 std::string token_page(std::span<const TokenClip> clips, const std::string& title);

@@ -2,6 +2,8 @@
 // Bodies of token_clips.hpp.
 #pragma once
 
+#include <algorithm>  // find_if, stable_sort
+
 #include <motionlang/generate/token_clips.hpp>
 #include <motionlang/view/detail/markup.hpp>
 #include <motionlang/view/film_strip.hpp>
@@ -16,6 +18,21 @@ MOTIONLANG_BODY std::vector<std::pair<Index, Index>> counted_codes(std::span<con
   std::vector<std::pair<Index, Index>> out(uses.begin(), uses.end());
   std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   return out;
+}
+
+MOTIONLANG_BODY std::vector<std::pair<Index, Index>> codes_to_show(std::span<const Index> named,
+                                                                   std::span<const std::vector<Index>> motions,
+                                                                   Index most, Index known) {
+  auto counts = counted_codes(motions);
+  std::vector<std::pair<Index, Index>> out;
+  for (const Index code : named) {
+    const auto found = std::find_if(counts.begin(), counts.end(), [&](const auto& c) { return c.first == code; });
+    out.emplace_back(code, found == counts.end() ? 0 : found->second);
+  }
+  if (!named.empty()) return out;
+  for (Index code = 0; counts.empty() && code < std::min(most, known); ++code) out.emplace_back(code, 0);
+  if (std::ssize(counts) > most) counts.resize(static_cast<std::size_t>(most));
+  return counts.empty() ? out : counts;
 }
 
 MOTIONLANG_BODY std::string token_page(std::span<const TokenClip> clips, const std::string& title) {

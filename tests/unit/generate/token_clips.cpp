@@ -14,6 +14,11 @@ TEST_CASE("codes are counted, the commonest first; each is a clip of four frames
   const std::vector<std::pair<Index, Index>> counts{{2, 3}, {5, 2}, {7, 1}};
   CHECK(ml::counted_codes(motions) == counts);
 
+  using Shown = std::vector<std::pair<Index, Index>>;
+  CHECK(ml::codes_to_show({}, motions, 2, 6) == Shown{{2, 3}, {5, 2}});
+  CHECK(ml::codes_to_show(std::vector<Index>{7, 0}, motions, 1, 6) == Shown{{7, 1}, {0, 0}});
+  CHECK(ml::codes_to_show({}, {}, 9, 2) == Shown{{0, 0}, {1, 0}});
+
   ml::Philox rng{.seed = 4};
   ml::Tm2t<B> model;
   model.tokenizer =
@@ -26,7 +31,8 @@ TEST_CASE("codes are counted, the commonest first; each is a clip of four frames
   REQUIRE(clips.size() == 2);
   CHECK(clips[0].code == 3);
   CHECK(clips[0].motion.frames() == 4);
-  clips[0].uses = 2;
+  const Shown counted{{3, 2}};
+  clips[0] = ml::token_clips(model, std::span(counted)).front();
   const std::string page = ml::token_page(clips, "tokens <1>");
   CHECK(page.find("<title>tokens &lt;1&gt;</title>") != page.npos);
   CHECK(page.find("code 3, 2 times") != page.npos);
