@@ -16,7 +16,6 @@ namespace program {
 
 namespace {
 
-namespace fs = std::filesystem;
 using B = ml::EigenBackend<float>;
 
 struct DescribeOptions {
@@ -42,48 +41,29 @@ std::vector<ml::FileToDescribe> files_of(const DescribeOptions& o) {
   return out;
 }
 
-class Describer {
- public:
-  explicit Describer(const DescribeOptions& options)
-      : o_(options),
-        files_(files_of(o_)),
-        describer_(ml::load_tm2t_describer<B>(ml::find_run(o_.model), {.tokenizer = o_.tokenizer, .words = o_.words})) {
-  }
-
-  void run() {
-    bool stopped = false;
-    {
-      ProgressBar bar("describing");
-      for (std::size_t i = 0; i < files_.size() && !stopped; ++i) {
-        try {
-          const auto rng = ml::Philox{.seed = o_.seed}.split(static_cast<std::uint64_t>(i));
-          ml::describe_file(describer_, files_[i], o_.read, rng, o_.how, described_);
-        } catch (const ml::error& e) {
-          if (files_.size() == 1) throw;
-          problems_.push_back(files_[i].path.string() + ": " + e.what());
-        }
-        stopped = !bar(static_cast<std::ptrdiff_t>(i) + 1, std::ssize(files_)) && i + 1 < files_.size();
-      }
-    }
-    if (!o_.out.empty() && !described_.empty())
-      ml::write_file(o_.out, ml::caption_table(described_, o_.model, problems_));
-    for (const std::string& problem : problems_)
-      std::fprintf(stderr, "skipped: %s\n", ml::printable(with_options(problem)).c_str());
-    if (described_.empty() && !stopped)
-      ml::raise<ml::config_error>(101, "describe: none of the ", ml::counted(files_.size(), "file"),
-                                  " could be described");
-    print(o_.json ? ml::described_json(described_) : ml::described_text(described_));
-    if (!o_.json && !o_.out.empty()) std::printf("table    %s\n", o_.out.c_str());
-    if (stopped) throw ml::cancelled();  // the descriptions so far are kept
-  }
-
- private:
-  const DescribeOptions& o_;
-  const std::vector<ml::FileToDescribe> files_;
-  ml::MotionDescriber<B> describer_;
-  std::vector<ml::DescribedMotionPart> described_;
-  std::vector<std::string> problems_;
-};
+void run(const DescribeOptions& o) {
+  if (!o.out.empty()) require_folder_of(o.out);
+  o.machine.apply();
+  const auto files = files_of(o);
+  const ml::MotionDescriber<B> describer(
+      ml::load_tm2t_describer<B>(ml::find_run(o.model), {.tokenizer = o.tokenizer, .words = o.words}));
+  ml::DescribedFiles described;
+  try {
+    ProgressBar bar("describing");
+    ml::describe_files(describer, files, o.read, o.how, described, {.seed = o.seed}, bar);
+  } catch (const ml::cancelled&) {}
+  const bool stopped = described.done < files.size();
+  const auto& parts = described.parts;
+  if (!o.out.empty() && !parts.empty()) ml::write_file(o.out, ml::caption_table(parts, o.model, described.problems));
+  for (const std::string& problem : described.problems)
+    std::fprintf(stderr, "skipped: %s\n", ml::printable(with_options(problem)).c_str());
+  if (parts.empty() && !stopped)
+    ml::raise<ml::config_error>(101, "describe: none of the ", ml::counted(files.size(), "file"),
+                                " could be described");
+  print(o.json ? ml::described_json(parts) : ml::described_text(parts));
+  if (!o.json && !o.out.empty()) std::printf("table    %s\n", o.out.c_str());
+  if (stopped) throw ml::cancelled();  // the descriptions so far are kept
+}
 
 }  // namespace
 
@@ -118,11 +98,7 @@ void add_describe(CLI::App& app) {
   c->add_flag("--json", o->json, "Print the result as JSON");
   o->read.add_to(*c);
   o->machine.add_to(*c);
-  c->callback([o] {
-    if (!o->out.empty()) require_folder_of(o->out);
-    o->machine.apply();
-    Describer(*o).run();
-  });
+  c->callback([o] { run(*o); });
 }
 
 }  // namespace program

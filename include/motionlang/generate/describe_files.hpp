@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// Files of motions, described one after the other, and the table of captions that an index and trainings read.
 ///
-///     std::vector<DescribedMotionPart> described;
-///     for (const FileToDescribe& file : files_to_describe(inputs))
-///       describe_file(describer, file, {}, Philox{}, {}, described);
-///     const std::string table = caption_table(described, "TM2T", problems);
+///     DescribedFiles described;
+///     describe_files(describer, files_to_describe(inputs), {}, {}, described);
+///     const std::string table = caption_table(described.parts, "TM2T", described.problems);
 #pragma once
 
 #include <filesystem>  // motions
@@ -12,6 +11,7 @@
 #include <string>      // clips
 #include <vector>      // motions
 
+#include <motionlang/core/progress.hpp>
 #include <motionlang/datasets/data_set_form.hpp>
 #include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/formats/motion_folder.hpp>
@@ -61,6 +61,33 @@ void describe_file(const MotionDescriber<B>& describer, const FileToDescribe& fi
   for (std::size_t m = 0; m < motions.size(); ++m)
     add(motions.size() > 1 ? motions[m].name : "",
         describer(motions[m], m == 0 ? rng : rng.split(static_cast<std::uint64_t>(m)), options));
+}
+
+/// Descriptions of files, as far as the work has come.
+struct DescribedFiles {
+  std::vector<DescribedMotionPart> parts{};
+  std::vector<std::string> problems{};  // a line about each file that cannot be described
+  std::size_t done = 0;                 // files
+};
+
+/// Describes files one after the other. Each has random numbers of its own. A file that cannot be described becomes a
+/// problem, but the only one an error. Progress counts files.
+/// Throws  `cancelled` if progress says so; what was described before stays in `out`
+template <Backend B>
+void describe_files(const MotionDescriber<B>& describer, std::span<const FileToDescribe> files,
+                    const MotionReadOptions& read, const DescribeOptions& options, DescribedFiles& out,
+                    const Philox& rng = {}, Progress progress = {}) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto describe = [&] {
+      describe_file(describer, files[i], read, rng.split(static_cast<std::uint64_t>(i)), options, out.parts);
+    };
+    detail::guard<error>(describe, [&](const error& e) {
+      if (files.size() > 1) out.problems.push_back(files[i].path.string() + ": " + e.what());
+      return files.size() > 1;
+    });
+    ++out.done;
+    progress(static_cast<Index>(out.done), std::ssize(files));
+  }
 }
 
 /// A table of captions. Parts without words are left out, and so are files of several motions, which a table cannot

@@ -45,8 +45,7 @@ void precision_(Stmc<B> stmc) {
 void joined_(const Timeline& timeline, const std::unique_ptr<MotionModel>& sinc) {
 #include "generate/joined_timeline.1.inc"
 }
-void describe_files(const MotionDescriber<B>& describer, const std::vector<std::string>& inputs) {
-  std::vector<std::string> problems;
+void describe_files_(const MotionDescriber<B>& describer, const std::vector<std::string>& inputs) {
 #include "generate/describe_files.1.inc"
 }
 void kept_text(const Motion& clip) {

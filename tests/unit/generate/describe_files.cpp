@@ -1,11 +1,15 @@
 // Files to describe, and the table of captions. What a model says about them: tests/program/official_folders.cpp.
+#include <motionlang/backend/eigen.hpp>
 #include <motionlang/generate/describe_files.hpp>
 
 #include <doctest/doctest.h>
 
 #include <motionlang/file/json.hpp>
+#include <motionlang/formats/bvh.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/official_tm2t.hpp"
+#include "../../support/synthetic_motion.hpp"
 #include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
@@ -62,4 +66,28 @@ TEST_CASE("descriptions are lines, or a list in JSON") {
   CHECK(read[1]["name"] == "fir\nst");
   CHECK(read[1]["descriptions"].empty());
   CHECK(nlohmann::json::parse(ml::described_json({})).empty());
+}
+
+TEST_CASE("files are described one after the other; one that fails is a problem, the only one an error") {
+  using B = ml::EigenBackend<float>;
+  const TemporaryFolder folder;
+  ml::write_bvh(folder / "a.bvh", synthetic::walk({.frames = 42}));
+  ml::write_file(folder / "b.bvh", std::string_view("x"));
+  const auto files = ml::files_to_describe(std::vector{folder.path.string()});
+  REQUIRE(files.size() == 2);
+  const ml::MotionDescriber<B> describer(ml::Tm2tRun<B>{.model = official::tm2t(official::small_tm2t()),
+                                                        .words = {official::tm2t_words, official::tm2t_vectors(), 4}});
+  ml::DescribedFiles all;
+  ml::describe_files(describer, files, {}, {}, all);
+  CHECK(all.done == 2);
+  REQUIRE(all.parts.size() == 1);
+  CHECK(all.parts[0].file.clip == "a");
+  REQUIRE(all.problems.size() == 1);
+  CHECK(all.problems[0].find("b.bvh: [motionlang.io.") != std::string::npos);
+  ml::DescribedFiles none, some;
+  CHECK_THROWS_AS(ml::describe_files(describer, std::span(files).last(1), {}, {}, none), ml::io_error);
+  auto stop = [](ml::Index, ml::Index) { return false; };
+  CHECK_THROWS_AS(ml::describe_files(describer, files, {}, {}, some, {}, stop), ml::cancelled);
+  CHECK(some.done == 1);
+  CHECK(some.parts.size() == 1);
 }
