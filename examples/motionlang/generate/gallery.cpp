@@ -4,8 +4,6 @@
 #include <motionlang/file/input_files.hpp>
 #include <motionlang/file/output_folder.hpp>
 #include <motionlang/generate/gallery_prompts.hpp>
-#include <motionlang/view/contact_sheet.hpp>
-#include <motionlang/view/gallery_page.hpp>
 
 #include "../commands.hpp"
 #include "../formatted.hpp"
@@ -30,19 +28,12 @@ struct GalleryCommand {
   MachineOptions machine;
 };
 
-/// The list of prompts: that of the command line, or one beside the weights; "": none.
-std::filesystem::path list_of(const GalleryCommand& o) {
-  if (!o.prompts.empty()) return o.prompts;
-  const std::filesystem::path model(o.model);
-  const auto beside = (std::filesystem::is_directory(model) ? model : model.parent_path()) / "gallery.txt";
-  return std::filesystem::exists(beside) ? beside : std::filesystem::path();
-}
 std::vector<ml::GalleryPrompt> prompts_of(const GalleryCommand& o, const ml::MotionModel& generator) {
   if (!o.captions.empty()) {
     const auto captions = ml::read_captions(o.captions, std::filesystem::path(o.captions).parent_path());
     return ml::gallery_prompts(captions, o.least);
   }
-  std::string file = list_of(o).string();
+  std::string file = o.prompts.empty() ? ml::gallery_list_beside(o.model).string() : o.prompts;
   if (file.empty() && !generator.captions().empty()) return ml::gallery_prompts(generator.captions(), o.least);
   if (file.empty()) file = default_gallery_prompts().string();
   return ml::parse_gallery_prompts(read_timeline_text(file), timeline_source(file));
@@ -54,7 +45,8 @@ void run(const GalleryCommand& o) {
   auto prompts = prompts_of(o, *generator);
   if (o.list) return print(ml::write_gallery_prompts(prompts));
   const ml::OutputFolder out("--out", o.out);
-  const auto page = std::filesystem::path(o.out) / "gallery.html", sheet = std::filesystem::path(o.out) / "gallery.svg";
+  const std::filesystem::path page = std::filesystem::path(o.out) / ml::gallery_page_name,
+                              sheet = std::filesystem::path(o.out) / ml::gallery_picture_name;
   for (const auto& file : {page, sheet}) ml::InputFiles{o.prompts, o.captions}.refuse(file);
   ml::check_options(*generator, o.settings);
   const auto unknown = o.all ? std::vector<ml::GalleryPrompt>() : ml::take_unknown_prompts(prompts, *generator);
@@ -65,18 +57,12 @@ void run(const GalleryCommand& o) {
   settings.progress = bar;
   const auto motions = ml::gallery_motions(*generator, prompts, settings);
   bar.finish();
-  std::vector<ml::GalleryCard> cards;
-  std::vector<ml::SheetEntry> entries;
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    cards.push_back({motions[i], prompts[i].verb, prompts[i].text});
-    if (i < o.pictured) entries.push_back({motions[i], prompts[i].text});
-  }
   const std::string info = formatted("model %s, seed %llu", std::filesystem::path(o.model).filename().string().c_str(),
                                      static_cast<unsigned long long>(settings.seed));
   const std::string title =
       o.prompts.empty() ? "Every verb that the model knows" : "Prompts of " + timeline_source(o.prompts);
-  ml::write_file(page, ml::gallery_html(cards, {.title = title, .info = info}));
-  ml::write_file(sheet, ml::contact_sheet_svg(entries, {.columns = o.columns, .poses = o.poses}));
+  ml::write_gallery(o.out, motions, prompts,
+                    {.title = title, .info = info, .pictured = o.pictured, .columns = o.columns, .poses = o.poses});
   std::printf("%s, %s left out because the model does not know them\n  page     %s\n  picture  %s\n",
               counted(motions.size(), "motion").c_str(), counted(unknown.size(), "prompt").c_str(),
               page.string().c_str(), sheet.string().c_str());

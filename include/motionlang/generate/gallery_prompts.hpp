@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>      // counts
+#include <filesystem>   // lists and pages
 #include <span>         // prompts
 #include <string>       // texts
 #include <string_view>  // files
@@ -40,6 +41,9 @@ std::vector<GalleryPrompt> parse_gallery_prompts(std::string_view text, std::str
 /// '#' or a line end.
 std::string write_gallery_prompts(std::span<const GalleryPrompt> prompts);
 
+/// The list of prompts beside weights, in their folder: gallery.txt. "" if there is none.
+std::filesystem::path gallery_list_beside(const std::filesystem::path& model);
+
 /// Takes out the prompts with words that the model does not know, and those that are far from all captions that it
 /// remembers, and returns them. None if the model has neither words nor captions.
 std::vector<GalleryPrompt> take_unknown_prompts(std::vector<GalleryPrompt>& prompts, const MotionModel& model);
@@ -49,6 +53,18 @@ std::vector<GalleryPrompt> take_unknown_prompts(std::vector<GalleryPrompt>& prom
 /// Throws what generate_motion throws.
 std::vector<Motion> gallery_motions(const MotionModel& model, std::span<const GalleryPrompt> prompts,
                                     const GenerateOptions& options);
+
+/// The files of a gallery.
+struct GalleryFileOptions {
+  std::string title = "Motions", info{};  // of the page
+  std::size_t pictured = 64;              // motions in the picture, the first ones
+  int columns = 8, poses = 2;             // of the picture
+};
+inline constexpr const char *gallery_page_name = "gallery.html", *gallery_picture_name = "gallery.svg";
+/// Writes the page (view/gallery_page.hpp) and the picture (view/contact_sheet.hpp) of the motions of prompts into a
+/// folder. Throws shape_error 204 for another number of motions, and what the writers throw.
+void write_gallery(const std::filesystem::path& folder, std::span<const Motion> motions,
+                   std::span<const GalleryPrompt> prompts, const GalleryFileOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
 

@@ -13,8 +13,12 @@
 #include <motionlang/core/quantile.hpp>
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/datasets/caption_card.hpp>
+#include <motionlang/file/file.hpp>
 #include <motionlang/generate/gallery_prompts.hpp>
+#include <motionlang/metrics/rows.hpp>
 #include <motionlang/text/known_words.hpp>
+#include <motionlang/view/contact_sheet.hpp>
+#include <motionlang/view/gallery_page.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -149,6 +153,25 @@ MOTIONLANG_BODY std::vector<Motion> gallery_motions(const MotionModel& model, st
     options.progress(std::ssize(out), std::ssize(prompts));
   }
   return out;
+}
+
+MOTIONLANG_BODY std::filesystem::path gallery_list_beside(const std::filesystem::path& model) {
+  const auto beside = (std::filesystem::is_directory(model) ? model : model.parent_path()) / "gallery.txt";
+  return std::filesystem::exists(beside) ? beside : std::filesystem::path();
+}
+
+MOTIONLANG_BODY void write_gallery(const std::filesystem::path& folder, std::span<const Motion> motions,
+                                   std::span<const GalleryPrompt> prompts, const GalleryFileOptions& options) {
+  detail::require_same_count("write_gallery: motions against prompts", std::ssize(motions), std::ssize(prompts));
+  std::vector<GalleryCard> cards;
+  std::vector<SheetEntry> entries;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    cards.push_back({motions[i], prompts[i].verb, prompts[i].text});
+    if (i < options.pictured) entries.push_back({motions[i], prompts[i].text});
+  }
+  write_file(folder / gallery_page_name, gallery_html(cards, {.title = options.title, .info = options.info}));
+  write_file(folder / gallery_picture_name,
+             contact_sheet_svg(entries, {.columns = options.columns, .poses = options.poses}));
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -5,6 +5,10 @@
 
 #include <limits>
 
+#include <motionlang/file/file.hpp>
+
+#include "../../support/check_error.hpp"
+#include "../../support/temporary_folder.hpp"
 #include "../../support/word_count_encoder.hpp"
 #include "fake_models.hpp"
 
@@ -101,4 +105,21 @@ TEST_CASE("a motion for each prompt, as the text alone makes it; progress counts
   auto stop = [](ml::Index, ml::Index) { return false; };
   options.progress = stop;
   CHECK_THROWS_AS(ml::gallery_motions(model, prompts, options), ml::cancelled);
+}
+
+TEST_CASE("a gallery is a page of all motions and a picture of the first ones, beside a list of prompts") {
+  const TemporaryFolder folder;
+  const std::vector<ml::Motion> motions{synthetic::walk({.frames = 20}), synthetic::walk({.frames = 30})};
+  const std::vector<ml::GalleryPrompt> prompts{{"walk", "walk forward", 1}, {"run", "run fast", 2}};
+  ml::write_gallery(folder.path, motions, prompts, {.title = "Two verbs", .pictured = 1});
+  const std::string page = ml::read_file(folder / "gallery.html"), picture = ml::read_file(folder / "gallery.svg");
+  CHECK(page.find("Two verbs") != page.npos);
+  CHECK(page.find("run fast") != page.npos);
+  CHECK(picture.find("walk forward") != picture.npos);
+  CHECK(picture.find("run fast") == picture.npos);
+  CHECK_ERROR(ml::write_gallery(folder.path, motions, std::span(prompts).first(1)), "[motionlang.shape.204]");
+  CHECK(ml::gallery_list_beside(folder.path).empty());
+  ml::write_file(folder / "gallery.txt", std::string_view("walk # 2\n"));
+  CHECK(ml::gallery_list_beside(folder.path) == folder / "gallery.txt");
+  CHECK(ml::gallery_list_beside(folder / "stmc.safetensors") == folder / "gallery.txt");
 }
