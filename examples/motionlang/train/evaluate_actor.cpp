@@ -24,18 +24,16 @@ using B = EvaluationBackend;
 
 namespace {
 
-/// The motions to measure, with their classes.
+/// The motions to measure.
 struct Measured {
   ml::DescribedMotions data;
   const std::vector<ml::DescribedMotion>* part;
-  std::vector<Index> classes;
 
   Measured(const EvaluationOptions& o, const ml::DataConfig& config, const ml::ActorClipsConfig& clips,
            std::span<const std::string> labels)
       : data(
             read_motions_of({o.data, {}, o.labels, o.annotations, o.splits, true}, config, ml::actor_row_maker(clips))),
-        part(&data.part(o.part)),
-        classes(ml::classes_of(*part, labels)) {
+        part(&data.part(o.part)) {
     require_dataset(o.dataset, o.data);
     if (part->empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
     std::printf("%s of the %s part, %s\n", ml::counted(part->size(), "motion").c_str(), o.part.c_str(),
@@ -62,7 +60,6 @@ void evaluate_actor(const EvaluationOptions& o) {
   who.numbers = ml::numbers_of(file.labels, who.file.labels);
   const Measured measured(o, file.config.data, clips, file.labels);
   const auto& part = *measured.part;
-  const Index kinds = std::ssize(file.labels);
   ProgressBar bar("evaluating");
   if (!o.durations.empty()) {
     const auto lengths = ml::duration_results(model, who, part, o.durations, {.seeds = o.seeds, .seed = o.seed}, bar);
@@ -79,29 +76,14 @@ void evaluate_actor(const EvaluationOptions& o) {
   print(ml::recognition_table(results));
   if (o.strips.empty()) return;
   std::set<std::string> taken;
-  for (Index k = 0; k < std::min(kinds, o.count); ++k) {
-    auto noise = ml::Philox{.seed = o.seed}.split("strips").split(static_cast<std::uint64_t>(k));
-    const std::vector<Index> action{k}, length{clips.num_frames > 0 ? clips.num_frames : clips.min_len};
-    const auto made = ml::generate(model.actor, action, length, noise);
-    const auto rows = made.rows.to_vector();
-    auto motion = ml::actor_motion(rows, clips);
-    motion.name = file.labels[static_cast<std::size_t>(k)];
+  for (const ml::Motion& motion : ml::action_examples(model, o.count, o.seed))
     write_motion(o.strips / (unique_name(safe_file_name(motion.name), taken) + ".svg"), motion);
-  }
 }
 
 void evaluate_classifier(const EvaluationOptions& o) {
-  ml::ActionJudge<B> who(o.model);
-  const ml::ActorClipsConfig& clips = who.file.config.clips;
-  who.numbers = ml::numbers_of(who.file.labels, who.file.labels);
-  const Measured measured(o, who.file.config.data, clips, who.file.labels);
-  std::vector<double> accuracies;
-  for (Index s = 0; s < o.seeds; ++s) {
-    const auto seed = ml::Philox{.seed = o.seed + static_cast<std::uint64_t>(s)};
-    accuracies.push_back(ml::judge_motions(who, std::ssize(*measured.part), seed.split("judge"), [&](auto which) {
-                           return ml::action_batch<B>(*measured.part, measured.classes, which, clips, seed.split("gt"));
-                         }).accuracy);
-  }
+  const ml::ActionJudge<B> who(o.model);
+  const Measured measured(o, who.file.config.data, who.file.config.clips, who.file.labels);
+  const auto accuracies = ml::recorded_accuracies(who, *measured.part, o.seeds, o.seed);
   std::printf("  accuracy %%  %s\n", ml::recognition_cell("accuracy_gt", accuracies).c_str());
 }
 

@@ -242,6 +242,36 @@ std::vector<DurationResult> duration_results(const ActorModel<B>& model, const A
 /// Means over the seeds as two panels of curves, which parse_curves (view/loss_curves.hpp) reads.
 std::string duration_table(std::span<const DurationResult> results);
 
+/// The accuracy of a classifier on recorded motions with labels of its own, for every seed: other windows of them.
+template <Backend B>
+std::vector<double> recorded_accuracies(ActionJudge<B> who, const std::vector<DescribedMotion>& part, Index seeds,
+                                        std::uint64_t first_seed) {
+  const std::vector<Index> classes = classes_of(part, who.file.labels);
+  who.numbers = numbers_of(who.file.labels, who.file.labels);
+  std::vector<double> out;
+  for (Index s = 0; s < seeds; ++s) {
+    const auto seed = Philox{.seed = first_seed + static_cast<std::uint64_t>(s)};
+    out.push_back(judge_motions(who, std::ssize(part), seed.split("judge"), [&](std::span<const Index> which) {
+                    return action_batch<B>(part, classes, which, who.file.config.clips, seed.split("gt"));
+                  }).accuracy);
+  }
+  return out;
+}
+
+/// One generated motion of each of the first `count` actions, with the label as its name.
+template <Backend B>
+std::vector<Motion> action_examples(const ActorModel<B>& model, Index count, std::uint64_t seed) {
+  const ActorClipsConfig& clips = model.file.config.clips;
+  std::vector<Motion> out;
+  for (Index k = 0; k < std::min(std::ssize(model.file.labels), count); ++k) {
+    auto noise = Philox{.seed = seed}.split("strips").split(static_cast<std::uint64_t>(k));
+    const std::vector<Index> action{k}, length{clips.num_frames > 0 ? clips.num_frames : clips.min_len};
+    out.push_back(actor_motion(generate(model.actor, action, length, noise).rows.to_vector(), clips));
+    out.back().name = model.file.labels[static_cast<std::size_t>(k)];
+  }
+  return out;
+}
+
 /// A figure of all seeds as ACTOR's tables have it: "92.30 +-0.05". The name is one of recognition_results.
 std::string recognition_cell(std::string_view name, std::span<const double> of_seeds);
 /// A row for each kind of motions and a column for each measure, below a header. "-" stands for what is not measured.
