@@ -1,5 +1,4 @@
 // motionlang study, study-count: a page on which raters compare motions or texts, and what they answered.
-#include <algorithm>
 #include <cstdio>
 
 #include <motionlang/generate/timeline_tracks.hpp>
@@ -45,14 +44,8 @@ void run(const StudyCommand& o) {
   const std::string html = ml::study_html(study, files, page);
   inputs.refuse(o.out);
   ml::write_file(std::filesystem::path(o.out), html);
-  const auto trials = ml::study_trials(study, page.seed);
-  const auto count = [&](ml::StudyRole role) {
-    return static_cast<std::size_t>(
-        std::ranges::count_if(trials, [&](const auto& t) { return study.items[t.item].role == role; }));
-  };
-  std::printf("%s: %s, %s and %s, seed %llu\n", o.out.c_str(), counted(count(ml::StudyRole::counted), "trial").c_str(),
-              counted(count(ml::StudyRole::warmup), "warm-up").c_str(),
-              counted(count(ml::StudyRole::catch_trial), "catch trial").c_str(),
+  std::printf("%s: %s, seed %llu\n", o.out.c_str(),
+              ml::describe_trials(study, ml::study_trials(study, page.seed)).c_str(),
               static_cast<unsigned long long>(page.seed));
 }
 
@@ -68,16 +61,7 @@ void run(const StudyCountCommand& o) {
   for (const std::string& file : o.answers)
     answers.push_back(ml::parse_study_answers(ml::read_file(file), study, file));
   const ml::StudyCounts counts = ml::count_study(study, answers, o.pass);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < counts.raters.size(); ++i) {
-    const ml::StudyRater& r = counts.raters[i];
-    kept += r.kept ? 1 : 0;
-    if (!r.kept)
-      std::printf("left out: %s (%s), %zu of %s passed\n", r.name.c_str(), o.answers[i].c_str(), r.passed,
-                  counted(r.caught, "catch trial").c_str());
-  }
-  std::printf("%zu of %s kept, %.1f answers for each trial\n", kept, counted(counts.raters.size(), "rater").c_str(),
-              counts.raters_for_item);
+  print(ml::describe_raters(counts, o.answers));
   print(ml::study_table(study, counts));
   if (o.svg.empty()) return;
   ml::InputFiles inputs(o.answers);

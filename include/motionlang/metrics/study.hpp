@@ -67,6 +67,9 @@ struct StudyTrial {
 /// all pairs of systems; catch trials pair the right system with each other one.
 std::vector<StudyTrial> study_trials(const Study& study, std::uint64_t seed);
 
+/// "12 trials, 3 warm-ups and 2 catch trials"
+std::string describe_trials(const Study& study, std::span<const StudyTrial> trials);
+
 /// The answer to a trial. Places are numbers of shown choices from the left, from 0.
 struct StudyAnswer {
   std::size_t trial = 0;

@@ -193,6 +193,16 @@ MOTIONLANG_BODY std::vector<StudyTrial> study_trials(const Study& study, std::ui
   return out;
 }
 
+MOTIONLANG_BODY std::string describe_trials(const Study& study, std::span<const StudyTrial> trials) {
+  const auto count = [&](StudyRole role, const char* name) {
+    return counted(std::count_if(trials.begin(), trials.end(),
+                                 [&](const StudyTrial& t) { return study.items[t.item].role == role; }),
+                   name);
+  };
+  return concat_text(count(StudyRole::counted, "trial"), ", ", count(StudyRole::warmup, "warm-up"), " and ",
+                     count(StudyRole::catch_trial, "catch trial"));
+}
+
 MOTIONLANG_BODY StudyAnswers parse_study_answers(std::string_view text, const Study& study, std::string_view name) {
   StudyAnswers out;
   std::vector<StudyTrial> trials;

@@ -73,6 +73,10 @@ struct StudyCounts {
 /// Raters are kept if they pass this share of the catch trials that they answered, and answered one if there are any.
 StudyCounts count_study(const Study& study, std::span<const StudyAnswers> answers, double pass_share = 1);
 
+/// A line for each rater who is left out, and one about the others.
+/// files  of the raters' answers
+std::string describe_raters(const StudyCounts& counts, std::span<const std::string> files);
+
 /// The counts of a study's kind as a table in Markdown: pairs of systems, or a row for each system.
 std::string study_table(const Study& study, const StudyCounts& counts);
 

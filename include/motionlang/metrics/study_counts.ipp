@@ -188,6 +188,20 @@ inline std::string rating_table(const Study& study, const std::vector<RatingCoun
 
 }  // namespace detail
 
+MOTIONLANG_BODY std::string describe_raters(const StudyCounts& counts, std::span<const std::string> files) {
+  std::string out;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < counts.raters.size(); ++i) {
+    const StudyRater& r = counts.raters[i];
+    kept += r.kept ? 1 : 0;
+    if (!r.kept)
+      out += formatted("left out: %s (%s), %zu of %s passed\n", r.name.c_str(), files[i].c_str(), r.passed,
+                       counted(r.caught, "catch trial").c_str());
+  }
+  return out + formatted("%zu of %s kept, %.1f answers for each trial\n", kept,
+                         counted(counts.raters.size(), "rater").c_str(), counts.raters_for_item);
+}
+
 MOTIONLANG_BODY std::string study_table(const Study& study, const StudyCounts& counts) {
   if (study.kind == StudyKind::pairs) return detail::pair_table(study, counts.pairs);
   if (study.kind == StudyKind::ranking) return detail::rank_table(study, counts.ranks);

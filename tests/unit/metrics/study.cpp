@@ -75,6 +75,7 @@ TEST_CASE("trials: warm-ups first, all pairs, another order for another seed") {
   CHECK(trials == ml::study_trials(study, 7));
   REQUIRE(trials.size() == 1 + 3 + 1 + 2);  // the catch trial has no pair without its right system
   CHECK(trials[0].item == 0);
+  CHECK(ml::describe_trials(study, trials) == "4 trials, 1 warm-up and 2 catch trials");
   std::multiset<std::pair<std::size_t, std::set<int>>> seen;
   for (const auto& t : trials) seen.insert({t.item, {t.shown.begin(), t.shown.end()}});
   const std::multiset<std::pair<std::size_t, std::set<int>>> expected{

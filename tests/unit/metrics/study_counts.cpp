@@ -63,6 +63,8 @@ TEST_CASE("pairs: the majority of each item, ties count half, warm-ups and bad r
   CHECK(counts.raters[2].caught == 1);
   CHECK(counts.raters[2].passed == 0);
   CHECK(counts.raters_for_item == 3);
+  CHECK(ml::describe_raters(counts, std::vector<std::string>{"a.txt", "b.txt", "e.txt", "j.txt"}) ==
+        "left out: Eve (e.txt), 0 of 1 catch trial passed\n3 of 4 raters kept, 3.0 answers for each trial\n");
   REQUIRE(counts.pairs.size() == 1);
   const ml::PairCount& p = counts.pairs[0];
   CHECK((p.a == 0 && p.b == 1 && p.items == 4));
