@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <motionlang/compose/describe_plan.hpp>
 #include <motionlang/datasets/caption_card.hpp>
 #include <motionlang/features/describe_features.hpp>
 #include <motionlang/view/describe_motion.hpp>
@@ -18,13 +19,8 @@ namespace program {
 namespace {
 
 void timelines(const std::string& path) {
-  for (const auto& t : read_timelines(path, 20)) {
-    std::printf("timeline: %s, %.2f s\n", counted(std::ssize(t.intervals), "text").c_str(),
-                static_cast<double>(t.end()) / 20);
-    for (const auto& i : t.intervals)
-      std::printf("  %6.2f - %6.2f s  %s\n", static_cast<double>(i.start) / 20, static_cast<double>(i.end) / 20,
-                  ml::printable(i.text).c_str());
-  }
+  constexpr double fps = 20;
+  for (const ml::Timeline& t : read_timelines(path, fps)) print(ml::describe_timeline(t, fps));
 }
 
 void captions(const std::string& path) {

@@ -8,6 +8,10 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// The texts of a timeline: a line with their number and the length of all, then one for each with its seconds.
+/// fps  frames per second of the timeline
+std::string describe_timeline(const Timeline& timeline, double fps);
+
 /// A line for each text with its seconds and body parts, then one for each body part with the stretches of its texts.
 /// fps  frames per second of the plan
 std::string describe_plan(const TimelinePlan& plan, double fps);

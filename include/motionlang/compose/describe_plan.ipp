@@ -20,6 +20,15 @@ inline std::string names_of_parts(BodyParts parts, const BodyPartition& body) {
 
 }  // namespace detail
 
+MOTIONLANG_BODY std::string describe_timeline(const Timeline& timeline, double fps) {
+  const auto seconds = [fps](Index frame) { return static_cast<double>(frame) / fps; };
+  std::string out = formatted("timeline: %s, %.2f s\n", counted(std::ssize(timeline.intervals), "text").c_str(),
+                              seconds(timeline.end()));
+  for (const Interval& i : timeline.intervals)
+    out += formatted("  %6.2f - %6.2f s  %s\n", seconds(i.start), seconds(i.end), printable(i.text).c_str());
+  return out;
+}
+
 MOTIONLANG_BODY std::string describe_plan(const TimelinePlan& plan, double fps) {
   const auto seconds = [fps](Index frame) { return static_cast<double>(frame) / fps; };
   std::string out;
