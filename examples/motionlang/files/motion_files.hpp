@@ -40,23 +40,15 @@ struct MotionReadOptions : ml::MotionReadOptions {
   void require_for(const std::filesystem::path& file) const;
 };
 
-using ml::asf_beside;
 using ml::DataSetForm;
 using ml::find_data_set_form;
-using ml::holds_several;
-using ml::holds_together;
-using ml::is_gltf;
-using ml::is_motion_file;
 using ml::is_same_place;
 using ml::make_output_folder;
-using ml::npy_shape;
 using ml::on_smpl;
 using ml::read_motions;
 using ml::require_folder_of;
-using ml::rows_of_motion;
 using ml::safe_file_name;
 using ml::unique_name;
-using ml::write_motions;
 
 /// Extension of a file, in lower case: ".bvh".
 inline std::string kind_of(const std::filesystem::path& path) { return ml::file_kind(path); }
