@@ -16,16 +16,11 @@ struct DiffusionOptions {
 };
 
 template <class System>
-void run_diffusion(const DiffusionOptions& o, const typename System::Config& preset) {
+void run_diffusion(const DiffusionOptions& o, typename System::Config config) {
   using B = TrainingBackend;
   constexpr bool of_data_set = !std::is_same_v<System, ml::MdmSmplSystem>;  // HumanML3D or KIT-ML
   ml::DataSources sources = o.texts.sources(o.common);
-  auto config = preset;
-  if (of_data_set) config.features.clear();
-  read_settings(config, o.common);
-  if (of_data_set && config.features.empty()) config.features = ml::ready_made_features(sources);
-  if (config.features.empty()) config.features = preset.features;
-  if (!begin_training(o.common, ml::config_json(config))) return;
+  if (of_data_set ? !configure(config, o.common, sources) : !configure(config, o.common)) return;
   const bool states = System::states(config);
   as_usage([&] {
     config.require_consistent();

@@ -16,15 +16,10 @@ struct TextMotionOptions {
 };
 
 template <class Training>
-void run_text_motion(const TextMotionOptions& o, const ml::TextMotionConfig& preset) {
+void run_text_motion(const TextMotionOptions& o, ml::TextMotionConfig config) {
   using B = TrainingBackend;
   ml::DataSources sources = o.texts.sources(o.common);
-  ml::TextMotionConfig config = preset;
-  config.features.clear();
-  read_settings(config, o.common);
-  if (config.features.empty()) config.features = ml::ready_made_features(sources);  // the default: those in the data
-  if (config.features.empty()) config.features = preset.features;
-  if (!begin_training(o.common, ml::config_json(config))) return;
+  if (!configure(config, o.common, sources)) return;
   as_usage([&] { ml::reads_pieces(config.text, o.files.text_encoder); });
   as_usage([&] { ml::require_pieces(config.text, o.files); });
   auto language = ml::finetuned_language_model<B>(config.text, o.files.text_encoder);

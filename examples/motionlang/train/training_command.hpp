@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <motionlang/backend/autodiff.hpp>
@@ -88,6 +89,15 @@ void read_settings(C& config, const TrainingOptions& o) {
 template <ml::Module C>
 bool configure(C& config, const TrainingOptions& o) {
   read_settings(config, o);
+  return begin_training(o, ml::config_json(config));
+}
+/// The same. Unless a setting names the features, they are those of ready-made rows in the data, or else of the preset.
+template <ml::Module C>
+bool configure(C& config, const TrainingOptions& o, ml::DataSources& sources) {
+  const std::string usual = std::exchange(config.features, {});
+  read_settings(config, o);
+  if (config.features.empty()) config.features = ml::ready_made_features(sources);
+  if (config.features.empty()) config.features = usual;
   return begin_training(o, ml::config_json(config));
 }
 
