@@ -2,6 +2,7 @@
 // Bodies of describe_plan.hpp.
 #pragma once
 
+#include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/compose/describe_plan.hpp>
 #include <motionlang/core/formatted.hpp>
 #include <motionlang/core/utf8.hpp>
@@ -46,6 +47,23 @@ MOTIONLANG_BODY std::string describe_plan(const TimelinePlan& plan, double fps) 
                        text.empty() ? "-" : printable(text).c_str());
     }
     out += "\n";
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string describe_plans(std::span<const Timeline> timelines, const PlanReportOptions& options) {
+  const double fps = options.fps;
+  std::string out;
+  for (std::size_t m = 0; m < timelines.size(); ++m) {
+    const Timeline timeline = options.cut_texts ? cut_texts(timelines[m], fps) : timelines[m];
+    const auto plan = plan_timeline(timeline, {.overlap = frame_at(options.overlap, fps),
+                                               .hidden = HiddenTexts::ignore,
+                                               .longest_crop = options.longest_crop});
+    const auto texts = timelines[m].intervals.size(), pieces = timeline.intervals.size();
+    out += formatted("timeline %zu: %s, %.2f s, %s", m, counted(plan.frames, "frame").c_str(),
+                     static_cast<double>(plan.frames) / fps, counted(texts, "text").c_str());
+    if (pieces != texts) out += formatted(" cut into %zu", pieces);
+    out += "\n" + describe_plan(plan, fps);
   }
   return out;
 }
