@@ -55,6 +55,16 @@ bool same(const ml::MttScores& a, const ml::MttScores& b) {
 
 }  // namespace
 
+TEST_CASE("the rows are those of the methods that are named, and of the overlaps") {
+  CHECK(ml::mtt_runs({}, 0.5, {}).size() == 5);
+  const auto runs = ml::mtt_runs(std::vector<std::string>{"sinc", "stmc"}, 0.3, std::vector{0.25, 1.0});
+  REQUIRE(runs.size() == 4);
+  CHECK(ml::to_string(runs[0].mode) == "sinc");
+  CHECK(ml::to_string(runs[1].mode) == "stmc");
+  CHECK(runs[1].overlap == 0.3);
+  CHECK(runs[3].overlap == 1.0);
+}
+
 TEST_CASE("a row has the figures of the motions that the model makes in its mode") {
   const auto model = stmc();
   const auto any = ml::stmc_motion_model(stmc());

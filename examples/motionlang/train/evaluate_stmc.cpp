@@ -1,5 +1,4 @@
 // motionlang evaluate of STMC, MDM and MotionDiffuse: the tables of STMC's paper on timelines.
-#include <algorithm>
 #include <cstdio>
 
 #include <motionlang/compose/timeline_text.hpp>
@@ -28,16 +27,6 @@ std::vector<ml::TimelineInSeconds> timelines_of(const EvaluationOptions& o, std:
   return out;
 }
 
-/// The rows of both tables that are wanted.
-std::vector<ml::MttRun> wanted_runs(const EvaluationOptions& o) {
-  std::vector<ml::MttRun> out;
-  for (const ml::MttRun& run : ml::mtt_method_runs(o.overlap)) {
-    if (o.modes.empty() || std::ranges::find(o.modes, ml::to_string(run.mode)) != o.modes.end()) out.push_back(run);
-  }
-  for (const ml::MttRun& run : ml::mtt_overlap_runs(o.overlaps)) out.push_back(run);
-  return out;
-}
-
 }  // namespace
 
 void evaluate_stmc(const EvaluationOptions& o) {
@@ -58,7 +47,8 @@ void evaluate_stmc(const EvaluationOptions& o) {
 
   const ml::TableStyle style = ml::parse_table_style(o.table);
   ProgressBar bar("generating and measuring");
-  const auto rows = ml::mtt_rows(*model, tmr, reference, texts, timelines, wanted_runs(o), how, bar);
+  const auto rows =
+      ml::mtt_rows(*model, tmr, reference, texts, timelines, ml::mtt_runs(o.modes, o.overlap, o.overlaps), how, bar);
   bar.finish();
   std::printf("%s of %s, seed %ju; judged by %s (%s)\n", ml::counted(timelines.size(), "timeline").c_str(),
               ml::counted(texts.size(), "text").c_str(), static_cast<std::uintmax_t>(o.seed), tmr.model().path.c_str(),

@@ -17,6 +17,7 @@
 #include <cstdint>   // seed
 #include <optional>  // what the caller leaves to the model
 #include <span>      // timelines
+#include <string>    // modes
 #include <vector>    // rows
 
 #include <motionlang/generate/motion_model.hpp>
@@ -31,6 +32,10 @@ struct MttRunOptions {
   std::optional<double> guidance{};         // the default is the model's
   std::optional<NoiseScale> noise_scale{};  // the default is the model's
 };
+
+/// The rows of methods with one overlap, and those of STMC with other overlaps. Seconds.
+/// modes  of the methods, as parse_stmc_mode names them; none: all
+std::vector<MttRun> mtt_runs(std::span<const std::string> modes, double overlap, std::span<const double> overlaps);
 
 /// HumanML3D's features of the motion of each timeline.
 /// Throws  config_error 102 for a model of another frame rate or other features. option_error 102 for a model that does

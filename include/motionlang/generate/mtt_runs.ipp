@@ -79,4 +79,14 @@ MOTIONLANG_BODY std::vector<std::vector<double>> mtt_made(const MotionModel& mod
   return out;
 }
 
+MOTIONLANG_BODY std::vector<MttRun> mtt_runs(std::span<const std::string> modes, double overlap,
+                                             std::span<const double> overlaps) {
+  std::vector<MttRun> out;
+  for (const MttRun& run : mtt_method_runs(overlap)) {
+    if (modes.empty() || std::find(modes.begin(), modes.end(), to_string(run.mode)) != modes.end()) out.push_back(run);
+  }
+  for (const MttRun& run : mtt_overlap_runs(overlaps)) out.push_back(run);
+  return out;
+}
+
 MOTIONLANG_NAMESPACE_END
