@@ -1,7 +1,10 @@
-// index, search and judge by several processes under mpirun: the bytes of one process. Built where MPI is installed.
-// `run` starts a shell here.
+// generate, evaluate, index, search and judge by several processes under mpirun: the bytes of one process. Built where
+// MPI is installed. `run` starts a shell here.
 #include <doctest/doctest.h>
 
+#include <motionlang/backend/eigen.hpp>
+
+#include "../support/small_model.hpp"
 #include "training_clips.hpp"
 
 namespace {
@@ -64,5 +67,46 @@ TEST_CASE("several processes judge: the output of one process") {
   CHECK(w.printed(2, judge) == alone);
   const Outcome refused = w.call(2, "judge --compare 2");
   CHECK(refused.code == 2);
-  CHECK_MESSAGE(contains(refused.text, "--compare run in one process, not in 2"), refused.text);
+  CHECK_MESSAGE(contains(refused.text, "judge --compare runs in one process, not in 2"), refused.text);
+}
+
+TEST_CASE("several processes generate: the files and the output of one process, in the order of the input") {
+  const Shared w;
+  const auto config = small::config(5);
+  ml::save_stmc(w / "model.safetensors", small::model<ml::EigenBackend<float>>(config), config, {{"license", "MIT"}});
+  ml::write_file(w / "list.txt",
+                 std::string_view("walk forward # 0 # 1 # legs\nraise both arms # 0.2 # 0.8 # left arm\n"
+                                  "\nwave # 0 # 2\n\nturn # 0 # 0.5\nblorp # 0.5 # 1\n"));
+  const auto files = [&] {
+    std::map<std::string, std::string> out;
+    for (const auto& f : std::filesystem::directory_iterator(w / "out"))
+      out[f.path().filename().string()] = ml::read_file(f.path());
+    std::filesystem::remove_all(w / "out");
+    return out;
+  };
+  const std::string generate = "generate --model model.safetensors --out out --threads 1 --seed 4 --timeline ";
+  for (const std::string how : {"list.txt", "list.txt --samples 2 --overlay-arms", "list.txt --mode sinc"}) {
+    const std::string alone = w.printed(0, generate + how);
+    const auto made = files();
+    REQUIRE(made.contains("list.html"));
+    for (const int processes : {2, 3}) {
+      CAPTURE(processes);
+      CHECK(w.printed(processes, generate + how) == alone);
+      CHECK(files() == made);
+    }
+  }
+  const std::string alone = w.printed(0, generate + "- < list.txt");
+  const auto made = files();
+  CHECK(w.printed(2, generate + "- < list.txt") == alone);
+  CHECK(files() == made);
+  ml::write_file(w / "plain.txt", std::string_view("wave # 0 # 1\n\nwalk # 0 # 1\n"));  // no body parts
+  const Outcome said = w.call(0, generate + "plain.txt --guess-parts > none"),
+                once = w.call(2, generate + "plain.txt --guess-parts > none");
+  CHECK_MESSAGE(contains(said.text, "wave"), said.text);
+  const auto notes = [](const Outcome& o) { return o.text.substr(0, o.text.find("generating")); };
+  CHECK(notes(once) == notes(said));
+  files();
+  const Outcome record = w.call(2, generate + "list.txt --record");
+  CHECK(record.code == 2);
+  CHECK_MESSAGE(contains(record.text, "[motionlang.config.102] --record is a file of all timelines"), record.text);
 }

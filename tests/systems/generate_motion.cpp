@@ -15,6 +15,7 @@
 #include "../support/small_denoisers.hpp"
 #include "../support/small_model.hpp"
 #include "../support/synthetic_motion.hpp"
+#include "../support/thread_processes.hpp"
 
 namespace ml = motionlang;
 using ml::Timeline;
@@ -152,6 +153,65 @@ TEST_CASE_TEMPLATE("any denoiser and text encoder", D, ml::MdmDenoiser<small::B>
   CHECK(same(ml::generate_motion(stmc, text, {.seed = 3}), expected));
 }
 
+TEST_CASE("parts of a list, and several processes, make the motions of the whole list") {
+  const auto stmc = model();
+  std::vector<Timeline> timelines{small::several_tracks(), small::one_track(), small::several_tracks(),
+                                  small::one_text(20), small::several_tracks()};
+  const auto span = std::span<const Timeline>(timelines);
+  const ml::KeptClip clip{.motion = synthetic::walk({.frames = 20}), .seconds = {{0, 0.5}}};
+  std::vector<ml::GenerateOptions> all{{.seed = 3}, {.seed = 3, .overlay_arms = true}, {.seed = 3, .keep = clip}};
+  for (const ml::StmcMode mode : {ml::StmcMode::sinc, ml::StmcMode::sinc_lerp, ml::StmcMode::single_track})
+    all.push_back({.seed = 3, .mode = mode});
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    CAPTURE(k);
+    ml::GenerateNotes notes;
+    all[k].notes = &notes;
+    const auto whole = ml::generate_motions(stmc, span, all[k]);
+    for (const std::size_t first : {1u, 3u, 4u}) {
+      auto how = all[k];
+      how.before = span.first(first), how.notes = nullptr;
+      const auto part = ml::generate_motions(stmc, span.subspan(first), how);
+      REQUIRE(part.size() == span.size() - first);
+      for (std::size_t i = 0; i < part.size(); ++i) CHECK(same(part[i], whole[first + i]));
+    }
+    CHECK_FALSE(same(ml::generate_motion(stmc, span[2], {.seed = 3, .mode = all[k].mode}), whole[2]));
+    for (const ml::Index processes : {2, 3, 7}) {
+      run_processes(processes, [&](const ThreadProcess& process) {
+        ml::GenerateNotes own;
+        auto how = all[k];
+        how.notes = &own, how.communicator = ml::AnyCommunicator(process);
+        const auto made = ml::generate_motions(stmc, span, how);
+        REQUIRE(made.size() == whole.size());
+        for (std::size_t i = 0; i < made.size(); ++i) CHECK(same(made[i], whole[i]));
+        CHECK((own.layout == notes.layout && own.features == notes.features && own.kept_moved == notes.kept_moved));
+      });
+    }
+  }
+}
+
+TEST_CASE("a model whose motions depend on each other makes no part of a list") {
+  auto stmc = small::model_of<ml::MdmDenoiser<small::B>>();
+  const std::vector<Timeline> two{small::one_text(20), small::one_text(20)};
+  const ml::GenerateOptions second{.seed = 3, .before = std::span<const Timeline>(two).first(1)};
+  CHECK_NOTHROW(ml::generate_motion(stmc, two[1], second));
+  ml::Philox rng{.seed = 4};
+  stmc.denoiser = ml::MdmDenoiser<small::B>({.nfeats = 205,
+                                             .arch = ml::MdmArch::gru,
+                                             .text_dim = 12,
+                                             .latent_dim = 32,
+                                             .ff_size = 48,
+                                             .num_layers = 2,
+                                             .num_heads = 4,
+                                             .gru_over_batch = true,
+                                             .crop_frames = small::crop_frames},
+                                            rng);
+  CHECK_NOTHROW(ml::generate_motion(stmc, two[1], {.seed = 3}));
+  CHECK_THROWS_WITH_AS(
+      ml::generate_motion(stmc, two[1], second),
+      doctest::Contains("[motionlang.config.102] a motion of this model depends on the other timelines"),
+      ml::option_error);
+}
+
 TEST_CASE("options that contradict each other, or that the model cannot do, are option errors") {
   const auto stmc = model();
   const Timeline timeline = small::one_track();
@@ -172,6 +232,8 @@ TEST_CASE("options that contradict each other, or that the model cannot do, are 
           "has 20, the timeline 40");
   late.seconds = {{0.5, 0.51}};
   refused({.keep = late}, "0.5-0.51 is frames 10:10");
+  refused({.noise = "n", .before = std::span(&timeline, 1)},
+          "[motionlang.config.102] `noise` is a file of all timelines");
   CHECK_ERROR(ml::generate_motion(stmc, timeline, {.noise = "nowhere"}), "[motionlang.io.401]");
   CHECK_ERROR(ml::generate_motion(stmc, timeline, {.reuse = "nowhere"}), "[motionlang.io.401]");
 }

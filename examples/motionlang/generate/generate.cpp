@@ -16,6 +16,7 @@
 #include <motionlang/generate/reuse_notes.hpp>
 #include <motionlang/generate/samples.hpp>
 #include <motionlang/generate/timeline_tracks.hpp>
+#include <motionlang/train/messages.hpp>
 #include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/viewer.hpp>
 #include <motionlang/weights/model_system.hpp>
@@ -27,6 +28,7 @@
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
+#include "../train/processes.hpp"
 #include "generation.hpp"
 #include "timelines.hpp"
 
@@ -65,7 +67,9 @@ class WantedTimelines {
  public:
   explicit WantedTimelines(const GenerateCommand& o) : o_(o), source_(timeline_source(o.timeline)) {
     if (!o.text.empty()) return;
-    text_ = read_timeline_text(o.timeline);
+    // mpirun gives standard input to the first process alone.
+    text_ = processes().rank() == 0 ? read_timeline_text(o.timeline) : "";
+    text_ = ml::text_of_first(processes(), std::move(text_));
     count_ = ml::timelines_of_text(text_, {.fps = 1, .as_published = true, .name = source_}).size();
   }
   std::size_t count() const { return count_; }
@@ -143,21 +147,37 @@ std::vector<ml::ViewerMotion> line_of(const GenerateCommand& o, const std::vecto
   return out;
 }
 
-/// Writes every format, and prints the names of the files.
-void write(const ml::ViewerMotion& made, const std::string& folder, const ml::RigWriter& write_on_rig) {
+/// Writes every format, and returns the lines with the names of the files.
+std::string written(const ml::ViewerMotion& made, const std::string& folder, const ml::RigWriter& write_on_rig) {
   const ml::Motion& motion = made.motion;
+  std::string lines;
   const std::string base = (std::filesystem::path(folder) / motion.name).string();
   ml::write_bvh(base + ".bvh", motion);
   if (write_on_rig)
-    print(write_on_rig(base + ".glb", std::span(&motion, 1)));
+    lines = write_on_rig(base + ".glb", std::span(&motion, 1));
   else
     ml::write_glb(base + ".glb", motion);
   ml::write_amass(base + ".npz", on_smpl(motion));
   ml::write_joints_npy(base + ".npy", motion);
   ml::write_film_strip(base + ".svg", motion, made.tracks);
-  std::printf("%s: %.2f s, %s\n  motion      %s.bvh  .glb  .npz (AMASS)  .npy (joints)\n  film strip  %s.svg\n",
-              motion.name.c_str(), motion.seconds(), counted(motion.frames(), "frame").c_str(), base.c_str(),
-              base.c_str());
+  return lines +
+         formatted("%s: %.2f s, %s\n  motion      %s.bvh  .glb  .npz (AMASS)  .npy (joints)\n  film strip  %s.svg\n",
+                   motion.name.c_str(), motion.seconds(), counted(motion.frames(), "frame").c_str(), base.c_str(),
+                   base.c_str());
+}
+
+/// Writes the motions, which the processes share, and prints what was written in their order.
+void write(const std::vector<ml::ViewerMotion>& made, const std::string& folder, const ml::RigWriter& write_on_rig) {
+  const auto all = static_cast<std::size_t>(processes().size()), own = static_cast<std::size_t>(processes().rank());
+  ml::MessageWriter mine;
+  for (std::size_t i = own; i < made.size(); i += all) {
+    const std::string lines = written(made[i], folder, write_on_rig);
+    all == 1 ? print(lines) : mine.text(lines);
+  }
+  if (all == 1) return;
+  const std::vector<std::string> messages = ml::messages_of_all(processes(), mine.bytes());
+  std::vector<ml::MessageReader> of_ranks(messages.begin(), messages.end());
+  for (std::size_t i = 0; i < made.size(); ++i) print(of_ranks[i % all].text());
 }
 
 /// Prints a line for each text with words that the model never learned, each text that is too long, and each that the
@@ -186,6 +206,7 @@ std::optional<ml::KeptClip> kept_clip(const GenerateCommand& o) {
 ml::GenerateOptions settings_of(const GenerateCommand& o, const std::string& name, ml::GenerateNotes& notes) {
   ml::GenerateOptions settings = o.settings;
   settings.notes = &notes;
+  settings.communicator = processes();
   settings.keep = kept_clip(o);
   settings.noise = o.noise;
   settings.mode = ml::parse_stmc_mode(o.mode);
@@ -212,7 +233,7 @@ void require_fitting(const GenerateCommand& o, const ml::MotionModel& generator)
 void say(const ml::GenerateNotes& notes, const ml::GenerateOptions& settings) {
   if (notes.reuse) print(with_options(ml::reuse_notes(*notes.reuse, settings.keep_beyond)));
   constexpr double noticeable = 0.1;  // metres
-  if (notes.kept_moved > noticeable)
+  if (notes.kept_moved > noticeable && processes().rank() == 0)
     std::fprintf(stderr,
                  "--keep: kept frames are up to %.2f m over the floor from where they were. Made frames before them, "
                  "smoothing and feet that are fixed lead them there\n",
@@ -221,6 +242,7 @@ void say(const ml::GenerateNotes& notes, const ml::GenerateOptions& settings) {
 
 void run(const GenerateCommand& o) {
   o.machine.apply();
+  if (!o.towards.empty()) require_one_process("generate --towards");
   const ml::OutputFolder out("--out", o.out);
   const std::string name = wanted_name(o);
   const WantedTimelines wanted(o);
@@ -240,7 +262,8 @@ void run(const GenerateCommand& o) {
   const auto made = o.towards.empty() ? samples_of(timelines, samples, names, *generator, settings)
                                       : line_of(o, names, *generator, settings);
   say(notes, settings);
-  for (const ml::ViewerMotion& m : made) write(m, o.out, write_on_rig);
+  write(made, o.out, write_on_rig);
+  if (processes().rank() > 0) return;
   const auto model =
       std::filesystem::is_directory(o.model) ? std::filesystem::path(o.model) : std::filesystem::path(o.model).stem();
   const std::string drawn = o.noise.empty() ? "seed " + std::to_string(notes.seed.value_or(settings.seed))

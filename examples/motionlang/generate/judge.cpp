@@ -113,8 +113,8 @@ void remember(const ml::MotionModel& generator, const JudgeOptions& o, const std
 void run(const JudgeOptions& o) {
   o.machine.apply();
   const bool first = processes().rank() == 0;
-  if (processes().size() > 1 && (!o.clips.empty() || !o.compare.empty()))
-    ml::raise<usage_error>(102, "judge: --clips and --compare run in one process, not in ", processes().size());
+  if (!o.clips.empty() || !o.compare.empty())
+    require_one_process(o.clips.empty() ? "judge --compare" : "judge --clips");
   if (!o.clips.empty()) return judge_clips(o);
   const auto generator = load_generator(o.backend, o.model);
   if (o.remember && generator->captions().empty())

@@ -19,6 +19,8 @@
 #include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/generate/timelines_of_text.hpp>
 
+#include "../progress_bar.hpp"
+
 namespace program {
 
 namespace ml = motionlang;
@@ -46,6 +48,13 @@ inline std::vector<ml::Timeline> read_timelines(const std::string& path, double 
   return ml::timelines_of_text(text, {.fps = fps, .name = name});
 }
 
+/// Prints each warning on its own line; in processes that work for another one nothing.
+inline void warn(const std::vector<std::string>& warnings) {
+  for (const std::string& w : warnings) {
+    if (!ProgressBar::quiet) std::fprintf(stderr, "%s\n", ml::printable(w, "\n").c_str());
+  }
+}
+
 /// Options about texts that name no body part.
 struct MissingParts {
   bool guess = false;
@@ -66,19 +75,13 @@ struct MissingParts {
     if (!guess && answers.empty()) return;
     ml::BodyPartAnswers known;
     if (!answers.empty()) known = ml::read_body_part_answers(answers);
-    for (const std::string& note : ml::fill_missing_parts(timelines, file, &known))
-      std::fprintf(stderr, "%s\n", ml::printable(note, "\n").c_str());
+    warn(ml::fill_missing_parts(timelines, file, &known));
   }
 };
 
 inline constexpr const char* in_turn_help =
     "Split a text with several actions ('walk forward, then sit down; wave') and give each action an equal share of "
     "its time";
-
-/// Prints each warning on its own line.
-inline void warn(const std::vector<std::string>& warnings) {
-  for (const std::string& w : warnings) std::fprintf(stderr, "%s\n", ml::printable(w, "\n").c_str());
-}
 
 /// Splits each text into its actions in sequence; reports which texts.
 inline void make_in_turn(std::vector<ml::Timeline>& timelines, double fps) {

@@ -65,6 +65,10 @@ void add_micro_batch_option(CLI::App& command, ml::TrainingOptions& o) {
       ->check(positive());
 }
 
+void require_one_process(const std::string& what) {
+  if (processes().size() > 1) ml::raise<usage_error>(102, what, " runs in one process, not in ", processes().size());
+}
+
 const ml::AnyCommunicator& training_processes(const ml::TrainingOptions& o) {
   const ml::AnyCommunicator& all = processes();
   if (all.size() > 1 && o.micro_batch == 0)

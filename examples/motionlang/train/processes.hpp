@@ -1,5 +1,7 @@
-// The processes that mpirun or srun started together to train one model.
+// The processes that mpirun or srun started together.
 #pragma once
+
+#include <string>
 
 #include <CLI/CLI.hpp>
 
@@ -16,6 +18,10 @@ int end_processes(int code);
 
 /// The option --micro-batch.
 void add_micro_batch_option(CLI::App& command, motionlang::TrainingOptions& o);
+
+/// Throws usage_error 102 if there are several processes, for work that one process does.
+/// what  names it: "generate --towards"
+void require_one_process(const std::string& what);
 
 /// The processes for a training. Throws usage_error 102 if there are several and the option --micro-batch is missing.
 const motionlang::AnyCommunicator& training_processes(const motionlang::TrainingOptions& o);

@@ -30,14 +30,17 @@ struct StepOptions {
 GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps);
 
 /// Standard normal values (sequences, frames, features). Every sequence has its own stream, so it sees the same noise
-/// alone and in a batch. draw: 0 for the initial tensor, 1, 2, ... for the steps.
+/// alone and in a batch.
+/// draw   0 for the initial tensor, 1, 2, ... for the steps
+/// first  the place of the first sequence, if these are a part of a longer list
 template <Backend B>
-Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
+Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape, Index first = 0) {
   using S = typename B::scalar;
   PoolVector<S> values(static_cast<std::size_t>(shape.count()));
   const auto size = static_cast<std::size_t>(shape[1] * shape[2]);
   for (Index m = 0; m < shape[0]; ++m) {
-    auto stream = rng.split("noise").split(static_cast<std::uint64_t>(m)).split(static_cast<std::uint64_t>(draw));
+    auto stream =
+        rng.split("noise").split(static_cast<std::uint64_t>(first + m)).split(static_cast<std::uint64_t>(draw));
     stream.normal(std::span<S>(values).subspan(static_cast<std::size_t>(m) * size, size));
   }
   return Tensor<B, 3>::from(std::span<const S>(values), shape);

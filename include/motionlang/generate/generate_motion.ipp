@@ -10,6 +10,7 @@
 #include <motionlang/generate/arm_overlay.hpp>
 #include <motionlang/generate/detail/kept_clip.hpp>
 #include <motionlang/generate/generate_motion.hpp>
+#include <motionlang/generate/shared_motions.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/systems/sinc_baseline.hpp>
 #include <motionlang/systems/stmc_keep.hpp>
@@ -54,12 +55,14 @@ class GenerateRun {
     Steps first{&o_.progress, 0, arms.texts.empty() ? 1 : 2}, second{&o_.progress, 1, 2};
     Sampling how{Philox{.seed = o_.seed}, how_, o_.cut_texts};
     how.options.progress = first;
+    how.options.first = sequences_before(how.options);
     for (const Tensor<B, 2>& f : features(timelines, how)) {
       const std::vector<double> rows(f.span().begin(), f.span().end());
       if (o_.notes != nullptr) o_.notes->features.push_back(rows);
       collages.push_back(motion_of(rows));
     }
     how.options.progress = second;
+    how.options.first = std::ssize(arms_of(o_.before).texts);
     overlay(arms, collages, how);
     for (Motion& motion : collages) {
       if (o_.keep) motion = in_its_place(std::move(motion), clip_, clip_frames_, o_);
@@ -134,6 +137,14 @@ class GenerateRun {
     return out;
   }
 
+  /// The number of sequences that the timelines before these have in the list.
+  Index sequences_before(const StmcOptions& options) const {
+    if (o_.before.empty() || (o_.mode != StmcMode::sinc && o_.mode != StmcMode::sinc_lerp))
+      return std::ssize(o_.before);
+    const BatchPlan plan = plan_timelines(cut(o_.before, o_.cut_texts), sinc_plan_options(model_, options));
+    return std::ssize(crop_lengths(plan));
+  }
+
   std::vector<Timeline> cut(std::span<const Timeline> timelines, bool wanted) const {
     std::vector<Timeline> out;
     for (const Timeline& t : timelines) {
@@ -201,7 +212,10 @@ class GenerateRun {
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                      const GenerateOptions& options) {
-  return detail::GenerateRun<B, D, E>(stmc, options)(timelines);
+  const auto make = [&](std::span<const Timeline> part, const GenerateOptions& how) {
+    return detail::GenerateRun<B, D, E>(stmc, how)(part);
+  };
+  return options.communicator.size() == 1 ? make(timelines, options) : shared_motions(timelines, options, make);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>

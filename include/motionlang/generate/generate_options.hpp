@@ -9,17 +9,20 @@
 
 #include <cstdint>   // seeds
 #include <optional>  // what the caller leaves to the model
+#include <span>      // timelines of a list
 #include <string>    // names
 #include <utility>   // pairs of times
 #include <vector>    // motions
 
 #include <motionlang/compose/baselines.hpp>
+#include <motionlang/compose/timeline.hpp>
 #include <motionlang/core/option_error.hpp>
 #include <motionlang/diffusion/sampler.hpp>
 #include <motionlang/file/file_path.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/systems/stmc_reuse.hpp>
+#include <motionlang/train/communicator.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -60,6 +63,11 @@ struct GenerateOptions {
   std::optional<KeptClip> keep{};       // for every timeline
   Progress progress{};                  // called after every step, or after every motion; may cancel
   GenerateNotes* notes = nullptr;       // filled if given
+  /// The timelines before these in a longer list, of which these are a part. Their motions have the bits that they have
+  /// in the whole list. Without noise, record and reuse.
+  std::span<const Timeline> before{};
+  /// The processes that share the timelines: all call the function, and get the motions of one process.
+  AnyCommunicator communicator{};
 };
 
 /// True if a text that ends may be divided into its action and what follows (compose/text_timeline.hpp).

@@ -12,6 +12,7 @@
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/generate/judged_prompts.hpp>
+#include <motionlang/generate/shared_motions.hpp>
 #include <motionlang/generate/text_warnings.hpp>
 #include <motionlang/kinematics/loops.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
@@ -315,24 +316,6 @@ struct JudgedMotion {
   double skate = 0, jitter = 0, bones = 0;
   Motion motion{};  // if it is kept
 };
-
-inline void put_motion(MessageWriter& out, const Motion& m) {
-  out.text(m.name), out.value(m.fps);
-  out.value(std::uint64_t{m.skeleton.names.size()});
-  for (const std::string& name : m.skeleton.names) out.text(name);
-  out.list(std::span<const int>(m.skeleton.parents));
-  out.list(std::span<const Vec3<double>>(m.skeleton.offsets)), out.list(std::span<const Vec3<double>>(m.skeleton.ends));
-  out.list(std::span<const Vec3<double>>(m.root)), out.list(std::span<const Quaternion<double>>(m.local));
-}
-inline Motion take_motion(MessageReader& in) {
-  Motion m;
-  m.name = in.text(), m.fps = in.value<double>();
-  for (auto joints = in.value<std::uint64_t>(); joints > 0; --joints) m.skeleton.names.push_back(in.text());
-  m.skeleton.parents = in.list<int>();
-  m.skeleton.offsets = in.list<Vec3<double>>(), m.skeleton.ends = in.list<Vec3<double>>();
-  m.root = in.list<Vec3<double>>(), m.local = in.list<Quaternion<double>>();
-  return m;
-}
 
 inline void put_judged(MessageWriter& out, const JudgedMotion& j) {
   const Verdict& v = j.verdict;

@@ -31,7 +31,7 @@ class MotionModel {
  public:
   virtual ~MotionModel() = default;
 
-  /// One motion for each timeline, in their order. Throws what check_options and the system throw.
+  /// One motion for each timeline, in their order. Throws what check_options, the system and shared_motions throw.
   std::vector<Motion> generate(std::span<const Timeline> timelines, const GenerateOptions& options) const;
 
   virtual double fps() const = 0;

@@ -7,6 +7,7 @@
 
 #include <motionlang/generate/detail/kept_clip.hpp>
 #include <motionlang/generate/motion_model.hpp>
+#include <motionlang/generate/shared_motions.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -45,7 +46,9 @@ MOTIONLANG_BODY const KnownCaptions& MotionModel::captions() const {
 MOTIONLANG_BODY std::vector<Motion> MotionModel::generate(std::span<const Timeline> timelines,
                                                           const GenerateOptions& options) const {
   check_options(*this, options);
-  return make(timelines, options);
+  if (options.communicator.size() == 1) return make(timelines, options);
+  return shared_motions(timelines, options,
+                        [&](std::span<const Timeline> part, const GenerateOptions& how) { return make(part, how); });
 }
 
 MOTIONLANG_BODY std::vector<Motion> generate_motions(const MotionModel& model, std::span<const Timeline> timelines,
@@ -60,8 +63,9 @@ MOTIONLANG_BODY Motion generate_motion(const MotionModel& model, const Timeline&
 MOTIONLANG_BODY std::vector<Motion> SeparateMotionModel::make(std::span<const Timeline> timelines,
                                                               const GenerateOptions& options) const {
   std::vector<Motion> motions;
+  const std::uint64_t before = options.before.size();
   for (std::size_t m = 0; m < timelines.size(); ++m) {
-    motions.push_back(finish_motion(motion(timelines[m], noise_of(options, m), options), options));
+    motions.push_back(finish_motion(motion(timelines[m], noise_of(options, before + m), options), options));
     options.progress(static_cast<Index>(m) + 1, std::ssize(timelines));
   }
   return motions;

@@ -14,6 +14,7 @@
 #include <motionlang/generate/motion_model.ipp>
 #include <motionlang/generate/reuse_notes.ipp>
 #include <motionlang/generate/samples.ipp>
+#include <motionlang/generate/shared_motions.ipp>
 #include <motionlang/generate/text_warnings.ipp>
 #include <motionlang/generate/timeline_tracks.ipp>
 #include <motionlang/generate/timelines_of_text.ipp>

@@ -3,3 +3,5 @@
 // other body of train/, and so a program that only generates links none.
 #include <motionlang/train/communicator.ipp>
 #include <motionlang/train/messages.ipp>
+#include <motionlang/train/shared_items.ipp>
+#include <motionlang/train/shared_progress.ipp>

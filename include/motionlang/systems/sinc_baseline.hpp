@@ -55,14 +55,14 @@ std::vector<Tensor<B, 2>> sinc_baseline_from(const Stmc<B, D, E>& stmc, const Ba
       stmc, plan, noise, options, cuts,
       [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
 }
-/// The same from timelines and a generator. Throws what Stmc::generate throws.
+/// The same from timelines and a generator. `first` of the options counts texts. Throws what Stmc::generate throws.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> sinc_baseline(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                         const Philox& rng, const StmcOptions& options = {},
                                         SincCuts cuts = SincCuts::hard) {
   return sinc_baseline_from(
       stmc, plan_timelines(timelines, sinc_plan_options(stmc, options)),
-      [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, cuts);
+      [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape, options.first); }, options, cuts);
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -51,6 +51,7 @@ struct StmcOptions {
   HiddenTexts hidden = HiddenTexts::refuse;
   Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Affects only the memory
   Progress progress{};                      // called after every step; may cancel
+  Index first = 0;  // the place of the first sequence in a longer list, of which these are a part
 };
 
 /// Clean motions, normalised, in consecutive rows.
@@ -92,7 +93,8 @@ struct Stmc {
   }
 
   /// One motion per timeline, (frames, features), not normalised. All are sampled together. The noise of each depends
-  /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
+  /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`;
+  /// option_error 102 for a part of a list, if the motions of the model depend on each other (BatchMates).
   std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
                                      const StmcOptions& options = {}) const;
   Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
@@ -123,8 +125,8 @@ struct Stmc {
   PlanOptions plan_options(const StmcOptions& options) const;
 
   /// Standard normal values of every sequence from its own stream, so a timeline has the same noise alone and in a
-  /// batch.
-  Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
+  /// batch. first: as in StmcOptions.
+  Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape, Index first = 0) const;
 
   /// The process with this many evenly chosen steps, all if 0; the model's own number unless given. Throws config_error
   /// 105.

@@ -23,7 +23,7 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
                                                   const StmcOptions& options) const {
   return generate_from(
-      timelines, [&](Index draw, const Shape& shape) { return noise(rng, draw, shape); }, options);
+      timelines, [&](Index draw, const Shape& shape) { return noise(rng, draw, shape, options.first); }, options);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -67,6 +67,8 @@ template <class Noise, class Estimate, bool>
 CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                       Estimate&& estimate) const {
   const auto [text, null] = encode(plan);
+  if (options.first > 0)
+    detail::require_own_motions(denoiser.traits().mates, /*one_token=*/text.tokens.offsets.longest() <= 1);
   const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
                               options.rows_at_once);
   const auto sequences = static_cast<Index>(collage.plan().timelines.size());
@@ -97,8 +99,8 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::separate(const CleanMotions<B>& clean, 
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape) const {
-  return sequence_noise<B>(rng, draw, shape);
+Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape, Index first) const {
+  return sequence_noise<B>(rng, draw, shape, first);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>

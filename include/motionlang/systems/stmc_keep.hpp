@@ -108,7 +108,8 @@ std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<c
     return rows->over(whole(collage, x, t));
   };
   return stmc.generate_from(
-      timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, estimate);
+      timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape, options.first); }, options,
+      estimate);
 }
 
 MOTIONLANG_NAMESPACE_END

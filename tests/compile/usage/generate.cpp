@@ -21,6 +21,7 @@
 #include <motionlang/generate/missing_parts.hpp>
 #include <motionlang/generate/reuse_notes.hpp>
 #include <motionlang/generate/samples.hpp>
+#include <motionlang/generate/shared_motions.hpp>
 #include <motionlang/generate/studio_request.hpp>
 #include <motionlang/generate/studio_server.hpp>
 #include <motionlang/generate/text_warnings.hpp>
@@ -30,6 +31,7 @@
 #include <motionlang/search/text_similarity.hpp>
 #include <motionlang/stmc.hpp>
 #include <motionlang/systems/sinc_baseline.hpp>
+#include <motionlang/train/shared_progress.hpp>
 #include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/gallery_page.hpp>
 #include <motionlang/view/loss_curves.hpp>
@@ -116,6 +118,14 @@ void load() {
 }
 void load_trained() {
 #include "generate/load_trained_motion_model.1.inc"
+}
+void shared_motions_(const std::unique_ptr<MotionModel>& model, const std::vector<Timeline>& timelines,
+                     const AnyCommunicator& all) {
+#include "generate/shared_motions.1.inc"
+}
+void shared_progress_(const AnyCommunicator& all, const std::unique_ptr<MotionModel>& model,
+                      std::span<const Timeline> own_part, const Progress& caller) {
+#include "train/shared_progress.1.inc"
 }
 void any_model() {
 #include "generate/motion_model.1.inc"

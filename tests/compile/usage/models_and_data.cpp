@@ -33,6 +33,7 @@
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/train/messages.hpp>
 #include <motionlang/train/shared_index.hpp>
+#include <motionlang/train/shared_items.hpp>
 #include <motionlang/train/shared_search.hpp>
 #include <motionlang/view/body_view.hpp>
 #include <motionlang/view/rig_viewer.hpp>
@@ -182,6 +183,9 @@ void open_shards() {
 }
 void messages_(const AnyCommunicator& all, std::uint64_t seed, const std::vector<float>& rows) {
 #include "train/messages.1.inc"
+}
+void shared_items_(const AnyCommunicator& all, Index count, double (*error_of)(Index)) {
+#include "train/shared_items.1.inc"
 }
 void shared_index(const AnyCommunicator& all, const TmrSearchEncoder<B>& tmr, ShardStore& store, IndexUpdate& update,
                   const MotionReadOptions& read, Progress progress) {

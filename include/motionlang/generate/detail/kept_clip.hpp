@@ -13,6 +13,8 @@ namespace detail {
 void require_steps(const GenerateOptions& options, Index steps);
 /// Throws option_error 102 for contradictory options of models that go through STMC.
 void require_one_source(const GenerateOptions& options);
+/// Throws option_error 102 for options whose files are about the whole list of timelines.
+void require_no_list_files(const GenerateOptions& options);
 
 /// The frames to keep of a clip of `frames` frames in a timeline of `wanted` frames. Throws option_error 101 for frames
 /// that do not exist.

@@ -26,6 +26,17 @@ MOTIONLANG_BODY void require_one_source(const GenerateOptions& o) {
   if (o.mode != StmcMode::stmc && (o.keep || record || reuse || o.overlay_arms))
     raise<option_error>(102, "`mode` ", to_string(o.mode), " excludes `keep`, `record`, `reuse` and `overlay_arms`");
   if (o.keep_beyond && !reuse) raise<option_error>(102, "keep_beyond needs reuse");
+  if (!o.before.empty()) require_no_list_files(o);
+}
+
+MOTIONLANG_BODY void require_no_list_files(const GenerateOptions& o) {
+  const std::pair<const FilePath*, const char*> files[] = {
+      {&o.noise, "`noise`"}, {&o.record, "`record`"}, {&o.reuse, "`reuse`"}};
+  for (const auto& [file, name] : files) {
+    if (!file->string().empty())
+      raise<option_error>(102, name, " is a file of all timelines, which one process makes, not ",
+                          std::max<Index>(2, o.communicator.size()));
+  }
 }
 
 MOTIONLANG_BODY std::vector<IndexRange> kept_frames(const KeptClip& keep, Index frames, Index wanted, double fps) {

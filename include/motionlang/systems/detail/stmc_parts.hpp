@@ -6,6 +6,8 @@
 #include <vector>  // intervals
 
 #include <motionlang/compose/plan.hpp>
+#include <motionlang/core/option_error.hpp>
+#include <motionlang/diffusion/denoiser.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -19,6 +21,10 @@ struct DifferentTexts {
 
   explicit DifferentTexts(const BatchPlan& plan);
 };
+
+/// Throws option_error 102 if a motion depends on the others of its list, so that no part of the list can be made
+/// alone. one_token: the texts have one token each, so that they have the same length in any list.
+void require_own_motions(BatchMates mates, bool one_token);
 
 /// SMPL RIFKE features as a motion that starts facing pi.
 Motion published_motion(std::span<const double> features, double fps);

@@ -23,6 +23,13 @@ MOTIONLANG_BODY DifferentTexts::DifferentTexts(const BatchPlan& plan) {
   }
 }
 
+MOTIONLANG_BODY void require_own_motions(BatchMates mates, bool one_token) {
+  if (mates == BatchMates::none || (mates == BatchMates::longest_text && one_token)) return;
+  raise<option_error>(102,
+                      "a motion of this model depends on the other timelines of its list, so that several processes "
+                      "cannot share the list");
+}
+
 MOTIONLANG_BODY Motion published_motion(std::span<const double> features, double fps) {
   return smplrifke_to_motion<double>(features, {.first_angle = std::numbers::pi}, fps);
 }
