@@ -2,7 +2,7 @@
 // Bodies of judged_prompts.hpp.
 #pragma once
 
-#include <algorithm>  // any_of, count_if, max
+#include <algorithm>  // any_of, count_if, fill_n, max
 #include <ctime>      // time of the processor
 #include <map>        // texts
 #include <utility>    // pair
@@ -17,6 +17,7 @@
 #include <motionlang/kinematics/loops.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 #include <motionlang/train/messages.hpp>
+#include <motionlang/train/shared_progress.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -383,13 +384,17 @@ MOTIONLANG_BODY Judgement judge(const MotionModel& model, std::vector<JudgedProm
     const int together = std::min(processes, seeds - first);
     GenerateOptions how = options;
     how.seed = options.seed + static_cast<std::uint64_t>(first + rank);
-    auto steps = [&](Index done, Index total) {
-      return options.progress(first * total + together * done, seeds * total), true;
+    auto of_round = [&](Index done, Index total) {
+      return options.progress(first * (total / together) + done, seeds * (total / together)), true;
     };
+    std::vector<Index> work(static_cast<std::size_t>(processes));
+    std::fill_n(work.begin(), together, 1);
+    SharedProgress steps(all, std::move(work), of_round);
     how.progress = steps;
     const std::clock_t start = std::clock();
     std::vector<detail::JudgedMotion> mine;
     if (rank < together) mine = detail::judge_seed(model, prompts, timelines, how, keep_motions);
+    steps.finish();
     const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / (length * seeds);
     if (processes == 1) {
       out.seconds += seconds;
