@@ -38,6 +38,10 @@ class Measured {
   void receive(std::span<std::byte> bytes, Index from) const {
     timed([&] { communicator_.receive(bytes, from); });
   }
+  void exchange(std::span<const std::byte> given, std::span<std::byte> taken, Index with) const {
+    sent += static_cast<double>(given.size());
+    timed([&] { communicator_.exchange(given, taken, with); });
+  }
   void broadcast(std::span<std::byte> bytes, Index root) const {
     if (rank() == root && size() > 1) sent += static_cast<double>(bytes.size());
     timed([&] { communicator_.broadcast(bytes, root); });

@@ -12,11 +12,14 @@ The model of a step of p processes, for P parts of a batch:
     c, u     seconds of a part, and of the optimiser. u is assumed, not measured: as long as a part's gradients take to
              be added, which is the difference of one process with P and with P / 2 parts. c is what is left of a step
              in one process, so there the model fits by construction, and the table has no error
-    tree     r (l + G / b) to rank 0, adding G / a each time, and r (l + G / b) back,  r = ceil(log2 p): what we do
+    halves   2 r l + 2 (p - 1) / p G / b + (p - 1) / p G / a,  r = log2 p: if p and P are powers of two, p <= P
+    tree     r (l + G / b) to rank 0, adding G / a each time, and r (l + G / b) back,  r = ceil(log2 p): else
     ring     2 (p - 1) (l + G / (p b)) + (p - 1) / p G / a: another order of sums, so not the same bits
     l, b     latency and bandwidth; G bytes of all gradients; a: bytes that are added in a second
+    hidden   what an overlap with the backward pass could hide at most: the first half of the messages, as far as the
+             backward pass of the last part (two thirds of c) is as long. The other half needs the sums
 
-Where there are more processes than cores, c grows by their ratio.
+Where there are more processes than cores, c grows by their ratio. With --wire bf16, G is half as large.
 """
 
 import argparse
@@ -42,33 +45,46 @@ class Model:
         self.part, self.rest, self.parts, self.gradient = part, rest, parts, gradient
         self.latency, self.bandwidth, self.adding, self.cores = latency, bandwidth, adding, cores
 
-    def messages(self, p, kind):
+    def messages(self, p, kind, parts=None):
+        parts = parts or self.parts
         if p == 1:
             return 0.0
         g = self.gradient
         if kind == "ring":
             return 2 * (p - 1) * (self.latency + g / (p * self.bandwidth)) + (p - 1) / p * g / self.adding
+        if kind == "halves" and p <= parts and p & (p - 1) == 0 and parts & (parts - 1) == 0:
+            return (p - 1) / p * (2 * g / self.bandwidth + g / self.adding) + 2 * math.log2(p) * self.latency
         return math.ceil(math.log2(p)) * (2 * (self.latency + g / self.bandwidth) + g / self.adding)
+
+    def hidden(self, p):
+        if p == 1:
+            return 0.0
+        first = (p - 1) / p * (self.gradient / self.bandwidth + self.gradient / self.adding) + math.log2(p) * self.latency
+        return min(first, 2 / 3 * self.part)
 
     def step(self, p, kind, parts=None):
         crowd = max(1.0, p / self.cores)
-        return crowd * (math.ceil((parts or self.parts) / p) * self.part + self.rest) + self.messages(p, kind)
+        return crowd * (math.ceil((parts or self.parts) / p) * self.part + self.rest) + self.messages(p, kind, parts)
 
 
 def model_rows(work, model):
     """Strong scaling of a batch of P parts, and weak scaling: as many parts for each process."""
-    print("| %s, ranks | batch | tree: step, share of messages, speed | ring: step, share of messages, speed |" % work)
-    print("| --- | --- | --- | --- |")
+    print("| %s, ranks | batch | halves: step, share of messages, speed | tree | ring | hidden by an overlap |" % work)
+    print("| --- | --- | --- | --- | --- | --- |")
     one = model.step(1, "tree")
     for p in (1, 2, 4, 8, 64, 512):
         for parts, name in ((model.parts, "%d parts" % model.parts), (model.parts * p, "%d parts for each" % model.parts)):
             if p == 1 and parts == model.parts * p and name.endswith("each"):
                 continue
             columns = []
-            for kind in ("tree", "ring"):
+            for kind in ("halves", "tree", "ring"):
                 t = model.step(p, kind, parts)
-                columns.append("%.0f ms, %.1f %%, %.2f x" % (1000 * t, 100 * model.messages(p, kind) / t,
+                columns.append("%.0f ms, %.1f %%, %.2f x" % (1000 * t, 100 * model.messages(p, kind, parts) / t,
                                                              one * parts / model.parts / t))
+            if p <= parts:
+                columns.append("%.1f %%" % (100 * model.hidden(p) / model.step(p, "halves", parts)))
+            else:
+                columns.append("")
             print("| %d | %s | %s |" % (p, name, " | ".join(columns)))
 
 
@@ -149,7 +165,7 @@ def main():
         model = Model((ms[1, 1, micro] - update) / parts, update, parts, gradient, latency, bandwidth, o.adding, o.cores)
         print("| %s: model against measured | step | model | error |\n| --- | --- | --- | --- |" % work)
         for p in (1, 2, 4):
-            real, said = ms[p, 1, micro], model.step(p, "tree")
+            real, said = ms[p, 1, micro], model.step(p, "halves")
             error = "%+.0f %%" % (100 * (said / real - 1)) if p > 1 else "fitted"
             print("| %d processes | %.0f ms | %.0f ms | %s |" % (p, 1000 * real, 1000 * said, error))
         print()

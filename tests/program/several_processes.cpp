@@ -108,3 +108,25 @@ TEST_CASE("several processes are refused without parts, and by networks that nor
                 stgcn.text);
   CHECK_FALSE(std::filesystem::exists(w / "out/checkpoint.safetensors"));
 }
+
+TEST_CASE("gradients as bfloat16: two processes, near the exact run, and the checkpoint says so") {
+  const Processes w;
+  const std::string more = "--micro-batch 1 --set optimiser.epochs=3 ";
+  REQUIRE(w.shell(Processes::command("train-mdm-smpl", "exact", more)).code == 0);
+  const Outcome o = w.shell(Processes::mpirun(2) + Processes::command("train-mdm-smpl", "bf16", more + "--wire bf16"));
+  REQUIRE_MESSAGE(o.code == 0, o.text);
+  CHECK_MESSAGE(contains(o.text, "gradients are rounded to bfloat16"), o.text);
+  const auto exact = w.losses("exact"), rounded = w.losses("bf16");
+  REQUIRE(rounded.size() == exact.size());
+  CHECK(rounded != exact);
+  for (std::size_t i = 0; i < exact.size(); ++i) CHECK(rounded[i] == doctest::Approx(exact[i]).epsilon(0.05));
+  CHECK(w.checkpoint("bf16").metadata().at("training.wire") == "bf16");
+  const Outcome other = w.shell(Processes::command("train-mdm-smpl", "bf16", more));
+  CHECK(other.code == 1);
+  CHECK_MESSAGE(contains(other.text, "this run began with another training.wire (bf16, not exact)"), other.text);
+  const Outcome whole = w.shell(Processes::command("train-mdm-smpl", "out", "--wire bf16"));
+  CHECK(whole.code == 2);
+  CHECK_MESSAGE(
+      contains(whole.text, "[motionlang.config.102] --wire bf16 rounds the gradients that processes send each"),
+      whole.text);
+}

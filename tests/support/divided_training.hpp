@@ -94,13 +94,13 @@ void check_parts(Task task) {
 /// Trains with so many processes, and returns the bytes of the checkpoint. stop: a step after which the run stops.
 template <class Make>
 std::string trained(const Make& make, const std::filesystem::path& out, Index processes, Index micro_batch = 2,
-                    Index stop = 0) {
+                    Index stop = 0, ml::GradientWire wire = ml::GradientWire::exact) {
   std::vector<std::vector<float>> losses(static_cast<std::size_t>(processes));
   const auto run = [&] {
     run_processes(processes, [&](const ThreadProcess& process) {
       ml::Trainer trainer{make()};
       const ml::TrainingOptions options{
-          .out = out, .micro_batch = micro_batch, .communicator = ml::AnyCommunicator(process)};
+          .out = out, .micro_batch = micro_batch, .communicator = ml::AnyCommunicator(process), .wire = wire};
       ml::TrainingCallbacks callbacks;
       callbacks.progress = [&](const ml::TrainingProgress& p) {
         CHECK(process.rank() == 0);

@@ -55,13 +55,17 @@ class ThreadProcess {
   motionlang::Index rank() const { return rank_; }
   motionlang::Index size() const { return size_; }
   void send(std::span<const std::byte> bytes, motionlang::Index to) const {
-    ++messages_;
+    ++messages_, bytes_ += std::ssize(bytes);
     post_->put(rank_, to, {bytes.begin(), bytes.end()});
   }
   void receive(std::span<std::byte> bytes, motionlang::Index from) const {
     const auto message = post_->take(from, rank_);
     if (message.size() != bytes.size()) throw std::runtime_error("a message has another size than the receiver wants");
     std::copy(message.begin(), message.end(), bytes.begin());
+  }
+  void exchange(std::span<const std::byte> given, std::span<std::byte> taken, motionlang::Index with) const {
+    send(given, with);  // does not wait
+    receive(taken, with);
   }
   void broadcast(std::span<std::byte> bytes, motionlang::Index root) const {
     if (rank_ != root) return receive(bytes, root);
@@ -75,11 +79,12 @@ class ThreadProcess {
     broadcast({}, 0);
   }
   motionlang::Index messages() const { return messages_; }
+  motionlang::Index bytes() const { return bytes_; }
 
  private:
   ThreadPost* post_;
   motionlang::Index rank_, size_;
-  mutable motionlang::Index messages_ = 0;
+  mutable motionlang::Index messages_ = 0, bytes_ = 0;
 };
 static_assert(motionlang::Communicator<ThreadProcess>);
 

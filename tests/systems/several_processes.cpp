@@ -94,3 +94,37 @@ TEST_CASE("processes without parts, with other settings, and runs with other par
   CHECK_ERROR(trained(make, folder / "out", 1, 1), "this run began with another training.micro_batch (2, not 1)");
   CHECK_ERROR(trained(make, folder / "out", 1, 0), "this run began with another training.micro_batch (2, not 0)");
 }
+
+TEST_CASE("rounded gradients: near those of one process, the same in all processes, and said in the checkpoint") {
+  const TemporaryFolder folder;
+  const auto data = random_motions(205);
+  auto config = tiny_with_texts(ml::mdm_smpl_preset("small"));
+  config.optimiser.batch = 4;
+  const auto make = [&] { return ml::MdmSmplTraining<A>(config, data); };
+  const auto bf16 = ml::GradientWire::bf16;
+  const auto losses = [&](const char* out) {
+    return ml::values_of<float>(ml::SafetensorsFile::open(folder / out / "checkpoint.safetensors").tensor("losses"));
+  };
+  trained(make, folder / "exact", 2, 1);
+  trained(make, folder / "alone", 1, 1, 0, bf16);  // it sends nothing
+  CHECK(losses("alone") == losses("exact"));
+  for (const Index processes : {2, 3, 4}) {  // trained() compares the losses of all processes
+    trained(make, folder / "bf16", processes, 1, 1, bf16);
+    CHECK(trained(make, folder / "bf16", processes, 1, 0, bf16) !=
+          ml::read_file(folder / "exact/checkpoint.safetensors"));
+    const auto rounded = losses("bf16"), exact = losses("exact");
+    REQUIRE(rounded.size() == exact.size());
+    CHECK(rounded[0] == exact[0]);
+    CHECK(rounded != exact);
+    for (std::size_t i = 0; i < exact.size(); ++i) CHECK(rounded[i] == doctest::Approx(exact[i]).epsilon(0.05));
+    const auto file = ml::SafetensorsFile::open(folder / "bf16/checkpoint.safetensors");
+    CHECK(file.metadata().at("training.wire") == "bf16");
+    if (processes < 4) std::filesystem::remove_all(folder / "bf16");
+  }
+  config.optimiser.epochs = 6;
+  CHECK_ERROR(trained(make, folder / "bf16", 2, 1), "this run began with another training.wire (bf16, not exact)");
+  CHECK_ERROR(trained(make, folder / "exact", 2, 1, 0, bf16),
+              "this run began with another training.wire (nothing, not bf16)");
+  CHECK_ERROR(trained(make, folder / "none", 1, 0, 0, bf16),
+              "[motionlang.config.102] `wire` bf16 rounds the gradients");
+}

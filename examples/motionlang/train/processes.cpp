@@ -1,6 +1,7 @@
 #include "processes.hpp"
 
 #include <cstdio>
+#include <map>
 #include <optional>
 
 #include <motionlang/train/mpi.hpp>
@@ -63,6 +64,13 @@ void add_micro_batch_option(CLI::App& command, ml::TrainingOptions& o) {
                   "Compute batches in parts of this many samples, which the processes of mpirun share. Any number of "
                   "processes gives the same weights. The default is to compute them as one, in one process")
       ->check(positive());
+  const std::map<std::string, ml::GradientWire> wires{{"exact", ml::GradientWire::exact},
+                                                      {"bf16", ml::GradientWire::bf16}};
+  command
+      .add_option("--wire", o.wire,
+                  "How several processes send each other gradients. bf16 rounds them: half the bytes, but then the "
+                  "weights depend on the number of processes. The default is exact")
+      ->transform(CLI::CheckedTransformer(wires).description("exact or bf16"));
 }
 
 void require_one_process(const std::string& what) {
@@ -73,6 +81,8 @@ const ml::AnyCommunicator& training_processes(const ml::TrainingOptions& o) {
   const ml::AnyCommunicator& all = processes();
   if (all.size() > 1 && o.micro_batch == 0)
     ml::raise<usage_error>(102, all.size(), " processes share the parts of a batch: --micro-batch is missing");
+  if (all.size() > 1 && o.wire == ml::GradientWire::bf16)
+    std::printf("gradients are rounded to bfloat16 on their way: the weights are not those of one process\n");
   return all;
 }
 

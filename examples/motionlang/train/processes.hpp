@@ -16,7 +16,7 @@ const motionlang::AnyCommunicator& processes();
 /// The last call of main: waits for the others, or ends them if this process failed. Returns the code.
 int end_processes(int code);
 
-/// The option --micro-batch.
+/// The options --micro-batch and --wire.
 void add_micro_batch_option(CLI::App& command, motionlang::TrainingOptions& o);
 
 /// Throws usage_error 102 if there are several processes, for work that one process does.

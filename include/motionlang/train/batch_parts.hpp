@@ -5,15 +5,24 @@
 /// Parts have a fixed number of samples, the last one perhaps fewer. They are the leaves of a binary tree, and a node
 /// is the sum of its two halves:
 ///     ((0 + 1) + (2 + 3)) + ((4 + 5) + 6)
-/// Each rank computes parts that follow each other. The rank of the first leaf of a node adds what the rank of its
-/// second half sends. If the numbers of parts and ranks are powers of two, every rank but the first sends one sum.
+/// Each rank computes parts that follow each other. `sum_of_parts`: the rank of the first leaf of a node adds what the
+/// rank of its second half sends. `sum_for_all`: if the numbers of parts and ranks are powers of two, the ranks of both
+/// halves of a node each add half of the numbers, in the same tree. A rank then sends less than twice the sum, however
+/// many ranks there are, while rank 0 would take one sum in each of log2(ranks) rounds.
+///
+/// Source   R. Rabenseifner: "Optimization of collective reduction operations" (2004), for `sum_for_all`: recursive
+///          halving and doubling
 #pragma once
 
-#include <algorithm>  // count_if, min
+#include <algorithm>  // clamp, count_if, min
+#include <bit>        // powers of two
+#include <cstdint>    // sizes of messages
+#include <cstring>    // memcpy
 #include <span>       // messages
 #include <utility>    // move
 #include <vector>     // sums
 
+#include <motionlang/core/half.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/loss/loss_terms.hpp>
 #include <motionlang/tensor/gradient.hpp>
@@ -78,11 +87,21 @@ Tensor<B, 2> normal_rows(Index first, Index rows, Index width, Philox rng) {
                             {rows, width});
 }
 
+/// How sums are written into messages: exactly, or rounded to bfloat16, which is half as long as float. Rounded sums
+/// depend on the number of processes. `compute` may set `exact`.
+struct SumMessages {
+  bool bf16 = false;
+  std::size_t exact = 0;  // as many numbers at the front are never rounded
+};
+
 /// The sum of what compute(i) returns for the parts i = 0 ... parts - 1, vectors of one size. Rank 0 has it; others get
 /// a part of it or nothing. compute is called in each process for its own parts. Throws shape_error 204 if the sizes of
 /// vectors differ.
 template <Scalar S, class F>
-std::vector<S> sum_of_parts(const AnyCommunicator& c, Index parts, const F& compute);
+std::vector<S> sum_of_parts(const AnyCommunicator& c, Index parts, const F& compute, const SumMessages& how = {});
+/// The same sum, with the same bits, in all processes.
+template <Scalar S, class F>
+std::vector<S> sum_for_all(const AnyCommunicator& c, Index parts, const F& compute, const SumMessages& how = {});
 
 /// All gradients as one list: for each parameter 1 if the loss depends on it and 0 if not, then the gradients in the
 /// order of the parameters, with zeros where there are none.
@@ -103,11 +122,56 @@ Gradients<A> listed_gradients(std::span<const typename A::scalar> list, const st
 
 namespace detail {
 
+/// Numbers first ... last - 1 of a sum on their way.
+template <Scalar S>
+class SumPart {
+ public:
+  SumPart(const SumMessages& how, std::size_t first, std::size_t last)
+      : first_(first), last_(last), whole_(how.bf16 ? std::clamp(how.exact, first, last) : last) {}
+
+  std::size_t bytes() const { return (whole_ - first_) * sizeof(S) + (last_ - whole_) * sizeof(std::uint16_t); }
+  std::vector<std::byte> message(std::span<const S> sum) const {
+    std::vector<std::byte> out(bytes());
+    std::byte* at = out.data();
+    if (whole_ > first_) std::memcpy(at, sum.data() + first_, (whole_ - first_) * sizeof(S));
+    at += (whole_ - first_) * sizeof(S);
+    for (std::size_t i = whole_; i < last_; ++i, at += sizeof(std::uint16_t)) {
+      const std::uint16_t rounded = float_to_bfloat16(static_cast<float>(sum[i]));
+      std::memcpy(at, &rounded, sizeof rounded);
+    }
+    return out;
+  }
+  /// Calls f(i, number) for each.
+  template <class F>
+  void read(std::span<const std::byte> message, const F& f) const {
+    const std::byte* at = message.data();
+    for (std::size_t i = first_; i < whole_; ++i, at += sizeof(S)) {
+      S number;
+      std::memcpy(&number, at, sizeof number);
+      f(i, number);
+    }
+    for (std::size_t i = whole_; i < last_; ++i, at += sizeof(std::uint16_t)) {
+      std::uint16_t rounded = 0;
+      std::memcpy(&rounded, at, sizeof rounded);
+      f(i, static_cast<S>(bfloat16_to_float(rounded)));
+    }
+  }
+  /// Rounds the sum itself to what a reader of the message has.
+  void round(std::span<S> sum) const {
+    for (std::size_t i = whole_; i < last_; ++i)
+      sum[i] = static_cast<S>(bfloat16_to_float(float_to_bfloat16(static_cast<float>(sum[i]))));
+  }
+
+ private:
+  std::size_t first_, last_, whole_;
+};
+
 template <Scalar S, class F>
 struct PartSums {
   const AnyCommunicator& communicator;
   Index parts;
   const F& compute;
+  const SumMessages& how;
 
   /// The sum of parts first ... first + width - 1, as far as there are any, on the rank of the first one.
   std::vector<S> operator()(Index first, Index width) const {
@@ -118,11 +182,14 @@ struct PartSums {
     if (middle >= parts) return sum;
     std::vector<S> other = (*this)(middle, width / 2);
     const Index from = rank_of_part(middle, parts, communicator.size());
-    if (here == from && from != to) communicator.send(std::as_bytes(std::span(other)), to);
+    if (here == from && from != to) communicator.send(SumPart<S>(how, 0, other.size()).message(other), to);
     if (here != to) return {};
     if (from != to) {
+      const SumPart<S> part(how, 0, sum.size());
+      std::vector<std::byte> message(part.bytes());
+      communicator.receive(message, from);
       other.resize(sum.size());
-      communicator.receive(std::as_writable_bytes(std::span(other)), from);
+      part.read(message, [&](std::size_t i, S number) { other[i] = number; });
     }
     if (other.size() != sum.size())
       raise<shape_error>(204, "sum_of_parts: ", sum.size(), " values beside ", other.size());
@@ -138,11 +205,77 @@ bool is_variable(const ModuleTensor<A>& t) {
 
 }  // namespace detail
 
+namespace detail {
+
+/// The sum of rank 0 in all processes, which need not know its size.
+template <Scalar S>
+void sum_of_first(const AnyCommunicator& c, std::vector<S>& sum, const SumMessages& how) {
+  std::uint64_t sizes[] = {sum.size(), how.exact};
+  c.broadcast(std::as_writable_bytes(std::span(sizes)), 0);
+  const auto size = static_cast<std::size_t>(sizes[0]);
+  const SumPart<S> whole({.bf16 = how.bf16, .exact = static_cast<std::size_t>(sizes[1])}, 0, size);
+  std::vector<std::byte> message(whole.bytes());
+  if (c.rank() == 0) message = whole.message(sum);
+  c.broadcast(message, 0);
+  sum.resize(size);
+  whole.read(message, [&](std::size_t i, S number) { sum[i] = number; });
+}
+
+/// Adds the sums of all ranks, whose number is a power of two. In round d = 1, 2, 4, ... the ranks r and r ^ d have the
+/// same block of numbers, and each goes on with the sums of one half of it. Then the halves come together again.
+template <Scalar S>
+void add_halves(const AnyCommunicator& c, std::vector<S>& sum, const SumMessages& how) {
+  struct Block {
+    std::size_t first, last;
+  };
+  Block own{0, sum.size()};
+  std::vector<Block> others;  // the halves that partners go on with
+  for (Index d = 1; d < c.size(); d *= 2) {
+    const std::size_t middle = own.first + (own.last - own.first) / 2;
+    Block other{middle, own.last};
+    own.last = middle;
+    if ((c.rank() & d) != 0) std::swap(own, other);
+    const SumPart<S> given(how, other.first, other.last), taken(how, own.first, own.last);
+    std::vector<std::byte> message(taken.bytes());
+    c.exchange(given.message(sum), message, c.rank() ^ d);
+    taken.read(message, [&](std::size_t i, S number) { sum[i] += number; });
+    others.push_back(other);
+  }
+  SumPart<S>(how, own.first, own.last).round(sum);
+  for (Index d = c.size() / 2; d > 0; d /= 2) {
+    const Block other = others.back();
+    others.pop_back();
+    const SumPart<S> given(how, own.first, own.last), taken(how, other.first, other.last);
+    std::vector<std::byte> message(taken.bytes());
+    c.exchange(given.message(sum), message, c.rank() ^ d);
+    taken.read(message, [&](std::size_t i, S number) { sum[i] = number; });
+    own = {std::min(own.first, other.first), std::max(own.last, other.last)};
+  }
+}
+
+}  // namespace detail
+
 template <Scalar S, class F>
-std::vector<S> sum_of_parts(const AnyCommunicator& c, Index parts, const F& compute) {
+std::vector<S> sum_of_parts(const AnyCommunicator& c, Index parts, const F& compute, const SumMessages& how) {
   Index width = 1;
   while (width < parts) width *= 2;
-  return detail::PartSums<S, F>{c, parts, compute}(0, width);
+  return detail::PartSums<S, F>{c, parts, compute, how}(0, width);
+}
+
+template <Scalar S, class F>
+std::vector<S> sum_for_all(const AnyCommunicator& c, Index parts, const F& compute, const SumMessages& how) {
+  const auto is_power = [](Index n) { return std::has_single_bit(static_cast<std::uint64_t>(n)); };
+  if (c.size() == 1) return sum_of_parts<S>(c, parts, compute, how);
+  if (parts < c.size() || !is_power(parts) || !is_power(c.size())) {
+    auto sum = sum_of_parts<S>(c, parts, compute, how);
+    detail::sum_of_first(c, sum, how);
+    return sum;
+  }
+  const Index own = parts / c.size(), first = c.rank() * own;
+  const auto own_part = [&](Index i) { return compute(first + i); };
+  auto sum = sum_of_parts<S>(AnyCommunicator(), own, own_part);
+  detail::add_halves(c, sum, how);
+  return sum;
 }
 
 template <AutodiffBackend A>

@@ -21,6 +21,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Processes with the numbers (ranks) 0 ... size - 1. Each process has an object of its own.
 ///   send, receive   bytes for one rank, bytes from one rank; either may wait for the other
+///   exchange        sends bytes to a rank and takes those that it sends, at the same time; both ranks call it
 ///   broadcast       all have the bytes of `root` afterwards
 ///   barrier         returns once all have called it
 /// Laws    messages between two ranks arrive in their order; the receiver asks for as many bytes as were sent; all
@@ -32,6 +33,7 @@ concept Communicator = requires(const C& c, std::span<const std::byte> given, st
   { c.size() } -> std::convertible_to<Index>;
   c.send(given, rank);
   c.receive(taken, rank);
+  c.exchange(given, taken, rank);
   c.broadcast(taken, rank);
   c.barrier();
 };
@@ -42,6 +44,7 @@ struct OneProcess {
   static Index size() { return 1; }
   [[noreturn]] static void send(std::span<const std::byte>, Index to) { refuse(to); }
   [[noreturn]] static void receive(std::span<std::byte>, Index from) { refuse(from); }
+  [[noreturn]] static void exchange(std::span<const std::byte>, std::span<std::byte>, Index with) { refuse(with); }
   static void broadcast(std::span<std::byte>, Index) {}
   static void barrier() {}
 
@@ -65,6 +68,9 @@ class AnyCommunicator {
   Index size() const { return size_; }
   void send(std::span<const std::byte> bytes, Index to) const { functions_->send(communicator_, bytes, to); }
   void receive(std::span<std::byte> bytes, Index from) const { functions_->receive(communicator_, bytes, from); }
+  void exchange(std::span<const std::byte> given, std::span<std::byte> taken, Index with) const {
+    functions_->exchange(communicator_, given, taken, with);
+  }
   void broadcast(std::span<std::byte> bytes, Index root) const { functions_->broadcast(communicator_, bytes, root); }
   void barrier() const { functions_->barrier(communicator_); }
 
@@ -72,6 +78,7 @@ class AnyCommunicator {
   struct Functions {
     void (*send)(const void*, std::span<const std::byte>, Index);
     void (*receive)(const void*, std::span<std::byte>, Index);
+    void (*exchange)(const void*, std::span<const std::byte>, std::span<std::byte>, Index);
     void (*broadcast)(const void*, std::span<std::byte>, Index);
     void (*barrier)(const void*);
   };
@@ -83,6 +90,8 @@ class AnyCommunicator {
   static constexpr Functions functions_of{
       .send = [](const void* c, std::span<const std::byte> bytes, Index to) { of<C>(c).send(bytes, to); },
       .receive = [](const void* c, std::span<std::byte> bytes, Index from) { of<C>(c).receive(bytes, from); },
+      .exchange = [](const void* c, std::span<const std::byte> given, std::span<std::byte> taken,
+                     Index with) { of<C>(c).exchange(given, taken, with); },
       .broadcast = [](const void* c, std::span<std::byte> bytes, Index root) { of<C>(c).broadcast(bytes, root); },
       .barrier = [](const void* c) { of<C>(c).barrier(); }};
   static const OneProcess& one_process() {

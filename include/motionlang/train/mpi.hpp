@@ -60,6 +60,19 @@ class MpiCommunicator {
       MPI_Recv(piece.data(), count, MPI_BYTE, static_cast<int>(from), 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
     });
   }
+  void exchange(std::span<const std::byte> given, std::span<std::byte> taken, Index with) const {
+    const auto next = [](auto& bytes) {
+      const auto piece = bytes.first(std::min(longest_piece, bytes.size()));
+      bytes = bytes.subspan(piece.size());
+      return piece;
+    };
+    do {
+      const auto out = next(given);
+      const auto in = next(taken);
+      MPI_Sendrecv(out.data(), static_cast<int>(out.size()), MPI_BYTE, static_cast<int>(with), 0, in.data(),
+                   static_cast<int>(in.size()), MPI_BYTE, static_cast<int>(with), 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    } while (!given.empty() || !taken.empty());
+  }
   void broadcast(std::span<std::byte> bytes, Index root) const {
     for_pieces(bytes, [&](auto piece, int count) {
       MPI_Bcast(piece.data(), count, MPI_BYTE, static_cast<int>(root), MPI_COMM_WORLD);
@@ -74,12 +87,12 @@ class MpiCommunicator {
   }
 
  private:
-  /// MPI counts bytes in an int.
+  static constexpr std::size_t longest_piece = std::size_t{1} << 30;  // MPI counts bytes in an int
+
   template <class Byte, class F>
   static void for_pieces(std::span<Byte> bytes, const F& f) {
-    constexpr std::size_t longest = std::size_t{1} << 30;
     do {
-      const auto piece = bytes.first(std::min(longest, bytes.size()));
+      const auto piece = bytes.first(std::min(longest_piece, bytes.size()));
       f(piece, static_cast<int>(piece.size()));
       bytes = bytes.subspan(piece.size());
     } while (!bytes.empty());

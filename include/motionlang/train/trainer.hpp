@@ -9,10 +9,16 @@
 ///
 /// A batch is cut into parts of `micro_batch` samples if that is not 0. Several processes may share the parts
 /// (train/communicator.hpp), and any number of processes and threads gives the same bits. So a run may be resumed with
-/// another number. The results differ from those of whole batches by rounding and by the masks of dropout.
+/// another number. The results differ from those of whole batches by rounding and by the masks of dropout. Only with
+/// `wire` bf16 do they depend on the number of processes.
+///
+/// Messages begin when the last part of a rank is computed, and do not overlap with computing. A rank adds the
+/// gradients of its own parts, so it sends nothing between them. The gradients of the last part are ready layer by
+/// layer, while its backward pass goes on, and so at most that pass could hide the first half of the messages. For TMR
+/// in 8 processes and 10 Gbit/s these are 0.06 s of a step of 1.2 s (examples/training/MACHINES.md).
 #pragma once
 
-#include <algorithm>    // find_if
+#include <algorithm>    // count_if, find_if
 #include <chrono>       // minutes between checkpoints
 #include <cmath>        // isfinite
 #include <concepts>     // tasks
@@ -106,6 +112,12 @@ concept ValidatedTask = TrainingTask<T> && requires(T& task, const T& same) {
   task.keep_best();
 };
 
+/// How gradients travel between processes. bf16 rounds them to bfloat16: half the bytes, but the results are no longer
+/// those of one process.
+enum class GradientWire { exact, bf16 };
+/// "exact" or "bf16".
+inline const char* to_string(GradientWire wire) { return wire == GradientWire::bf16 ? "bf16" : "exact"; }
+
 struct TrainingOptions {
   std::filesystem::path out = "training";  // folder of checkpoint and curves
   double save_minutes = 5;                 // between checkpoints
@@ -114,6 +126,7 @@ struct TrainingOptions {
   bool recompute = false;          // layers are recomputed instead of kept: the same results, less memory, more time
   Index micro_batch = 0;           // samples of a part of a batch; 0: batches are not divided
   AnyCommunicator communicator{};  // the processes that share the parts
+  GradientWire wire = GradientWire::exact;
 };
 
 /// The start of a run.
@@ -162,8 +175,8 @@ class Trainer {
 
   /// For `step`: batches are computed in parts of `micro_batch` samples (0: as one), which these processes share. Call
   /// it before the first step; `run` calls it with its options. Throws option_error 101 for a negative number, 102 for
-  /// several processes without parts, and for parts of a training that needs its whole batch.
-  void divide(Index micro_batch, const AnyCommunicator& communicator = {});
+  /// several processes or rounded gradients without parts, and for parts of a training that needs its whole batch.
+  void divide(Index micro_batch, const AnyCommunicator& communicator = {}, GradientWire wire = GradientWire::exact);
   /// One optimiser step; returns the loss. Throws numeric_error 301 if it is not finite.
   double step();
   bool finished() const {
@@ -193,7 +206,7 @@ class Trainer {
   double divided_step(const Philox& rng, Index k);
   double keep_loss(double value, const std::vector<std::string>& names, std::span<const float> values);
   void validate();
-  /// Those of the task, and the size of the parts if there are any, or were in `before`.
+  /// Those of the task, the size of the parts if there are any, and the wire if it rounds; also if `before` has them.
   std::map<std::string, std::string> settings(const SafetensorsFile* before = nullptr) const;
   /// Throws config_error 102, in all processes, if their settings, states or kernels differ.
   void require_same_everywhere(const char* when) const;
@@ -206,6 +219,7 @@ class Trainer {
   bool recompute_ = false;
   Index micro_batch_ = 0;
   AnyCommunicator communicator_;
+  GradientWire wire_ = GradientWire::exact;
 };
 
 /// A complete training: the run, then the folder of the model, out/model. `about`: license and provenance, which are
@@ -223,11 +237,12 @@ TrainingSummary train(Task task, const TrainingOptions& options, const std::map<
 namespace detail {
 
 inline constexpr const char* micro_batch_setting = "training.micro_batch";
+inline constexpr const char* wire_setting = "training.wire";
 
 }  // namespace detail
 
 template <TrainingTask Task>
-void Trainer<Task>::divide(Index micro_batch, const AnyCommunicator& communicator) {
+void Trainer<Task>::divide(Index micro_batch, const AnyCommunicator& communicator, GradientWire wire) {
   if (micro_batch < 0) raise<option_error>(101, "`micro_batch` is ", micro_batch, ", expected 0 or more");
   if constexpr (!divisible) {
     if (micro_batch > 0 || communicator.size() > 1)
@@ -238,11 +253,15 @@ void Trainer<Task>::divide(Index micro_batch, const AnyCommunicator& communicato
   } else if (micro_batch == 0 && communicator.size() > 1) {
     raise<option_error>(102, communicator.size(), " processes share the parts of a batch: `micro_batch` is missing");
   }
+  if (wire == GradientWire::bf16 && micro_batch == 0)
+    raise<option_error>(102,
+                        "`wire` bf16 rounds the gradients that processes send each other: `micro_batch` is missing");
   if constexpr (SometimesWholeTask<Task>) {
     if (micro_batch > 0) task_.require_parts();
   }
   micro_batch_ = micro_batch;
   communicator_ = communicator;
+  wire_ = wire;
 }
 
 template <TrainingTask Task>
@@ -278,6 +297,7 @@ struct StepParts {
   const Philox& rng;
   Index step, micro_batch;
   bool recompute;
+  SumMessages messages{};  // of the gradients
   Index samples = task.samples(step), parts = part_count(samples, micro_batch);
   std::vector<ModuleTensor<A>> parameters = task.parameters();
   std::optional<Philox> dropout = rng.split("dropout");
@@ -297,24 +317,26 @@ struct StepParts {
       names.push_back(t.name);
       out.push_back(static_cast<Number>(t.weight * static_cast<double>(t.value.item())));
     }
+    const auto reached = std::count_if(parameters.begin(), parameters.end(), is_variable<A>);
+    messages.exact = out.size() + static_cast<std::size_t>(reached);
     return out;
   }
   std::vector<Number> sum() requires DividedTask<Task> {
-    return sum_of_parts<Number>(communicator, parts, [&](Index i) {
+    const auto of_part = [&](Index i) {
       const LossTerms<A> terms = task.part_loss(rng, step, part(i), context(i));
       auto out = heads(terms);
       append_gradients<A>(out, parameters, backward(terms.total()));
       return out;
-    });
+    };
+    return sum_for_all<Number>(communicator, parts, of_part, messages);
   }
   /// The terms of the rows of all parts are added to part 0, and the gradients that do not pass through the rows.
   std::vector<Number> sum() requires ComparingTask<Task> {
     std::vector<std::optional<ComparedPart<A>>> own(static_cast<std::size_t>(parts));
-    auto all = sum_of_parts<Number>(communicator, parts, [&](Index i) {
+    const auto all = sum_for_all<Number>(communicator, parts, [&](Index i) {
       return rows_in_place(
           own[static_cast<std::size_t>(i)].emplace(task.compared_part(rng, step, part(i), context(i))));
     });
-    numbers_of_first(communicator, all);
     const auto any = std::find_if(own.begin(), own.end(), [](const auto& p) { return p.has_value(); });
     std::vector<Tensor<A, 2>> rows;
     LossTerms<A> of_all;
@@ -323,7 +345,7 @@ struct StepParts {
       of_all = task.compared_loss(rng, step, rows);
     }
     const Gradients<A> gradients = backward(of_all.total());
-    return sum_of_parts<Number>(communicator, parts, [&](Index i) {
+    const auto of_part = [&](Index i) {
       const ComparedPart<A> one = *std::exchange(own[static_cast<std::size_t>(i)], {});
       LossTerms<A> terms = one.terms;
       terms.append(i == 0 ? of_all : weighted(of_all, 0));
@@ -332,7 +354,8 @@ struct StepParts {
       append_gradients<A>(out, parameters, backward(one.terms.total() + through_rows(one, rows, gradients)));
       if (i == 0) add_gradients<A>(std::span(out).subspan(before), parameters, gradients);
       return out;
-    });
+    };
+    return sum_for_all<Number>(communicator, parts, of_part, messages);
   }
 };
 
@@ -347,13 +370,12 @@ double Trainer<Task>::divided_step(const Philox& rng, Index k) {
                                   .rng = rng,
                                   .step = k,
                                   .micro_batch = micro_batch_,
-                                  .recompute = recompute_};
-    auto sum = parts.sum();
+                                  .recompute = recompute_,
+                                  .messages = {.bf16 = wire_ == GradientWire::bf16}};
+    const auto sum = parts.sum();
     // A rank without parts does not know the terms.
     const auto names = lines_of_first(communicator_, parts.names);
     const std::size_t heads = 1 + names.size();
-    sum.resize(heads + gradient_list_size<A>(parts.parameters));
-    communicator_.broadcast(std::as_writable_bytes(std::span(sum)), 0);
     const auto value = static_cast<double>(sum.front());
     require_finite(value, k);
     task_.update(listed_gradients<A>(std::span<const Number>(sum).subspan(heads), parts.parameters), k);
@@ -392,8 +414,10 @@ void Trainer<Task>::save(const std::filesystem::path& checkpoint) const {
 template <TrainingTask Task>
 std::map<std::string, std::string> Trainer<Task>::settings(const SafetensorsFile* before) const {
   auto out = task_.settings();
-  if (micro_batch_ > 0 || (before != nullptr && before->metadata().contains(detail::micro_batch_setting)))
+  const auto had = [&](const char* name) { return before != nullptr && before->metadata().contains(name); };
+  if (micro_batch_ > 0 || had(detail::micro_batch_setting))
     out[detail::micro_batch_setting] = std::to_string(micro_batch_);
+  if (wire_ == GradientWire::bf16 || had(detail::wire_setting)) out[detail::wire_setting] = to_string(wire_);
   return out;
 }
 
@@ -421,7 +445,7 @@ void Trainer<Task>::resume(const std::filesystem::path& checkpoint, bool with_ot
 
 template <TrainingTask Task>
 TrainingSummary Trainer<Task>::run(const TrainingOptions& o, const TrainingCallbacks& callbacks) {
-  divide(o.micro_batch, o.communicator);
+  divide(o.micro_batch, o.communicator, o.wire);
   recompute_ = o.recompute;
   const bool is_first = communicator_.rank() == 0;
   if (is_first) std::filesystem::create_directories(o.out);

@@ -33,6 +33,7 @@ TEST_CASE("one process has nobody to send to, and answers itself") {
   std::byte message[1]{};
   CHECK_ERROR(alone.send(message, 1), "[motionlang.config.101] OneProcess: there is no rank 1");
   CHECK_ERROR(alone.receive(message, 2), "there is no rank 2");
+  CHECK_ERROR(alone.exchange(message, message, 3), "there is no rank 3");
 }
 
 TEST_CASE("all have the text and the answer of the first, and find the first who differs") {
@@ -83,14 +84,20 @@ TEST_CASE("parts have equal sizes but the last, and each belongs to one rank") {
   }
 }
 
+namespace {
+
+/// Numbers whose sum depends on the order.
+std::vector<float> part(Index i) {
+  ml::Philox rng = ml::Philox{.seed = 3}.split(static_cast<std::uint64_t>(i));
+  std::vector<float> out(501);
+  rng.normal(std::span(out));
+  for (float& x : out) x *= std::pow(10.0f, static_cast<float>(i % 5));
+  return out;
+}
+
+}  // namespace
+
 TEST_CASE("the sum of parts is that of a fixed tree, with the same bits in any number of processes") {
-  const auto part = [](Index i) {  // numbers whose sum depends on the order
-    ml::Philox rng = ml::Philox{.seed = 3}.split(static_cast<std::uint64_t>(i));
-    std::vector<float> out(501);
-    rng.normal(std::span(out));
-    for (float& x : out) x *= std::pow(10.0f, static_cast<float>(i % 5));
-    return out;
-  };
   std::vector<float> tree = part(0);  // ((0 + 1) + (2 + 3)) + ((4 + 5) + 6)
   for (std::size_t k = 0; k < tree.size(); ++k) {
     const auto p = [&](Index i) { return part(i)[k]; };
@@ -127,6 +134,67 @@ TEST_CASE("four ranks with eight parts send one sum each") {
   CHECK_ERROR(
       ml::sum_of_parts<float>({}, 2, [](Index i) { return std::vector<float>(static_cast<std::size_t>(i + 1)); }),
       "[motionlang.shape.204]");
+}
+
+TEST_CASE("all processes have the sum of parts, with the bits of one process") {
+  for (const Index parts : {1, 4, 7, 8, 16}) {
+    const auto alone = ml::sum_of_parts<float>({}, parts, part);
+    for (const Index ranks : {1, 2, 3, 4, 8, 9}) {
+      CAPTURE(parts);
+      CAPTURE(ranks);
+      run_processes(ranks, [&](const ThreadProcess& process) {
+        CHECK(ml::sum_for_all<float>(ml::AnyCommunicator(process), parts, part) == alone);
+      });
+    }
+  }
+}
+
+TEST_CASE("with powers of two, each process sends half of the sum, a quarter, and so on, twice") {
+  std::vector<Index> messages(8), bytes(8);
+  run_processes(8, [&](const ThreadProcess& process) {
+    ml::sum_for_all<float>(ml::AnyCommunicator(process), 8, [](Index) { return std::vector<float>(800, 1.0f); });
+    messages[static_cast<std::size_t>(process.rank())] = process.messages();
+    bytes[static_cast<std::size_t>(process.rank())] = process.bytes();
+  });
+  CHECK(messages == std::vector<Index>(8, 6));
+  CHECK(bytes == std::vector<Index>(8, 2 * 4 * (400 + 200 + 100)));
+}
+
+TEST_CASE(
+    "sums as bfloat16: all processes have the same, near the exact ones, in half the bytes; the first are exact") {
+  for (const Index parts : {7, 8}) {  // with powers of two, and without
+    const auto exact = ml::sum_of_parts<float>({}, parts, part);
+    for (const Index ranks : {2, 4}) {
+      CAPTURE(parts);
+      CAPTURE(ranks);
+      std::vector<std::vector<float>> sums(static_cast<std::size_t>(ranks));
+      run_processes(ranks, [&](const ThreadProcess& process) {
+        ml::SumMessages how{.bf16 = true};
+        const auto compute = [&](Index i) {
+          how.exact = 21;
+          return part(i);
+        };
+        sums[static_cast<std::size_t>(process.rank())] =
+            ml::sum_for_all<float>(ml::AnyCommunicator(process), parts, compute, how);
+      });
+      for (const auto& sum : sums) CHECK(sum == sums.front());
+      REQUIRE(sums.front().size() == exact.size());
+      double error = 0, size = 0;
+      for (std::size_t i = 0; i < exact.size(); ++i) {
+        if (i < 21) CHECK(sums.front()[i] == exact[i]);
+        error += std::abs(static_cast<double>(sums.front()[i]) - static_cast<double>(exact[i]));
+        size += std::abs(static_cast<double>(exact[i]));
+      }
+      CHECK(error > 0);
+      CHECK(error < 0.01 * size);
+    }
+  }
+  std::vector<Index> bytes(2);
+  run_processes(2, [&](const ThreadProcess& process) {
+    ml::sum_for_all<float>(ml::AnyCommunicator(process), 2, part, {.bf16 = true});
+    bytes[static_cast<std::size_t>(process.rank())] = process.bytes();
+  });
+  CHECK(bytes == std::vector<Index>{2 * 501, 2 * 501});
 }
 
 TEST_CASE("rows of a part are those that the whole batch draws") {
