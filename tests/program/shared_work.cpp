@@ -110,3 +110,59 @@ TEST_CASE("several processes generate: the files and the output of one process, 
   CHECK(record.code == 2);
   CHECK_MESSAGE(contains(record.text, "[motionlang.config.102] --record is a file of all timelines"), record.text);
 }
+
+TEST_CASE("several processes evaluate: the table of one process") {
+  const Shared w;
+  const auto trained = [&](const std::string& command, const std::string& out, std::vector<std::string> more = {}) {
+    std::string line = command + " --data . --out " + out + " --preset small --threads 1";
+    line += command == "train-temos" ? " --captions captions.tsv" : " --labels labels.tsv";
+    for (const char* a : {"data.min_seconds=0.5", "data.test_share=0.25", "data.validation_share=0.25",
+                          "optimiser.batch=2", "optimiser.epochs=1"})
+      more.push_back(a);
+    for (const std::string& a : more) line += " --set " + a;
+    const Outcome o = w.call(0, line);
+    REQUIRE_MESSAGE(o.code == 0, o.text);
+  };
+  const std::vector<std::string> network{"network.latent_dim=8", "network.ff_size=8", "network.num_layers=1",
+                                         "network.num_heads=2"};
+  auto actor = network, temos = network;
+  actor.push_back("clips.num_frames=12");
+  temos.insert(temos.end(), {"data.mirror=false", "text.width=8", "text.vocabulary=40"});
+  trained("train-actor", "actor", actor);
+  trained("train-classifier", "classifier", {"hidden_size=8", "clips.num_frames=12"});
+  trained("train-temos", "temos", temos);
+  // Without the last line, which is the time.
+  const auto table = [&](int processes, const std::string& arguments) {
+    const std::string all = w.printed(processes, "evaluate " + arguments + " --threads 1 --part training");
+    return all.substr(0, all.rfind('\n', all.size() - 2));
+  };
+  const std::string of_actor = "actor/model --data . --labels labels.tsv --classifier classifier/model --seeds 3";
+  for (const std::string& arguments : {of_actor, of_actor + " --durations 8,12",
+                                       std::string("temos/model --data . --captions captions.tsv --samples 3")}) {
+    CAPTURE(arguments);
+    const std::string alone = table(0, arguments);
+    CHECK(alone.size() > 100);
+    for (const int processes : {2, 4}) CHECK(table(processes, arguments) == alone);
+  }
+  const Outcome refused = w.call(2, "evaluate classifier/model --data . --labels labels.tsv");
+  CHECK(refused.code == 2);
+  CHECK_MESSAGE(contains(refused.text, "evaluate of classifier runs in one process, not in 2"), refused.text);
+}
+
+TEST_CASE("several processes evaluate STMC: the tables of one process") {
+  const Shared w;
+  const auto config = small::config(5);
+  ml::save_stmc(w / "model.safetensors", small::model<ml::EigenBackend<float>>(config), config, {{"license", "MIT"}});
+  ml::write_file(w / "texts.txt",
+                 std::string_view("walk forward # legs\nraise both arms # left arm # right arm\nturn # legs\n"
+                                  "wave # right arm\n"));
+  const std::string evaluate =
+      "evaluate model.safetensors --texts texts.txt --first 5 --steps 2 --batch 2 --modes stmc,sinc --threads 1";
+  const auto table = [&](int processes) {
+    const std::string all = w.printed(processes, evaluate);
+    return all.substr(0, all.rfind('\n', all.size() - 2));
+  };
+  const std::string alone = table(0);
+  CHECK(contains(alone, "SINC without lerp"));
+  for (const int processes : {2, 3}) CHECK(table(processes) == alone);
+}

@@ -13,6 +13,7 @@
 #include "../generate/generation.hpp"
 #include "../option_checks.hpp"
 #include "action_options.hpp"
+#include "processes.hpp"
 
 namespace program {
 
@@ -43,6 +44,7 @@ void require_read(const EvaluationOptions& o, const std::string& system, bool by
 
 void run(const EvaluationOptions& o) {
   const auto begin = std::chrono::steady_clock::now();
+  processes();  // from here on, the first one alone prints
   o.machine.apply();
   const bool judge = ml::is_guo_evaluator(o.model);
   const ml::ModelSystem model = judge ? ml::ModelSystem{"evaluator"} : ml::model_system(ml::FilePath(o.model));
@@ -67,6 +69,10 @@ void run(const EvaluationOptions& o) {
     ml::raise<ml::config_error>(103, o.model.string(), ": a model of '", system,
                                 "'; evaluate measures stmc, mdm, motiondiffuse, tmr, temos, actor, sinc, teach and "
                                 "tm2t, also as published, and classifier");
+  if (!by_guo && (system == "sinc" || system == "teach" || system == "classifier"))
+    require_one_process("evaluate of " + system);
+  if (o.moments > 0 || (system == "tmr" && !o.babel.empty())) require_one_process("evaluate of moments");
+  if (!o.strips.empty()) require_one_process("evaluate --strips");
   if (by_guo)
     evaluate_by_guo(o);
   else

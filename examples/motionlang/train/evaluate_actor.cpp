@@ -15,6 +15,7 @@
 #include "../usage_error.hpp"
 #include "action_options.hpp"
 #include "evaluate.hpp"
+#include "processes.hpp"
 #include "training_command.hpp"
 
 namespace program {
@@ -61,8 +62,9 @@ void evaluate_actor(const EvaluationOptions& o) {
   const Measured measured(o, file.config.data, clips, file.labels);
   const auto& part = *measured.part;
   ProgressBar bar("evaluating");
+  ml::RecognitionOptions how{.seeds = o.seeds, .seed = o.seed, .communicator = processes()};
   if (!o.durations.empty()) {
-    const auto lengths = ml::duration_results(model, who, part, o.durations, {.seeds = o.seeds, .seed = o.seed}, bar);
+    const auto lengths = ml::duration_results(model, who, part, o.durations, how, bar);
     bar.finish();
     std::printf("\n");
     return print(ml::duration_table(lengths));
@@ -70,8 +72,8 @@ void evaluate_actor(const EvaluationOptions& o) {
   std::vector<ml::DescribedMotion> others;
   if (!o.made.empty())
     others = ml::MadeMotions(o.made, o.made_rate).of_actions(file.labels, ml::actor_row_maker(clips));
-  const auto results = ml::recognition_results(
-      model, who, part, {.seeds = o.seeds, .seed = o.seed, .made = others.empty() ? nullptr : &others}, bar);
+  if (!others.empty()) how.made = &others;
+  const auto results = ml::recognition_results(model, who, part, how, bar);
   bar.finish();
   print(ml::recognition_table(results));
   if (o.strips.empty()) return;

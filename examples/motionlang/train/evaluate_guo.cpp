@@ -12,6 +12,7 @@
 #include "../generate/generation.hpp"
 #include "../progress_bar.hpp"
 #include "../usage_error.hpp"
+#include "processes.hpp"
 #include "training_command.hpp"
 
 namespace program {
@@ -49,8 +50,9 @@ void print_judged(const EvaluationOptions& o, const ml::GuoJudge<B>& judge,
               ml::counted(o.seeds, "time").c_str(), ml::counted(items.pairs(), "pair").c_str(), varied.c_str(),
               o.evaluator.string().c_str(), judge.fingerprint.c_str());
   ProgressBar bar("generating");
-  const auto figures =
-      ml::guo_figures(make, judge, items, {.replications = o.seeds, .repeats = o.repeats, .seed = o.seed}, bar);
+  const auto figures = ml::guo_figures(
+      make, judge, items, {.replications = o.seeds, .repeats = o.repeats, .seed = o.seed, .communicator = processes()},
+      bar);
   bar.finish();
   std::printf("\n%s", ml::guo_table(figures).c_str());
   if (figures.empty > 0)
@@ -93,7 +95,7 @@ void evaluate_evaluator(const EvaluationOptions& o) {
     other = load_generator(
         "eigen", o.generator,
         {.text_encoder = o.generator_text_encoder.string(), .statistics = o.generator_statistics.string()});
-    make = ml::guo_maker<B>(*other, judge.width());
+    make = ml::guo_maker<B>(*other, judge.width(), {.communicator = processes()});
   }
   const auto table = ml::guo_latents(judge, part, data.width);
   std::optional<ml::LatentTable> made;

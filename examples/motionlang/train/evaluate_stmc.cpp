@@ -10,6 +10,7 @@
 #include "../progress_bar.hpp"
 #include "../search/search_model.hpp"
 #include "evaluate.hpp"
+#include "processes.hpp"
 
 namespace program {
 
@@ -42,7 +43,8 @@ void evaluate_stmc(const EvaluationOptions& o) {
   const auto reference = ml::mtt_reference(tmr, texts, std::move(recorded));
   const auto model =
       load_generator("eigen", o.model, {.text_encoder = o.text_encoder.string(), .statistics = o.statistics.string()});
-  ml::MttRunOptions how{.seed = o.seed, .batch = o.batch, .steps = o.steps, .guidance = o.guidance};
+  ml::MttRunOptions how{
+      .seed = o.seed, .batch = o.batch, .steps = o.steps, .guidance = o.guidance, .communicator = processes()};
   if (!o.noise_factor.empty()) how.noise_scale = ml::parse_noise_scale(o.noise_factor);
 
   const ml::TableStyle style = ml::parse_table_style(o.table);

@@ -26,6 +26,7 @@
 #include "../usage_error.hpp"
 #include "evaluate_guo.hpp"
 #include "film_strips.hpp"
+#include "processes.hpp"
 #include "training_command.hpp"
 
 namespace program {
@@ -145,7 +146,7 @@ void evaluate_tmr(const EvaluationOptions& o) {
       }
       if (other != nullptr)
         return ml::synthesized_batch(*other, batch, ml::motion_features(file.config.features), model.motion_normalizer,
-                                     own);
+                                     own, processes());
       return ml::text_to_motion(model.system, model.tokens(batch.texts, m.token_cache()), batch.motions.offsets,
                                 ml::Philox{.seed = own})
           .front();
@@ -153,7 +154,7 @@ void evaluate_tmr(const EvaluationOptions& o) {
   }
   print_retrieval_tables(o, *m.part, table, made, m.sentences, /*euclidean=*/false);
   if (o.filtered) print(ml::filtered_negatives_table(ml::filtered_shares<B>(m.data.training, m.sentences)));
-  if (!o.html.empty()) write_galleries(o, m, table, file);
+  if (!o.html.empty() && processes().rank() == 0) write_galleries(o, m, table, file);
 }
 
 namespace {
@@ -185,7 +186,8 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
        .seed = o.seed,
        .joints = joints,
        .rate = rate,
-       .recorded = at_rate},
+       .recorded = at_rate,
+       .communicator = processes()},
       bar);
   bar.finish();
   if (!o.joints.empty())

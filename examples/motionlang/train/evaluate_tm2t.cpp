@@ -11,6 +11,7 @@
 #include "../progress_bar.hpp"
 #include "evaluate.hpp"
 #include "evaluate_guo.hpp"
+#include "processes.hpp"
 #include "training_command.hpp"
 
 namespace program {
@@ -33,6 +34,7 @@ std::string baseline_text(ml::BertBaseline baseline, const ml::BertScore& score)
 }
 
 void evaluate_descriptions(const EvaluationOptions& o, const ml::RunFolder& found) {
+  require_one_process("evaluate of descriptions");
   const auto run =
       ml::load_tm2t_describer<B>(found, {.tokenizer = o.tokenizer.string(), .words = o.text_encoder.string()});
   std::optional<ml::BertJudge<B>> bert;

@@ -16,6 +16,7 @@
 #include <vector>    // rows
 
 #include <motionlang/generate/motion_model.hpp>
+#include <motionlang/train/communicator.hpp>
 #include <motionlang/train/guo_evaluation.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -24,6 +25,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct GuoMakingOptions {
   std::optional<Index> steps{};
   std::optional<double> guidance{};
+  AnyCommunicator communicator{};  // processes that share the motions of a batch
 };
 
 /// The rows of the motions, not normalised, each with at most the wanted number of frames.

@@ -27,6 +27,7 @@ MOTIONLANG_BODY std::vector<std::vector<double>> guo_made(const MotionModel& mod
   std::vector<std::vector<double>> out;
   GenerateOptions how;
   how.seed = seed;
+  how.communicator = options.communicator;
   how.cut_texts = how.smooth = how.fix_feet = how.fix_floor = false;
   if (model.steps() > 0) how.steps = options.steps, how.guidance = options.guidance;
   for (const Motion& motion : generate_motions(model, timelines, how)) {

@@ -31,6 +31,7 @@ struct MttRunOptions {
   std::optional<Index> steps{};             // of denoising, 0: all; the default is the model's
   std::optional<double> guidance{};         // the default is the model's
   std::optional<NoiseScale> noise_scale{};  // the default is the model's
+  AnyCommunicator communicator{};           // processes that share the batches; all get the motions of all
 };
 
 /// The rows of methods with one overlap, and those of STMC with other overlaps. Seconds.

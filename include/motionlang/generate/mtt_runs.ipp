@@ -6,6 +6,7 @@
 
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/generate/mtt_runs.hpp>
+#include <motionlang/train/shared_items.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -46,17 +47,12 @@ MOTIONLANG_BODY std::vector<std::vector<double>> mtt_made(const MotionModel& mod
                                                           Progress progress) {
   detail::require_mtt_rate(model);
   if (options.batch < 1) raise<config_error>(101, "mtt_made: batches of ", options.batch, " timelines");
-  std::vector<std::vector<double>> out;
-  const Index count = std::ssize(timelines);
-  for (Index begin = 0; begin < count; begin += options.batch) {
-    const Index own = std::min(options.batch, count - begin);
+  const Index count = std::ssize(timelines), batches = count / options.batch + (count % options.batch != 0 ? 1 : 0);
+  const auto made = [&](Index b, const Progress& of_batch) {
+    const Index begin = b * options.batch, own = std::min(options.batch, count - begin);
     std::vector<Timeline> batch;
     for (Index i = begin; i < begin + own; ++i)
       batch.push_back(to_frames(timelines[static_cast<std::size_t>(i)], model.fps()));
-    constexpr Index parts = 1000;  // of a timeline
-    const auto step = [&](Index done, Index total) {
-      return progress(parts * begin + parts * own * done / total, parts * count), true;
-    };
     auto rng = Philox{.seed = options.seed}.split("mtt").split(static_cast<std::uint64_t>(begin));
     GenerateNotes notes;
     generate_motions(model, batch,
@@ -70,11 +66,18 @@ MOTIONLANG_BODY std::vector<std::vector<double>> mtt_made(const MotionModel& mod
                       .smooth = false,
                       .fix_feet = false,
                       .fix_floor = false,
-                      .progress = step,
+                      .progress = of_batch,
                       .notes = &notes});
     if (std::ssize(notes.features) != own)
       raise<option_error>(102, "mtt_made: timelines are for diffusion models of texts; this is ", model.system());
-    for (const auto& rows : notes.features) out.push_back(mtt_features_of_rows(notes.layout, rows));
+    MessageWriter rows;
+    for (const auto& of_motion : notes.features)
+      rows.list(std::span<const double>(mtt_features_of_rows(notes.layout, of_motion)));
+    return rows.bytes();
+  };
+  std::vector<std::vector<double>> out;
+  for (const std::string& message : shared_items(options.communicator, batches, made, progress)) {
+    for (MessageReader in(message); !in.at_end();) out.push_back(in.list<double>());
   }
   return out;
 }

@@ -20,11 +20,13 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Each motion has the length of that in the batch.
 /// features, normalizer  of the model that reads them
+/// all                   processes that share the motions: each calls this function, and gets all of them
 /// result                normalised rows of `features`
 /// Throws                what generate_motions throws
 template <Backend B>
 Sequences<B> synthesized_batch(const MotionModel& model, const TextMotionBatch<B>& batch,
-                               const MotionFeatures& features, const Normalizer<B>& normalizer, std::uint64_t seed) {
+                               const MotionFeatures& features, const Normalizer<B>& normalizer, std::uint64_t seed,
+                               const AnyCommunicator& all = AnyCommunicator()) {
   std::vector<Timeline> timelines;
   for (Index i = 0; i < batch.motions.count(); ++i) {
     const double seconds = static_cast<double>(batch.motions.offsets.length(i)) / features.fps;
@@ -33,7 +35,7 @@ Sequences<B> synthesized_batch(const MotionModel& model, const TextMotionBatch<B
   }
   std::vector<typename B::scalar> values;
   std::vector<Index> frames;
-  for (const Motion& motion : generate_motions(model, timelines, {.seed = seed})) {
+  for (const Motion& motion : generate_motions(model, timelines, {.seed = seed, .communicator = all})) {
     const auto rows = rows_of_motion(features, motion, features.fps);
     for (const double x : rows) values.push_back(static_cast<typename B::scalar>(x));
     frames.push_back(std::ssize(rows) / features.width);

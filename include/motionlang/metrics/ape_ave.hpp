@@ -175,11 +175,22 @@ class ApeAveMetric {
  public:
   using Joints = std::span<const Vec3<S>>;
 
+  /// The errors of one pair of clips, which another metric of the same kind can add.
+  struct Clip {
+    ApeAve errors{};  // sums over the frames, and variances
+    Index frames = 0;
+  };
+
   explicit ApeAveMetric(RifkeVariant variant, S unit = S(1)) : variant_(std::move(variant)), unit_(unit) {}
 
   /// Adds a pair of joints, (frames, J) each, which are compared up to the shorter length. Throws shape_error 205, 203;
   /// numeric_error 302 unless two frames are compared
-  void add(Joints generated, Joints reference) { add(canonical(generated), canonical(reference)); }
+  void add(Joints generated, Joints reference) { add(clip(generated, reference)); }
+  void add(const Clip& c) { collect(c.errors, c.frames); }
+  Clip clip(Joints generated, Joints reference) const {
+    const auto a = canonical(generated), b = canonical(reference);
+    return {errors_of(a, b, common(a, b)), common(a, b)};
+  }
   /// The same for motions that were padded at the end. The padding counts for the floor, as in TEMOS' validation. Also
   /// throws shape_error 203 if there are fewer than `frames`.
   void add_padded(Joints generated, Joints reference, Index frames) {
@@ -190,8 +201,10 @@ class ApeAveMetric {
   }
   /// Adds the sample with the smallest (largest) sum of root errors. As published, all its sums are divided by the
   /// frames of the first sample. Also throws numeric_error 302 without samples.
-  void add_best(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, false); }
-  void add_worst(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, true); }
+  void add_best(std::span<const Joints> samples, Joints reference) { add(best_clip(samples, reference)); }
+  void add_worst(std::span<const Joints> samples, Joints reference) { add(worst_clip(samples, reference)); }
+  Clip best_clip(std::span<const Joints> samples, Joints reference) const { return chosen(samples, reference, false); }
+  Clip worst_clip(std::span<const Joints> samples, Joints reference) const { return chosen(samples, reference, true); }
 
   Index clips() const { return clips_; }
 
@@ -217,22 +230,18 @@ class ApeAveMetric {
     frames_ += frames;
     ++clips_;
   }
-  void add(const CanonicalMotion<S>& a, const CanonicalMotion<S>& b) {
-    collect(errors_of(a, b, common(a, b)), common(a, b));
-  }
-  void add_chosen(std::span<const Joints> samples, Joints reference, bool worst) {
+  Clip chosen(std::span<const Joints> samples, Joints reference, bool worst) const {
     if (samples.empty()) raise<numeric_error>(302, "ApeAveMetric: no samples");
     const auto b = canonical(reference);
-    ApeAve chosen;
-    Index frames = 0;
+    Clip out;
     for (std::size_t s = 0; s < samples.size(); ++s) {
       const auto a = canonical(samples[s]);
       ApeAve errors = errors_of(a, b, common(a, b));
-      if (s == 0) frames = common(a, b);
-      const double now = errors.ape.root, before = chosen.ape.root;
-      if (s == 0 || (worst ? now > before : now < before)) chosen = std::move(errors);
+      if (s == 0) out.frames = common(a, b);
+      const double now = errors.ape.root, before = out.errors.ape.root;
+      if (s == 0 || (worst ? now > before : now < before)) out.errors = std::move(errors);
     }
-    collect(chosen, frames);
+    return out;
   }
 
   RifkeVariant variant_;

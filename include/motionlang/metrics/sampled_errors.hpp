@@ -28,7 +28,11 @@ class SampledErrors {
       : of_sample_(static_cast<std::size_t>(samples), none), best_of_(of_sample_), worst_(none) {}
 
   /// samples  one motion for each of the samples
-  void add(const std::vector<JointFrames>& samples, const JointFrames& truth);
+  void add(const std::vector<JointFrames>& samples, const JointFrames& truth) { add(clips(samples, truth)); }
+  /// The errors of the motions of a text: of each, of the best of the first 1, 2, 3, ..., and of the worst. Another
+  /// object can add them.
+  std::vector<JointErrors::Clip> clips(const std::vector<JointFrames>& samples, const JointFrames& truth) const;
+  void add(std::span<const JointErrors::Clip> of_text);
 
   Index samples() const { return std::ssize(of_sample_); }
   /// The errors of the first motion of each text.

@@ -32,11 +32,23 @@ inline JointFrames mean_pose(const RifkeVariant& variant, Index motions, const B
 
 }  // namespace detail
 
-MOTIONLANG_BODY void SampledErrors::add(const std::vector<JointFrames>& samples, const JointFrames& truth) {
+MOTIONLANG_BODY std::vector<JointErrors::Clip> SampledErrors::clips(const std::vector<JointFrames>& samples,
+                                                                    const JointFrames& truth) const {
   const std::vector<JointErrors::Joints> all(samples.begin(), samples.end());
-  for (std::size_t k = 0; k < of_sample_.size(); ++k) of_sample_[k].add(all[k], truth);
-  for (std::size_t k = 0; k < best_of_.size(); ++k) best_of_[k].add_best(std::span(all).first(k + 1), truth);
-  worst_.add_worst(all, truth);
+  std::vector<JointErrors::Clip> out;
+  for (std::size_t k = 0; k < of_sample_.size(); ++k) out.push_back(worst_.clip(all[k], truth));
+  for (std::size_t k = 0; k < best_of_.size(); ++k) out.push_back(worst_.best_clip(std::span(all).first(k + 1), truth));
+  out.push_back(worst_.worst_clip(all, truth));
+  return out;
+}
+
+MOTIONLANG_BODY void SampledErrors::add(std::span<const JointErrors::Clip> of_text) {
+  const std::size_t count = of_sample_.size();
+  if (of_text.size() != 2 * count + 1)
+    raise<shape_error>(205, "SampledErrors: ", of_text.size(), " errors of ", counted(count, "sample"), ", expected ",
+                       2 * count + 1);
+  for (std::size_t k = 0; k < count; ++k) of_sample_[k].add(of_text[k]), best_of_[k].add(of_text[count + k]);
+  worst_.add(of_text.back());
 }
 
 MOTIONLANG_BODY ApeAve SampledErrors::mean() const {

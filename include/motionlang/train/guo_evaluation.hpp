@@ -36,6 +36,7 @@
 #include <motionlang/train/feature_statistics.hpp>
 #include <motionlang/train/guo_matching_training.hpp>
 #include <motionlang/train/guo_model_folder.hpp>
+#include <motionlang/train/shared_items.hpp>
 #include <motionlang/train/text_entries.hpp>
 #include <motionlang/weights/glove_file.hpp>
 #include <motionlang/weights/guo_evaluator_file.hpp>
@@ -224,6 +225,7 @@ struct GuoFigureOptions {
   Index replications = 20;
   Index repeats = 30;  // motions of a text for measuring multimodality; 0: it is not measured
   std::uint64_t seed = 0;
+  AnyCommunicator communicator{};  // processes that share the replications; all get the figures of all
 };
 
 namespace detail {
@@ -242,13 +244,15 @@ GuoFigures guo_figures(const GuoMaker<B>& make, const GuoJudge<B>& judge, const 
   detail::require_guo_figure_options(options);
   const Index repeats = options.repeats;
   const Index batch = items.batch, count = items.count, varied = items.varied(), pairs = items.pairs();
-  GuoFigures figures;
-  Index steps = 0;
-  const auto add = [&](const std::string& row, const std::string& column, double value) {
-    figures.values[row][column].push_back(value);
-  };
-  const auto step = [&] { progress(++steps, options.replications * (1 + repeats)); };
-  for (Index s = 0; s < options.replications; ++s) {
+  constexpr char between = '\n';  // a row and a column
+  const auto replication = [&](Index s, const Progress& of_replication) {
+    std::map<std::string, double> figures;
+    double empty = 0;
+    Index steps = 0;
+    const auto add = [&](const std::string& row, const std::string& column, double value) {
+      figures[row + between + column] = value;
+    };
+    const auto step = [&] { of_replication(++steps, 1 + repeats); };
     const auto seed = static_cast<std::uint32_t>(options.seed) + static_cast<std::uint32_t>(s);
     NumpyRandom numpy(seed);
     PythonRandom python(static_cast<std::uint64_t>(seed));
@@ -259,7 +263,7 @@ GuoFigures guo_figures(const GuoMaker<B>& make, const GuoJudge<B>& judge, const 
         const auto some = wanted.subspan(static_cast<std::size_t>(at),
                                          static_cast<std::size_t>(std::min(batch, std::ssize(wanted) - at)));
         const auto motions = make(some, rng.split(static_cast<std::uint64_t>(at)));
-        for (Index i = 0; i < motions.count(); ++i) figures.empty += motions.offsets.length(i) == 0 ? 1 : 0;
+        for (Index i = 0; i < motions.count(); ++i) empty += motions.offsets.length(i) == 0 ? 1 : 0;
         out.add(judge.motions(motions));
       }
       step();
@@ -282,7 +286,8 @@ GuoFigures guo_figures(const GuoMaker<B>& make, const GuoJudge<B>& judge, const 
     measure("recorded, of other texts", others, false);
     measure("generated", made(real.wanted, noise.split("one")), true);
 
-    if (repeats == 0) continue;
+    figures["empty"] = empty;
+    if (repeats == 0) return named_numbers(figures);
     std::vector<Embedded<B>> of_repeat;
     for (Index k = 0; k < repeats; ++k)
       of_repeat.push_back(made(std::span<const GuoWanted>(real.wanted).first(static_cast<std::size_t>(varied)),
@@ -297,6 +302,18 @@ GuoFigures guo_figures(const GuoMaker<B>& make, const GuoJudge<B>& judge, const 
     add("generated", "multimodality",
         multimodality(Rows(std::span<const typename B::scalar>(by_text), of_repeat.front().width), repeats,
                       disjoint_draws(repeats, detail::compared_repeats, numpy)));
+    figures["empty"] = empty;
+    return named_numbers(figures);
+  };
+  std::map<std::string, std::vector<double>> lists;
+  for (const std::string& message : shared_items(options.communicator, options.replications, replication, progress))
+    add_named_numbers(lists, message);
+  GuoFigures figures;
+  for (const auto& [name, list] : lists) {
+    if (const std::size_t end = name.find(between); end != name.npos)
+      figures.values[name.substr(0, end)][name.substr(end + 1)] = list;
+    else
+      for (const double motions : list) figures.empty += static_cast<Index>(motions);
   }
   return figures;
 }

@@ -28,6 +28,7 @@
 #include <motionlang/metrics/frechet.hpp>
 #include <motionlang/train/action_batch.hpp>
 #include <motionlang/train/body_points.hpp>
+#include <motionlang/train/shared_items.hpp>
 #include <motionlang/weights/classifier_model.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -141,6 +142,7 @@ struct RecognitionOptions {
   Index seeds = 20;
   std::uint64_t seed = 0;                              // the first seed
   const std::vector<DescribedMotion>* made = nullptr;  // by another program, with labels of the model (MadeMotions)
+  AnyCommunicator communicator{};                      // processes that share the seeds; all get the results of all
 };
 /// accuracy_X, diversity_X, multimodality_X and fid_X of every seed. X: gt, recorded motions; gt2, other windows of
 /// these (their FID is against gt); gen, generated; denoised; between, between two motions of an action; made: others.
@@ -152,13 +154,13 @@ std::map<std::string, std::vector<double>> recognition_results(const ActorModel<
                                                                Progress progress = {}) {
   const ActorClipsConfig &clips = model.file.config.clips, &seen = who.file.config.clips;
   const std::vector<Index> classes = classes_of(part, model.file.labels);
-  const auto [numbered, present] = present_classes(classes, std::ssize(model.file.labels));
+  const auto present = present_classes(classes, std::ssize(model.file.labels));
   const RecognitionSets<B> motions{model, part, classes, clips, seen};
   std::vector<Index> made_classes;
   if (options.made != nullptr) made_classes = classes_of(*options.made, model.file.labels);
-  const auto [made_numbered, made_present] = present_classes(made_classes, std::ssize(model.file.labels));
-  std::map<std::string, std::vector<double>> results;
-  for (Index s = 0; s < options.seeds; ++s) {
+  const auto made_present = present_classes(made_classes, std::ssize(model.file.labels));
+  const auto of_seed = [&](Index s, const Progress&) {
+    std::map<std::string, double> results;
     const auto seed = Philox{.seed = options.seed + static_cast<std::uint64_t>(s)};
     const auto first = seed.split("gt"), second = seed.split("gt2");
     const auto of_batch = [&](const char* name, std::span<const Index> which) {
@@ -184,18 +186,19 @@ std::map<std::string, std::vector<double>> recognition_results(const ActorModel<
                                          [&](auto which) { return others.recorded(which, first); }));
     }
     for (const auto& [name, set] : sets) {
-      const bool made = name == "made";
+      const auto& kinds = name == "made" ? made_present : present;
       NumpyRandom random(static_cast<std::uint32_t>(options.seed) + static_cast<std::uint32_t>(s));
-      results["accuracy_" + name].push_back(set.accuracy);
-      results["diversity_" + name].push_back(
-          mean_pair_distance(set.rows(), random_pairs(set.rows().size(), 200, random)));
-      results["multimodality_" + name].push_back(mean_pair_distance(
-          set.rows(),
-          pairs_within_classes(made ? made_numbered : numbered, made ? made_present : present, 20, random)));
-      if (name != "gt") results["fid_" + name].push_back(frechet_distance(sets.at("gt").rows(), set.rows()));
+      results["accuracy_" + name] = set.accuracy;
+      results["diversity_" + name] = mean_pair_distance(set.rows(), random_pairs(set.rows().size(), 200, random));
+      results["multimodality_" + name] =
+          mean_pair_distance(set.rows(), pairs_within_classes(kinds.first, kinds.second, 20, random));
+      if (name != "gt") results["fid_" + name] = frechet_distance(sets.at("gt").rows(), set.rows());
     }
-    progress(s + 1, options.seeds);
-  }
+    return named_numbers(results);
+  };
+  std::map<std::string, std::vector<double>> results;
+  for (const std::string& message : shared_items(options.communicator, options.seeds, of_seed, progress))
+    add_named_numbers(results, message);
   return results;
 }
 
@@ -217,12 +220,13 @@ std::vector<DurationResult> duration_results(const ActorModel<B>& model, const A
   const RecognitionSets<B> motions{model, part, classes, clips, seen};
   std::vector<DurationResult> out;
   for (const Index frames : durations) out.push_back({.frames = frames});
-  for (Index s = 0; s < options.seeds; ++s) {
+  const auto of_seed = [&](Index s, const Progress&) {
+    std::vector<double> results;
     const auto seed = Philox{.seed = options.seed + static_cast<std::uint64_t>(s)};
     const auto judged = [&](const Philox& rng, auto batch) { return judge_motions(who, std::ssize(part), rng, batch); };
     const auto recorded =
         judged(seed.split("judge").split("gt"), [&](auto which) { return motions.recorded(which, seed.split("gt")); });
-    for (DurationResult& of : out) {
+    for (const DurationResult& of : out) {
       const auto own = static_cast<std::uint64_t>(of.frames);
       const auto made = judged(seed.split("judge").split(own), [&](std::span<const Index> which) {
         ActionBatch<B> batch;
@@ -232,10 +236,16 @@ std::vector<DurationResult> duration_results(const ActorModel<B>& model, const A
         batch.x = model.seen_by(generate(model.actor, batch.classes, lengths, noise), seen);
         return batch;
       });
-      of.accuracy.push_back(made.accuracy);
-      of.fid.push_back(frechet_distance(recorded.rows(), made.rows()));
+      results.insert(results.end(), {made.accuracy, frechet_distance(recorded.rows(), made.rows())});
     }
-    progress(s + 1, options.seeds);
+    MessageWriter message;
+    message.list(std::span<const double>(results));
+    return message.bytes();
+  };
+  for (const std::string& message : shared_items(options.communicator, options.seeds, of_seed, progress)) {
+    const auto results = MessageReader(message).template list<double>();
+    for (std::size_t k = 0; k < out.size(); ++k)
+      out[k].accuracy.push_back(results[2 * k]), out[k].fid.push_back(results[2 * k + 1]);
   }
   return out;
 }

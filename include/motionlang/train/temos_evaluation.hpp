@@ -31,6 +31,7 @@
 #include <motionlang/metrics/sampled_errors.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/train/compared_joints.hpp>
+#include <motionlang/train/shared_items.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -96,7 +97,13 @@ struct TemosMeasures {
   double rate = 0;                      // frames per second of the joints that are compared; 0: that of the data
   /// The same motions at this rate, by their ids. A motion that is missing is interpolated, as generated ones are.
   std::span<const DescribedMotion> recorded{};
+  /// Processes that share the motions; all get the errors of all. `made` is called for those of its process.
+  AnyCommunicator communicator{};
 };
+
+/// Errors of clips as a message.
+void put_clips(MessageWriter& out, std::span<const JointErrors::Clip> clips);
+std::vector<JointErrors::Clip> take_clips(MessageReader& in);
 
 /// The rows of a motion that its first text is about.
 std::span<const float> first_text_rows(const DescribedMotion& motion, Index width);
@@ -127,14 +134,17 @@ std::vector<NamedErrors> temos_errors(const Temos<B>& model, const Normalizer<B>
       [&](Index i) { return joints_of(first_text_rows(data.training[static_cast<std::size_t>(i)], features.width)); },
       how.seed);
   const auto rng = Philox{.seed = how.seed};
-  Index done = 0;
-  for (const DescribedMotion& motion : part) {
+  const auto truth_of = [&](const DescribedMotion& motion) {
+    const auto at_rate = recorded_of.find(motion.id);
+    return at_rate == recorded_of.end()
+               ? joints_of(first_text_rows(motion, features.width))
+               : selected(rows_of_text(*at_rate->second, motion.texts.front().text, features.width));
+  };
+  const auto measured = [&](Index i, const Progress&) {
+    const DescribedMotion& motion = part[static_cast<std::size_t>(i)];
     const auto recorded = first_text_rows(motion, features.width);
     const std::string& text = motion.texts.front().text;
-    const auto at_rate = recorded_of.find(motion.id);
-    const JointFrames truth = at_rate == recorded_of.end()
-                                  ? joints_of(recorded)
-                                  : selected(rows_of_text(*at_rate->second, text, features.width));
+    const JointFrames truth = truth_of(motion);
     const auto tokens = how.tokens(std::span(&text, 1));
     const Offsets length{std::ssize(recorded) / features.width};
     const auto rows_of = [&](const Sequences<B>& s) {
@@ -144,12 +154,21 @@ std::vector<NamedErrors> temos_errors(const Temos<B>& model, const Normalizer<B>
     std::vector<JointFrames> samples;
     for (const auto& s : text_to_motion(model, tokens, length, rng, how.samples))
       samples.push_back(joints_of(rows_of(s)));
-    sampled.add(samples, truth);
+    auto clips = sampled.clips(samples, truth);
     const auto mean = rows_of(text_to_motion(model, tokens, length, rng, 1, {.mean = true}).front());
-    at_mean.add(joints_of(mean), truth);
-    blind.add(truth);
+    clips.push_back(at_mean.clip(joints_of(mean), truth));
     if (how.made) how.made(text, mean, recorded);
-    progress(++done, std::ssize(part));
+    MessageWriter out;
+    put_clips(out, clips);
+    return out.bytes();
+  };
+  std::size_t next = 0;
+  for (const std::string& message : shared_items(how.communicator, std::ssize(part), measured, progress)) {
+    MessageReader in(message);
+    const auto clips = take_clips(in);
+    sampled.add(std::span(clips).first(clips.size() - 1));
+    at_mean.add(clips.back());
+    blind.add(truth_of(part[next++]));
   }
   if (how.sampled) how.sampled(sampled);
   std::vector<NamedErrors> out = named_errors(sampled);
