@@ -6,5 +6,6 @@
 #include <motionlang/search/motion_index_file.ipp>
 #include <motionlang/search/query_bench.ipp>
 #include <motionlang/search/search.ipp>
+#include <motionlang/search/searched_folder.ipp>
 #include <motionlang/search/text_answer.ipp>
 #include <motionlang/search/vector_graph.ipp>

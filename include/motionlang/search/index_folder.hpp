@@ -40,6 +40,7 @@ struct IndexOptions {
                                      // above them; without such a file, what the index had
   bool again = false;                // read all files, changed or not
   MotionReadOptions read{};          // of all files, see options_for_file
+  bool skip_links = false;           // leave out links to files; links to folders are never followed
 };
 
 /// The report of an update.

@@ -95,6 +95,8 @@ MOTIONLANG_BODY IndexUpdate::IndexUpdate(std::shared_ptr<ClipStore> index, const
 MOTIONLANG_BODY void IndexUpdate::look_at_files() {
   namespace fs = std::filesystem;
   for (const fs::path& path : motion_files_below(folder_, "", &report_.folder_notes)) {
+    std::error_code unknown;
+    if (options_.skip_links && fs::is_symlink(path, unknown)) continue;
     const auto time =
         std::chrono::duration_cast<std::chrono::nanoseconds>(fs::last_write_time(path).time_since_epoch());
     files_.push_back({path.lexically_normal(), time.count(), static_cast<std::int64_t>(fs::file_size(path)), {}});

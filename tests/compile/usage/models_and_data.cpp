@@ -103,6 +103,9 @@ void one_euro_(const Motion& motion, std::span<const double> heights, std::vecto
 void index_folder(const TmrSearchEncoder<B>& tmr) {
 #include "search/index_folder.1.inc"
 }
+void searched_folder(const std::shared_ptr<const SearchEncoder>& encoder) {
+#include "search/searched_folder.1.inc"
+}
 void kept_index() {
 #include "search/kept_index.1.inc"
 }
