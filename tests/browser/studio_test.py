@@ -5,6 +5,7 @@
 
 The folder gets the saved files, which the program reads. Exit status: 0 passed, 1 failed.
 """
+import json
 import os
 import pathlib
 import struct
@@ -50,9 +51,11 @@ def press(browser, *keys):
 
 def drag(browser, selector, way):
     """Drags an element to the right with the mouse."""
+    x, y = browser.run(f"const r = document.querySelector({json.dumps(selector)}).getBoundingClientRect(); "
+                       "return [Math.floor(r.x + r.width / 2), Math.floor(r.y + r.height / 2)]")
     move = {"type": "pointerMove", "duration": 100}
     browser.post("/actions", {"actions": [{"type": "pointer", "id": "mouse", "actions": [
-        {**move, "origin": {ELEMENT: find(browser, selector)}, "x": 0, "y": 0}, {"type": "pointerDown", "button": 0},
+        {**move, "origin": "viewport", "x": x, "y": y}, {"type": "pointerDown", "button": 0},
         {**move, "origin": "pointer", "x": way, "y": 0}, {"type": "pointerUp", "button": 0}]}]})
 
 

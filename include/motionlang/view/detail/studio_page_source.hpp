@@ -16,7 +16,9 @@ inline constexpr std::string_view studio_style = R"page(
 [hidden] { display: none !important; }
 body { overflow: hidden; }
 header { align-items: center; padding: 7px 16px; background: var(--panel); border-bottom: 1px solid var(--line); }
-nav { display: flex; flex-wrap: wrap; gap: 6px; align-items: center; margin-left: auto; }
+nav { display: flex; flex-wrap: wrap; gap: 4px; align-items: center; margin-left: auto; }
+nav button, nav select { padding: 4px 7px; }
+#info { display: none; }
 button { cursor: pointer; }
 button:disabled { cursor: default; }
 input, textarea {
@@ -92,7 +94,13 @@ footer { padding: 6px 16px 8px; }
   position: absolute; right: 4px; top: 4px; min-height: 24px; padding: 0 6px; font-size: 12px;
 }
 #takes .old canvas { opacity: 0.45; }
-#sheet { max-width: 150px; }
+#sheet { max-width: 120px; }
+#examples { width: 110px; }
+#kind, #folder { width: 98px; }
+#found { margin: 0 0 10px; padding-left: 26px; max-height: 44vh; overflow-y: auto; }
+#found li { margin: 4px 0; }
+#found small { color: var(--faint); margin-left: 8px; }
+#sought { flex: 1; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 16px; }
 dt { font-weight: 600; }
 dd { margin: 0; }
@@ -124,22 +132,26 @@ dialog::backdrop { background: rgb(0 0 0 / 0.4); }
 inline constexpr std::string_view studio_header = R"page(
 <header><h1 id="title"></h1><span id="info"></span>
   <nav aria-label="Project">
+    <select id="examples" aria-label="Examples to start from"><option value="">Examples</option></select>
     <select id="sheet" aria-label="Timeline of the project"></select>
     <button id="fresh" type="button">New</button>
     <button id="drop" type="button" aria-label="Remove this timeline">Remove</button>
     <button id="undo" type="button" title="Ctrl+Z">Undo</button>
     <button id="redo" type="button" title="Ctrl+Shift+Z">Redo</button>
-    <button id="open" type="button" title="A motion to keep, a character or a timeline">Open</button>
+    <button id="open" type="button" title="A project, a timeline, a motion to keep or a character">Open</button>
     <select id="folder" aria-label="File in the project's folder" hidden></select>
-    <input id="file" type="file" accept=".txt,.bvh,.glb,.gltf,.vrm,.vrma,.npz,.npy" hidden>
+    <input id="file" type="file" accept=".txt,.json,.bvh,.glb,.gltf,.vrm,.vrma,.npz,.npy" hidden>
+    <button id="find" type="button" title="Find a motion by words">Find</button>
     <button id="write" type="button">Text</button>
-    <button id="link" type="button">Copy link</button>
+    <button id="link" type="button" title="Copy a link to this timeline">Link</button>
+    <button id="saveProject" type="button" title="All timelines and settings in one file">Save project</button>
     <select id="kind" aria-label="Kind of file">
       <option value=".bvh">BVH</option><option value=".glb">GLB</option><option value=".vrma">VRMA</option>
       <option value=".npz">AMASS .npz</option><option value=".npy">joints .npy</option>
       <option value=".html">viewer page</option><option value=".svg">film strip</option>
+      <option value=".png">picture PNG</option><option value=".webm">video WebM</option>
     </select>
-    <button id="save" type="button" disabled>Save motion</button>
+    <button id="save" type="button" disabled>Save</button>
     <button id="keysHelp" type="button" aria-label="Keys" title="?">?</button>
   </nav>
 </header>
@@ -212,12 +224,24 @@ inline constexpr std::string_view studio_dialog = R"page(
   <div class="line"><button id="apply" class="main" type="button">Apply</button>
     <button id="saveText" type="button">Save file</button><button id="close" type="button">Close</button></div>
 </dialog>
+<dialog id="findDialog" aria-labelledby="aboutFind">
+  <h2 id="aboutFind">Find a motion</h2>
+  <p id="findHelp">Searching needs the program: its model does not fit into this file. Start
+    <code>motionlang studio --project FOLDER</code> and open its link. Then words find moments in the motions of that
+    folder.</p>
+  <form id="findForm" class="line" hidden>
+    <input id="sought" maxlength="200" autocomplete="off" aria-label="What the person does">
+    <button class="main">Find</button></form>
+  <p id="findSays" role="status"></p>
+  <ol id="found" aria-label="What was found"></ol>
+  <button id="findClose" type="button">Close</button>
+</dialog>
 <dialog id="keysDialog" aria-labelledby="aboutKeys">
   <h2 id="aboutKeys">Keys</h2>
   <dl>
     <dt>Left, right</dt><dd>move the chosen bars; with Shift the end of one, with Ctrl its start</dd>
     <dt>Up, down</dt><dd>move a bar to another body part</dd>
-    <dt>N, Enter, Delete</dt><dd>add a text, edit its words, delete</dd>
+    <dt>N, Enter, Delete</dt><dd>add a text behind the chosen one, edit its words, delete</dd>
     <dt>Ctrl+D, X</dt><dd>duplicate; split at the cursor</dd>
     <dt>S, Ctrl+A, Escape</dt><dd>choose a bar as well, all bars, one bar</dd>
     <dt>+, &minus;, 0, G</dt><dd>zoom in, out, show all; snap</dd>
@@ -395,12 +419,14 @@ const example = {
   bars: [{ text: "walk forward", start: 0, end: 6, parts: ["legs"] },
          { text: "raise both arms", start: 2, end: 5, parts: ["left arm", "right arm"] }],
   seconds: 6, seed: 7, fast: false };
+let zoom = 1, snapping = true, live = false, keeping = true;
 
 // The timelines of the project, and the one that is edited. A bar with `clip` is a stretch of a motion to keep: it
 // begins `from` seconds after the start of that motion.
 let book = [structuredClone(example)], sheet = 0, project = book[0], chosen = 0;
 const marked = new Set();  // bars that are chosen besides `chosen`
 const past = [], future = [];
+let lastId = 1;  // of the timelines that there were
 let lastKey = null;  // the key of the latest edit: edits with the same key are undone together
 
 const rounded = (seconds) => Math.round(1000 * seconds) / 1000;
@@ -411,7 +437,7 @@ function tidied(p) {
   for (const bar of p.bars) {
     bar.start = clamp(rounded(+bar.start) || 0, 0, p.seconds - shortest);
     bar.end = clamp(rounded(+bar.end) || 0, bar.start + shortest, p.seconds);
-    bar.text = String(bar.text).replace(/[#\r\n]+/g, " ");
+    bar.text = String(bar.text).replace(/[#\r\n]+/g, " ").slice(0, bounds.words);
     bar.parts = parts.filter((name) => bar.parts.includes(name));
     if (bar.parts.length === parts.length) bar.parts = [];  // all: the whole body
   }
@@ -425,6 +451,12 @@ function edit(change, key = null) {
   tidied(project);
   book[sheet] = project;
   if (snapshot() === old) return;
+  if (book.length > bounds.timelines || project.bars.length > bounds.bars) {
+    ({ book, sheet, chosen } = JSON.parse(old));
+    project = book[sheet];
+    marked.clear();
+    return say(`A project has at most ${bounds.timelines} timelines, and each at most ${bounds.bars} texts.`, true);
+  }
   if (key === null || key !== lastKey) past.push(old);
   lastKey = key;
   future.length = 0;
@@ -479,29 +511,36 @@ const linkOf = (p) =>
 /** All that decides which motion a timeline has. */
 const keyOf = (p) => linkOf(p) + (clipOf(p) ? JSON.stringify(clipOf(p)) : "");
 const place = "motionlang studio";  // in the browser's storage
-function store() {
-  const link = linkOf(project);
+function store(leaving = false) {
+  const link = linkOf(project), links = [link];
+  if (leaving) links.push(location.hash);  // a reload comes with the address before the latest edit
   try {
     history.replaceState(null, "", link);
-    localStorage.setItem(place, JSON.stringify({ book, sheet, link }));
+    localStorage.setItem(place, JSON.stringify({ ...wholeProject(), links }));
   } catch (reason) {
     console.info("the browser keeps no project:", reason.message);
   }
 }
-/** Takes the project of the last visit, and returns the link that it had; null if there is none. */
+/** Takes the project of the last visit, and returns the links that it had. */
 function restore() {
   try {
-    const { book: kept, sheet: number, project: only, link } = JSON.parse(localStorage.getItem(place)) || {};
-    const all = kept || (only ? [only] : []);
-    if (all.length === 0 || !all.every((p) => Array.isArray(p.bars))) return null;
-    book = all.map(tidied);
-    book.forEach((p, i) => { p.id = i + 1; });
-    sheet = clamp(number || 0, 0, book.length - 1);
-    project = book[sheet];
-    return link;
+    const words = localStorage.getItem(place);
+    if (!words) return [];
+    try {
+      const kept = JSON.parse(words), marks = { motionlang: "studio project", version: 1 };
+      const { book: older, sheet: number, project: only } = kept;  // as earlier studios stored it
+      const all = older || (only && [only]);
+      const read = checkedProject(all ? { ...marks, timelines: all, shown: number } : kept);
+      lastId = 0;
+      takeProject(read);
+      return kept.links || [kept.link];
+    } catch (reason) {
+      localStorage.setItem(place + ", not read", words);
+      throw reason;
+    }
   } catch (reason) {
     console.info("the browser has no project:", reason.message);
-    return null;
+    return [];
   }
 }
 
@@ -614,8 +653,9 @@ class ServerEngine {
     this.has = new Set();
     this.life = {};
     this.stop = new AbortController();
-    this.ready = this.ask("load").then(({ folder, steps }) => {
+    this.ready = this.ask("load").then(({ folder, search, steps }) => {
       this.folder = folder;
+      this.search = search;
       const list = element("steps"), [usual, fast] = list.options;
       usual.text = "as the model asks";
       fast.disabled = steps < 10;
@@ -642,7 +682,7 @@ class ServerEngine {
           const line = JSON.parse(text.slice(0, end));
           if ("error" in line) throw new Error(line.error);
           if ("value" in line) return kind === "save" && !about.id ? unpackedBytes(line.value) : line.value;
-          if ("done" in line) this.onprogress(line);
+          if ("done" in line) this.onprogress({ ...line, kind });
         }
       }
     } catch (reason) {
@@ -664,7 +704,6 @@ inline constexpr std::string_view studio_script_look = R"page(
 let making = null;  // what is generated now: { began }
 let motions = 0, warned = [];  // number of motions so far, warnings
 let opened = 0, took = 0;  // seconds from opening to the first motion, and of the latest one
-let zoom = 1, snapping = true, live = false, keeping = true;
 const bar = () => project.bars[chosen];
 /** The numbers of the bars that are chosen, in their order. */
 const selected = () => [...new Set([...marked, chosen])].filter((i) => project.bars[i]).sort((a, b) => a - b);
@@ -675,7 +714,8 @@ function say(words, wrong = false) {
   element("status").textContent = words;
   element("status").classList.toggle("wrong", wrong);
 }
-const engine = new Engine(({ done, total }) => {
+const engine = new Engine(({ done, total, kind }) => {
+  if (kind === "search") return showIndexed(done, total);
   if (!making) return;
   const spent = (performance.now() - making.began) / 1000, left = spent / done * (total - done);
   element("progress").value = done / total;
@@ -812,7 +852,10 @@ function edited() {
   clearTimeout(beginning);
   if (live) beginning = setTimeout(() => { if (isStale()) generate(); }, 600);
 }
-addEventListener("pagehide", store);
+addEventListener("pagehide", () => {
+  clearTimeout(checking);
+  store(true);
+});
 /** Asks for warnings. While a motion is made they come after it. */
 async function check() {
   const { lines, bars } = timelineOf(project);
@@ -897,7 +940,7 @@ async function orderOf(p, from, beyond) {
   let stretch = null;
   if (kept) {
     const file = clips.get(kept.clip) || await shelf.get(kept.clip);
-    if (!file) throw new Error(`${kept.text}: the file is no longer here`);
+    if (!file) throw new Error(`Drop ${nameOfClip(kept.clip)} on the page again: this timeline keeps its motion.`);
     clips.set(kept.clip, file);
     if (!engine.has.has(kept.clip)) await engine.ask("read", { id: kept.clip, name: file.name, bytes: file.bytes });
     engine.has.add(kept.clip);
@@ -923,6 +966,11 @@ async function makeTake(p, whole) {
 }
 let spare = [];  // takes of other timelines and seeds, the newest first, for those who come back
 function put(take) {
+  const locks = wanted.get(take.project.id) || [];
+  if (locks.includes(take.seed)) {
+    take.locked = true;
+    wanted.set(take.project.id, locks.filter((seed) => seed !== take.seed));
+  }
   const at = takes.findIndex((t) => t.seed === take.seed && !t.locked);
   if (at >= 0) spare.unshift(takes[at]), takes[at] = take;
   else if (takes.length < 4) takes.push(take);
@@ -952,6 +1000,7 @@ async function work(words, task) {
 }
 const generate = (whole = false) => work("Generating.", async () => {
   const began = performance.now(), first = motions === 0, asked = structuredClone(project);
+  turnTakes();
   const take = await makeTake(asked, whole);
   put(take);
   ++motions;
@@ -971,10 +1020,15 @@ const vary = () => work("Making variations.", async () => {
   const kept = takes.filter((t) => t.locked || t === shownTake);
   spare.unshift(...takes.filter((t) => !kept.includes(t)));
   takes = kept;
+  const isNew = (s) => takes.every((t) => t.seed !== s);
   while (takes.length < 4) {
-    do ++seed; while (takes.some((t) => t.seed === seed));
+    let next = (wanted.get(base.id) || []).find(isNew);  // locked when the project was saved
+    if (next === undefined) {
+      do ++seed; while (!isNew(seed));
+      next = seed;
+    }
     making.began = performance.now();
-    put(await makeTake({ ...base, seed }, false));
+    put(await makeTake({ ...base, seed: next }, false));
     ++motions;
     say(`${++made} made.`);
     drawTakes();
@@ -987,15 +1041,20 @@ async function shelve() {
   const names = [...new Set(book.flatMap((p) => [keyOf(p), clipOf(p)?.clip]).filter(Boolean))];
   const { key, record, exact, project: of } = shownTake;
   if (record instanceof ArrayBuffer) await shelf.put(key, { record, exact, project: of });
+  const there = await shelf.use("readonly", (things) => things.getAllKeys()) || [];
+  for (const name of names) if (clips.has(name) && !there.includes(name)) await shelf.put(name, clips.get(name));
   await shelf.keep(names);
+}
+/** The takes become those of the timeline that is edited. Returns whether it was another one. */
+function turnTakes() {
+  if (takesId === project.id) return false;
+  takesOf.set(takesId, takes);
+  takes = takesOf.get(takesId = project.id) || [];
+  return true;
 }
 /** After an undo or on another timeline: the take that was made of it, if it is still here. */
 function showKnownTake() {
-  const other = takesId !== project.id;
-  if (other) {
-    takesOf.set(takesId, takes);
-    takes = takesOf.get(takesId = project.id) || [];
-  }
+  const other = turnTakes();
   if (making) return;
   const key = keyOf(project), take = [...takes, ...spare].find((t) => t.key === key && t.data);
   if (take && take !== shownTake) show(take);
@@ -1211,6 +1270,21 @@ function addBar(row, from) {
   element("words").focus();
   element("words").select();
 }
+/** A text behind the chosen bar, of the same body parts; without one, at the cursor. The timeline becomes longer if it
+    has to. */
+function addNext() {
+  const last = bar();
+  if (!last || last.end + shortest > longest) return addBar(rows[0], time);
+  edit((p) => {
+    const start = last.end, end = Math.min(start + 2, longest);
+    p.seconds = Math.max(p.seconds, end);
+    marked.clear();
+    chosen = p.bars.push({ text: "stand still", start, end, parts: [...last.parts] }) - 1;
+  });
+  seek(last.end);
+  element("words").focus();
+  element("words").select();
+}
 function removeBars() {
   if (!bar()) return;
   edit((p) => {
@@ -1276,6 +1350,7 @@ lanes.addEventListener("pointerdown", (event) => {
   const i = +e.dataset.bar, side = event.target.classList;
   const mode = side.contains("from") ? "from" : side.contains("to") ? "to" : "move", key = `drag ${performance.now()}`;
   const firstRow = e.parentElement.dataset.row;
+  const gap = e.getBoundingClientRect().right - event.clientX;  // from the mouse to the end of the bar
   if (event.ctrlKey || event.metaKey || event.shiftKey) {
     choose(i, true);
     return;
@@ -1284,8 +1359,9 @@ lanes.addEventListener("pointerdown", (event) => {
   const group = mode === "move" ? selected() : [i], before = structuredClone(project.bars), from = before[i];
   lanes.querySelector(`[data-bar="${i}"][tabindex]`).focus({ preventScroll: true });
   lanes.setPointerCapture(event.pointerId);
-  let dragged = false;
+  let dragged = false, latest = event;
   const drag = (moved) => {
+    latest = moved;
     const way = (moved.clientX - event.clientX) * project.seconds / lanes.clientWidth;
     if (Math.hypot(moved.clientX - event.clientX, moved.clientY - event.clientY) < 4 && !dragged) return;
     dragged = true;
@@ -1300,7 +1376,10 @@ lanes.addEventListener("pointerdown", (event) => {
         b.start = clamp(snapped(from.start + way, group), b.clip ? from.start - from.from : 0, from.end - shortest);
         if (b.clip) b.from = from.from + b.start - from.start;
       }
-      if (mode === "to") b.end = Math.max(snapped(from.end + way, group), from.start + shortest);
+      if (mode === "to") {
+        const area = lanes.getBoundingClientRect(), at = (moved.clientX + gap - area.left) / area.width * p.seconds;
+        b.end = Math.max(snapped(at, group), from.start + shortest);
+      }
       if (b.clip) b.end = Math.min(b.end, b.start + b.whole - b.from);
       if (mode !== "move") return;
       const start = snapped(from.start + way, group), end = snapped(from.end + way, group);
@@ -1310,7 +1389,18 @@ lanes.addEventListener("pointerdown", (event) => {
       if (row && row !== firstRow && group.length === 1) setParts(b, row);
     }, key);
   };
+  /** An end that is held beyond the right edge makes the timeline longer. */
+  const growth = setInterval(() => {
+    if (mode !== "to" || !dragged || latest.clientX + gap < lanes.getBoundingClientRect().right + 4) return;
+    edit((p) => {
+      const b = p.bars[i];
+      if (b.clip && b.end + 0.1 > b.start + b.whole - b.from) return;
+      p.seconds = Math.max(p.seconds, Math.min(b.end + 0.1, longest));
+      b.end = Math.min(b.end + 0.1, longest);
+    }, key);
+  }, 50);
   const stop = () => {
+    clearInterval(growth);
     lanes.removeEventListener("pointermove", drag);
     if (!dragged && marked.size) chooseOne();
     lastKey = null;
@@ -1353,6 +1443,7 @@ lanes.addEventListener("keydown", (event) => {
       const b = p.bars[i];
       if (event.shiftKey) {
         b.end = Math.max(b.end + way, b.start + shortest);
+        p.seconds = Math.max(p.seconds, Math.min(b.end, longest));
         if (b.clip) b.end = Math.min(b.end, b.start + b.whole - b.from);
       } else if (event.ctrlKey) {
         const start = Math.min(Math.max(b.start + way, b.clip ? b.start - b.from : 0), b.end - shortest);
@@ -1422,10 +1513,11 @@ field("from", () => {
   if (b.clip) b.from += start - b.start;
   b.start = start;
 });
-field("to", () => {
+field("to", (p) => {
   const b = bar();
   b.end = Math.max(number("to"), b.start + shortest);
   if (b.clip) b.end = Math.min(b.end, b.start + b.whole - b.from);
+  p.seconds = Math.max(p.seconds, Math.min(b.end, longest));
 });
 field("length", (p) => { p.seconds = number("length"); });
 field("seed", (p) => { p.seed = number("seed"); });
@@ -1446,11 +1538,12 @@ press("redo", redo);
 press("duplicate", duplicateBars);
 press("remove", removeBars);
 press("split", splitBars);
-press("add", () => addBar(rows[0], time));
+press("add", addNext);
 press("generate", () => generate());
 press("whole", () => generate(true));
 press("vary", vary);
 press("cancel", () => {
+  if (making?.cancel) return making.cancel();
   engine.cancel();
   check();
 });
@@ -1467,8 +1560,7 @@ press("zoomOut", () => setZoom(zoom / 2));
 /** Another timeline in the project. */
 function addSheet(made) {
   edit((p) => {
-    const id = 1 + Math.max(...book.map((q) => q.id));
-    book.push(tidied({ ...made, id }));
+    book.push(tidied({ ...made, id: ++lastId }));
     sheet = book.length - 1;
     project = book[sheet];
     marked.clear();
@@ -1502,9 +1594,19 @@ function offer(name, bytes, type) {
 function fileName() {
   return plain(project.bars.map((b) => b.text.trim()).filter(Boolean)[0] || "motion");
 }
+/** A file in the project's folder of the server, or among the person's downloads. */
+async function keepFile(name, bytes, type) {
+  if (!engine.folder) return offer(name, bytes, type);
+  await engine.ask("store", { name, bytes });
+  await listFolder();
+  say(`${name} is in the project's folder.`);
+}
 press("save", async () => {
   const format = element("kind").value;
+  if (making) return say("Wait until the motion is made, then save.");
+  if (format === ".webm") return saveVideo();
   try {
+    if (format === ".png") return await savePicture();
     const motion = await held(shownTake), name = fileName() + format;
     if (engine.folder) {
       await engine.ask("save", { motion, format, character, id: name });
@@ -1562,24 +1664,32 @@ press("saveText", async () => {
 press("keysHelp", () => element("keysDialog").showModal());
 press("keysClose", () => element("keysDialog").close());
 
-/** A motion of a file is kept in the timeline, at the cursor or from the start, in place of one that was kept. */
-async function keepMotion(file) {
+/** A motion of a file is kept in the timeline, at the cursor or from the start, in place of one that was kept. With
+    `part`, { from, seconds }, only that is kept. A file that the project lacked is only given back to it. */
+async function keepMotion(file, part = null) {
   const bytes = await file.arrayBuffer(), name = file.name;
   const sum = new Uint8Array(bytes).reduce((all, b) => Math.imul(all ^ b, 16777619), 2166136261) >>> 0;
   const id = `clip ${name} ${bytes.byteLength} ${sum}`;
   const { seconds, notes } = await engine.ask("read", { id, name, bytes });
   engine.has.add(id);
+  const missing = book.some((p) => clipOf(p)?.clip === id) && !clips.has(id) && !await shelf.get(id);
   clips.set(id, { name, bytes, seconds });
   await shelf.put(id, { name, bytes, seconds });
+  if (missing) {
+    say(`${name} is here again.`);
+    if (isStale() && clipOf(project)?.clip === id) await generate();
+    return;
+  }
+  const taken = part || { from: 0, seconds };
   edit((p) => {
     const start = time + shortest < p.seconds && shownTake && time > 0.3 ? Math.round(20 * time) / 20 : 0;
-    const end = Math.min(start + seconds, longest), text = name.replace(/\.[^.]*$/, "");
+    const end = Math.min(start + taken.seconds, longest), text = name.replace(/\.[^.]*$/, "");
     p.seconds = Math.max(p.seconds, rounded(end));
     p.bars = p.bars.filter((b) => !b.clip);
     marked.clear();
-    chosen = p.bars.push({ text, start, end, parts: [], clip: id, from: 0, whole: seconds }) - 1;
+    chosen = p.bars.push({ text, start, end, parts: [], clip: id, from: taken.from, whole: seconds }) - 1;
   });
-  say([`${name}: ${seconds.toFixed(1)} s are kept.`, notes].filter(Boolean).join(" "));
+  say([`${name}: ${taken.seconds.toFixed(1)} s are kept.`, notes].filter(Boolean).join(" "));
 }
 /** The character of a file shows the motion. */
 async function showOn(file) {
@@ -1600,7 +1710,10 @@ async function take(file, asCharacter) {
   try {
     const kind = file.name.slice(file.name.lastIndexOf(".")).toLowerCase();
     if (file.size > 64e6) throw new Error("it is larger than 64 MB");
-    if (kind === ".vrm" || (asCharacter && [".glb", ".gltf"].includes(kind))) {
+    if (kind === ".json") {
+      if (file.size > 2e6) throw new Error("it is too large for a project");
+      await openProject(await file.text());
+    } else if (kind === ".vrm" || (asCharacter && [".glb", ".gltf"].includes(kind))) {
       await showOn(file);
     } else if ([".bvh", ".glb", ".gltf", ".vrma", ".npz", ".npy"].includes(kind)) {
       try {
@@ -1609,9 +1722,11 @@ async function take(file, asCharacter) {
         if (![".glb", ".gltf"].includes(kind) || !/animation/.test(reason.message)) throw reason;
         await showOn(file);
       }
-    } else {
+    } else if (kind === ".txt") {
       if (file.size > 100000) throw new Error("it is too large for a timeline");
       await readTimeline(await file.text());
+    } else {
+      throw new Error("the studio reads .bvh, .glb, .gltf, .vrma, .vrm, .npz, .npy, timelines .txt, projects .json");
     }
   } catch (reason) {
     if (!reason.cancelled) say(`${file.name}: ${reason.message}`, true);
@@ -1643,21 +1758,21 @@ addEventListener("dragover", (event) => {
   if (event.dataTransfer.types.includes("Files")) event.preventDefault();
 });
 addEventListener("drop", async (event) => {
-  const file = event.dataTransfer.files[0];
-  if (!file) return;
+  const files = [...event.dataTransfer.files], asCharacter = event.shiftKey;
+  if (files.length === 0) return;
   event.preventDefault();  // the page stays
-  await take(file, event.shiftKey);
+  for (const file of files) await take(file, asCharacter);
 });
 
 addEventListener("keydown", (event) => {
-  if (element("dialog").open || element("keysDialog").open) return;
+  if (document.querySelector("dialog[open]")) return;
   const key = event.key.toLowerCase(), held = event.ctrlKey || event.metaKey;
   const writes = takesText(event.target);
   const action = held
     ? { z: event.shiftKey ? redo : undo, y: redo, d: duplicateBars, enter: () => generate(event.shiftKey),
         ...(!writes && { a: chooseAll }) }[key]
     : writes || event.altKey || event.target.tagName === "SELECT" ? null
-    : { escape: chooseOne, n: () => addBar(rows[0], time), g: () => element("snap").click(), v: vary,
+    : { escape: chooseOne, n: addNext, g: () => element("snap").click(), v: vary,
         k: () => lockTake(shownTake), x: event.defaultPrevented ? null : splitBars,
         "?": () => element("keysHelp").click(), 0: () => setZoom(1),
         ...(event.target !== view && { "+": () => setZoom(2 * zoom), "-": () => setZoom(zoom / 2) }),
@@ -1708,7 +1823,7 @@ addEventListener("hashchange", async () => {
 window.motionlang = Object.freeze({
   state: () => ({
     ...playerState(), project: structuredClone(project), chosen, selected: selected(),
-    timeline: timelineOf(project).lines, sheet, timelines: book.length, motions, opened, took,
+    timeline: timelineOf(project).lines, sheet, timelines: book.length, motions, opened, took, whole: wholeProject(),
     making: making !== null, stale: isStale(), zoom, snapping,
     warnings: structuredClone(warned), undos: past.length, redos: future.length, character: character && character.name,
     takes: takes.map(({ seed, locked, key, reuse, exact }) => ({ seed, locked, key, reuse, exact })),
@@ -1719,10 +1834,10 @@ window.motionlang = Object.freeze({
 
 async function begin() {
   element("title").textContent = page.title;
-  element("info").textContent = `motionlang ${page.version}`;
+  element("title").title = `motionlang ${page.version}`;
   const says = text("span", "", element("stage"));
   says.id = "says";
-  const kept = restore(), linked = location.hash.length > 1 && kept !== location.hash;
+  const kept = restore(), linked = location.hash.length > 1 && !kept.includes(location.hash);
   takesId = project.id;
   showClip(new Clip(page.rest));
   camera.reset(clip);

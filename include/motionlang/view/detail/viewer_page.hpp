@@ -645,6 +645,7 @@ let clip = null, time = 0, playing = false, looping = true, following = true, sp
 let scheduled = false, before = 0;
 let decorate = () => {};  // changes the cones of the figure, or adds to them, before they are drawn
 let pace = 16, quality = 1;  // milliseconds between frames, pixels drawn per pixel of the screen
+let steady = false;          // the picture keeps its size, as while it is recorded
 
 let renderer;
 try {
@@ -692,8 +693,9 @@ function drawAxis(axis, length, limit = 12) {
 }
 
 function render() {
-  const ratio = quality * Math.min(devicePixelRatio || 1, 2), width = Math.round(view.clientWidth * ratio);
-  const height = Math.round(view.clientHeight * ratio), pose = clip.pose(time), root = pose.positions[0];
+  const ratio = quality * Math.min(devicePixelRatio || 1, 2), pose = clip.pose(time), root = pose.positions[0];
+  const width = steady ? view.width : Math.round(view.clientWidth * ratio);
+  const height = steady ? view.height : Math.round(view.clientHeight * ratio);
   if (!width || !height) return;
   if (view.width !== width || view.height !== height) Object.assign(view, { width, height });
   if (following) camera.goal = [root[0], clip.floor + 0.52 * clip.size, root[2]];
@@ -717,7 +719,7 @@ function frame(now) {
     time += speed * Math.max(0, now - before) / 1000;
     pace = mix(pace, now - before, 0.15);
     before = now;
-    if (pace > 60 && quality > 0.5) [pace, quality] = [30, 0.8 * quality];  // slow to draw: coarser
+    if (pace > 60 && quality > 0.5 && !steady) [pace, quality] = [30, 0.8 * quality];  // slow to draw: coarser
     if (time > clip.seconds && looping) time %= clip.seconds;
     if (time > clip.seconds) seek(clip.seconds), play(false);
     refresh();

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT
+/// The source of the studio's page, continued: the project as a file, pictures and videos, examples to start from, and
+/// search. studio_page.hpp puts it between the parts of studio_page_source.hpp.
+#pragma once
+
+#include <string_view>  // source
+
+#include <motionlang/version.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The project as one object, for the storage and for a file.
+inline constexpr std::string_view studio_script_whole = R"page(
+// ---- The whole project.
+
+const bounds = { timelines: 100, bars: 200, words: 1000, locks: 4 };
+/** Seeds whose variations are locked as soon as they are made, by the id of their timeline. */
+const wanted = new Map();
+const lockedSeeds = (id) => {
+  const made = (id === takesId ? takes : takesOf.get(id) || []).filter((t) => t.locked).map((t) => t.seed);
+  return [...new Set([...made, ...wanted.get(id) || []])].slice(0, bounds.locks);
+};
+const nameOfClip = (id) => /^clip (.*) \d+ \d+$/s.exec(id)?.[1] || id;
+
+/** All timelines with their seeds and locks, the settings, and the names of the files whose motions are kept. */
+const wholeProject = () => ({
+  motionlang: "studio project", version: 1, shown: sheet, settings: { keep: keeping, live, snap: snapping },
+  timelines: book.map((p) => ({ bars: p.bars, seconds: p.seconds, seed: p.seed, fast: p.fast,
+                                locked: lockedSeeds(p.id) })),
+  kept: [...new Set(book.map(clipOf).filter(Boolean).map((b) => nameOfClip(b.clip)))] });
+
+/** A timeline with nothing else in it. Throws an error that names the place. */
+function checkedTimeline(p, where) {
+  const fail = (words) => { throw new Error(`${where}: ${words}`); };
+  const finite = (value, name, most = Number.MAX_SAFE_INTEGER) =>
+    Number.isFinite(value) && value >= 0 && value <= most ? value : fail(`${name} is not a number from 0 to ${most}`);
+  if (!Array.isArray(p?.bars)) fail("it has no list of texts");
+  if (p.bars.length > bounds.bars) fail(`it has ${p.bars.length} texts, and the studio takes at most ${bounds.bars}`);
+  const seconds = finite(p.seconds, "its length", longest), locked = p.locked ?? [];
+  const bars = p.bars.map((b, i) => {
+    const at = `text ${i + 1}`;
+    if (typeof b?.text !== "string" || b.text.length > bounds.words) fail(`${at} has no words, or too many`);
+    if (!Array.isArray(b.parts) || !b.parts.every((name) => parts.includes(name))) fail(`${at}: unknown body parts`);
+    const made = { text: b.text, start: finite(b.start, `${at}: its start`, seconds),
+                   end: finite(b.end, `${at}: its end`, seconds), parts: [...b.parts] };
+    if (b.clip === undefined) return made;
+    if (typeof b.clip !== "string" || b.clip.length > bounds.words) fail(`${at}: its file has no name`);
+    const whole = finite(b.whole, `${at}: the length of its file`);
+    const from = finite(b.from, `${at}: its start in the file`, Math.max(whole - shortest, 0));
+    return { ...made, end: Math.min(made.end, made.start + whole - from), clip: b.clip, from, whole };
+  });
+  if (bars.filter((b) => b.clip).length > 1) fail("it keeps several motions, and the studio keeps one");
+  if (!Array.isArray(locked) || locked.length > bounds.locks) fail("its locked seeds are not a list of at most 4");
+  return { ...tidied({ bars, seconds, seed: finite(p.seed, "its seed"), fast: p.fast === true }),
+           locked: locked.map((seed) => Math.floor(finite(seed, "a locked seed"))) };
+}
+/** A project of a file or of the storage, with nothing else in it. Throws an error that names the place. */
+function checkedProject(found) {
+  if (found?.motionlang !== "studio project" || !Array.isArray(found.timelines))
+    throw new Error("it is not a project of the studio");
+  const { version, timelines, shown: number, settings } = found, count = timelines.length;
+  if (version !== 1) throw new Error(`its version is ${version}, and this studio knows version 1`);
+  if (count < 1 || count > bounds.timelines)
+    throw new Error(`it has ${count} timelines, and the studio takes 1 to ${bounds.timelines}`);
+  return { timelines: timelines.map((p, i) => checkedTimeline(p, `timeline ${i + 1}`)),
+           number: clamp(Math.floor(+number) || 0, 0, count - 1),
+           settings: { keep: settings?.keep !== false, live: settings?.live === true,
+                       snap: settings?.snap !== false } };
+}
+/** The project becomes this one. Its timelines get ids that none had before. */
+function takeProject({ timelines, number, settings }) {
+  book = timelines.map(({ locked, ...p }) => {
+    wanted.set(++lastId, locked);
+    return { ...p, id: lastId };
+  });
+  sheet = number;
+  project = book[sheet];
+  chosen = project.bars.length ? 0 : -1;
+  marked.clear();
+  ({ keep: keeping, live, snap: snapping } = settings);
+}
+/** The project of a file takes the place of the one that is here; undo brings that back. */
+async function openProject(words) {
+  let found;
+  try {
+    found = JSON.parse(words);
+  } catch (reason) {
+    throw new Error(`it is not JSON, or not all of it: ${reason.message}`);
+  }
+  const read = checkedProject(found), lacks = [];
+  for (const p of book) {  // the storage keeps files only of the project that is here
+    const id = clipOf(p)?.clip, file = id && !clips.has(id) && await shelf.get(id);
+    if (file) clips.set(id, file);
+  }
+  for (const p of read.timelines) {
+    const id = clipOf(p)?.clip;
+    if (id && !clips.has(id) && !await shelf.get(id)) lacks.push(nameOfClip(id));
+  }
+  edit(() => takeProject(read));
+  const count = read.timelines.length;
+  say(`${count === 1 ? "A timeline is" : `${count} timelines are`} open. Undo brings back what was here.` +
+    (lacks.length ? ` Also drop ${[...new Set(lacks)].join(", ")}, whose motion is kept.` : ""));
+}
+)page";
+
+/// Pictures, videos and examples.
+inline constexpr std::string_view studio_script_sharing = R"page(
+// ---- The project as a file.
+
+press("saveProject", async () => {
+  try {
+    await keepFile(`${fileName()}_project.json`, new TextEncoder().encode(JSON.stringify(wholeProject(), null, 1)),
+                   "application/json");
+  } catch (reason) {
+    say(reason.message, true);
+  }
+});
+
+// ---- Pictures and videos of the view.
+
+/** The figure as it is shown, with two pixels for one of the page. */
+async function savePicture() {
+  const usual = quality;
+  quality = 2 / Math.min(devicePixelRatio || 1, 2);
+  render();
+  const made = new Promise((resolve) => view.toBlob(resolve, "image/png"));  // the pixels are gone after this task
+  quality = usual;
+  refresh();
+  const picture = await made;
+  if (!picture) throw new Error("this browser makes no picture of the view");
+  await keepFile(fileName() + ".png", new Uint8Array(await picture.arrayBuffer()), "image/png");
+}
+/** Records the view while the motion plays once. A pause ends the video there. */
+const saveVideo = () => work("Recording the video.", async () => {
+  const type = ["video/webm", "video/mp4"].find((t) => globalThis.MediaRecorder?.isTypeSupported(t));
+  if (!type || !view.captureStream) throw new Error("this browser records no video");
+  const usual = { looping, speed, playing, time }, blocks = [], stream = view.captureStream();
+  const recorder = new MediaRecorder(stream, { mimeType: type, videoBitsPerSecond: 6e6 });
+  const pause = () => new Promise((resolve) => setTimeout(resolve, 50));
+  const stand = async (count) => {  // pictures that stand: browsers may lose the first and the last ones
+    for (let i = 0; i < count && !cancelled; ++i) render(), await pause();
+  };
+  let cancelled = false, length = 0;
+  const ended = new Promise((resolve, reject) => {
+    recorder.onstop = resolve;
+    recorder.onerror = ({ error }) => reject(error);
+  });
+  recorder.ondataavailable = ({ data }) => blocks.push(data);
+  making.cancel = () => { cancelled = true; };
+  [looping, speed, quality] = [false, 1, Math.max(quality, 1)];
+  play(false);
+  seek(0);
+  render();
+  steady = true;
+  try {
+    const began = performance.now();
+    recorder.start();
+    await stand(4);
+    play(true);
+    while (playing && !cancelled) {
+      element("progress").value = time / clip.seconds;
+      element("left").textContent = `${time.toFixed(1)} of ${clip.seconds.toFixed(1)} s`;
+      await pause();
+    }
+    await stand(4);
+    recorder.stop();
+    length = performance.now() - began;
+    await ended;
+  } finally {
+    steady = false;
+    stream.getTracks().forEach((track) => track.stop());
+    ({ looping, speed } = usual);
+    seek(usual.time);
+    play(usual.playing);
+  }
+  if (cancelled) throw Object.assign(new Error("cancelled"), { cancelled: true });
+  const bytes = new Uint8Array(await new Blob(blocks).arrayBuffer());
+  const name = fileName() + type.replace("video/", ".");
+  await keepFile(name, bytes, type);
+  const where = engine.folder ? " in the project's folder" : "";
+  return `${name}${where}: ${(length / 1000).toFixed(1)} s, ${Math.ceil(bytes.length / 1000)} kB.`;
+});
+
+// ---- Examples to start from: a name, a seed, and texts with their times. The bundled model does all of them well.
+
+const arms = ["left arm", "right arm"];
+const gallery = [
+  ["Walk and raise both arms", 7, ["walk forward", 0, 6, "legs"], ["raise both arms", 2, 5, ...arms]],
+  ["Sit down, stand up", 7, ["walk forward", 0, 3], ["sit down", 3, 5.5], ["stand up", 5.5, 8]],
+  ["There and back", 7, ["walk forward", 0, 3], ["turn left", 3, 5], ["walk forward", 5, 8]],
+  ["Run and jump", 7, ["run forward", 0, 3], ["jump forward", 3, 5], ["run forward", 5, 8]],
+  ["Bend and step back", 7, ["walk forward", 0, 3], ["bend forward", 3, 5.5], ["walk backwards", 5.5, 8.5]],
+  ["Morning exercise", 7, ["raise both arms", 0, 2], ["bend forward", 2, 4.5], ["jog in place", 4.5, 7.5]],
+  ["Greet while walking", 7, ["walk slowly", 0, 7, "legs", "spine", "head"],
+   ["raise the right arm", 1, 3.5, "right arm"], ["raise the left arm", 3.5, 6, "left arm"]],
+  ["Point the way", 7, ["walk forward", 0, 3], ["point at something", 3, 6], ["turn right", 6, 8]],
+  ["Backflip", 7, ["stand still", 0, 2], ["backflip", 2, 5], ["raise both arms", 5, 7]],
+  ["Jog and fall", 7, ["jog forward", 0, 4], ["fall down", 4, 7]]];
+const exampleOf = ([, seed, ...texts]) => tidied({
+  bars: texts.map(([words, start, end, ...names]) => ({ text: words, start, end, parts: names })),
+  seconds: Math.max(...texts.map(([, , end]) => end)), seed, fast: project.fast });
+element("examples").append(...gallery.map(([name], i) => new Option(name, i)));
+/** Opens beside what is there; an example that nobody has changed gives its place to another. */
+element("examples").addEventListener("change", async ({ target }) => {
+  const made = exampleOf(gallery[+target.value]);
+  const untouched = gallery.some((one) => linkOf(exampleOf(one)) === linkOf(project));
+  target.value = "";
+  if (untouched) {
+    edit((p) => {
+      Object.assign(p, made);
+      marked.clear();
+      chosen = 0;
+    });
+  } else {
+    addSheet(made);
+  }
+  seek(0);
+  if (!making) await generate();
+});
+
+// ---- Search in the project's folder, which the server does.
+
+let sought = 0;  // searches so far
+function showIndexed(done, total) {
+  element("findSays").textContent = `Reading the folder: ${done} of ${total} files.`;
+}
+press("find", () => {
+  const can = engine.folder && engine.search;
+  element("findHelp").hidden = can;
+  element("findForm").hidden = !can;
+  element("findDialog").showModal();
+  if (can) element("sought").select();
+});
+press("findClose", () => element("findDialog").close());
+element("findForm").addEventListener("submit", async (event) => {
+  event.preventDefault();
+  const words = element("sought").value.trim(), mine = ++sought;
+  if (!words) return;
+  const answer = (line) => { if (mine === sought) element("findSays").textContent = line; };
+  answer("Searching.");
+  try {
+    const { moments, shows, unknown, clips: count, skipped } = await engine.ask("search", { words, count: 12 });
+    if (mine !== sought) return;
+    const many = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
+    answer((count === 0 ? "The folder has no motion that can be searched."
+      : shows ? `The nearest moments of ${many(count, "clip")}.` : "Nothing shows this. The nearest moments:") +
+      (unknown.length ? ` The model does not know: ${unknown.join(", ")}.` : "") +
+      (skipped ? ` ${many(skipped, "file")} could not be read.` : ""));
+    element("found").replaceChildren();
+    for (const moment of moments) {
+      const item = text("li", "", element("found")), button = text("button", "Keep", item);
+      const about = `${moment.name}, ${shown(moment.start)} to ${shown(moment.end)}`;
+      button.type = "button";
+      button.setAttribute("aria-label", `Keep ${about}`);
+      item.append(" ", about);
+      text("small", `${Math.round(100 * moment.score)} %`, item);
+      button.addEventListener("click", () => keepFound(moment));
+    }
+  } catch (reason) {
+    if (!reason.cancelled) answer(reason.message);
+  }
+});
+/** Puts a moment on the timeline, with some time before and after it to which its bar can be drawn out. */
+async function keepFound({ number }) {
+  try {
+    const { name, bytes, from, seconds } = await engine.ask("moment", { motion: number });
+    await keepMotion(new File([unpackedBytes(bytes)], name), { from, seconds });
+    element("findDialog").close();
+  } catch (reason) {
+    if (!reason.cancelled) element("findSays").textContent = reason.message;
+  }
+}
+)page";
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
