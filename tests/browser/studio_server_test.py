@@ -17,8 +17,8 @@ import threading
 import time
 
 from pages_test import wait
-from studio_edit_test import drop
-from studio_test import MADE, click, expect, made, state, write
+from studio_edit_test import drop, picture
+from studio_test import CONTROL, ENTER, MADE, click, expect, made, press, state, type_into, write
 from viewer_test import WEBGL, Browser, severe, start_driver
 
 CLIENT = "0123456789abcdef" * 2
@@ -186,6 +186,72 @@ def crowd(server, problems):
     expect(problems, f"{right} of 100 questions at once have their answer", right == 100)
 
 
+def slow_heads(server, problems, stated=10):
+    """A hundred connections that send a byte a second are cut in the stated time, and others are served."""
+    line = f"POST /ask HTTP/1.1\r\nHost: {server.host}\r\nX-Slow: ".encode() + b"a" * 1000
+    slow = {server.connect(): None for _ in range(100)}  # when it was cut
+    began, longest, asked = time.monotonic(), 0.0, 0
+    try:
+        for s in slow:
+            s.setblocking(False)
+        for at in range(3 * stated):
+            for s in [s for s, cut in slow.items() if cut is None]:
+                try:
+                    s.send(line[at:at + 1])
+                    open_still = s.recv(4096) != b""
+                except BlockingIOError:
+                    open_still = True
+                except OSError:
+                    open_still = False
+                if not open_still:
+                    slow[s] = time.monotonic() - began
+            if None not in slow.values():
+                break
+            before = time.monotonic()
+            answer = server.ask({"kind": "load"})
+            longest, asked = max(longest, time.monotonic() - before), asked + 1
+            expect(problems, f"beside slow senders: {answer}", answer and "value" in answer)
+            time.sleep(max(0.0, began + at + 1 - time.monotonic()))
+    finally:
+        for s in slow:
+            s.close()
+    left = sum(cut is None for cut in slow.values())
+    last = max((cut for cut in slow.values() if cut is not None), default=0)
+    print(f"100 connections with a byte a second: {100 - left} are cut, the last after {last:.1f} s; {asked} other "
+          f"questions took at most {longest:.2f} s")
+    expect(problems, f"{left} slow connections stay", left == 0)
+    expect(problems, f"slow connections are cut after {last} s, not {stated}", stated - 1 < last < stated + 4)
+    expect(problems, f"beside slow senders an answer takes {longest} s", longest < 3)
+    patient = (f"GET / HTTP/1.1\r\nHost: {server.host}\r\n\r\n").encode()  # two thirds of the time is not too slow
+    with server.connect() as s:
+        for part in range(4):
+            s.sendall(patient[part * len(patient) // 4:(part + 1) * len(patient) // 4])
+            time.sleep(stated / 6)
+        expect(problems, "a head that takes two thirds of the time is refused", s.recv(12).startswith(b"HTTP/1.1 200"))
+
+
+def slow_bodies(server, problems, stated=30):
+    """A body that comes slowly is cut, too."""
+    head = (f"POST /ask HTTP/1.1\r\nHost: {server.host}\r\nContent-Type: application/json\r\n"
+            f"X-Motionlang-Token: {server.token}\r\nContent-Length: 1000\r\n\r\n").encode()
+    began = time.monotonic()
+    with server.connect() as s:
+        s.sendall(head)
+        s.settimeout(1)
+        out = None
+        while out is None and time.monotonic() - began < 2 * stated:
+            try:
+                s.sendall(b" ")
+                out = s.recv(100)
+            except TimeoutError:
+                pass
+            except OSError:
+                out = b""
+    took = time.monotonic() - began
+    print(f"a body with a byte a second is cut after {took:.1f} s")
+    expect(problems, f"a slow body is cut after {took} s", stated - 1 < took < stated + 4)
+
+
 def leaving(server, problems):
     """Who leaves ends the work: the next question hardly waits for it."""
     def timed(seed):
@@ -207,6 +273,28 @@ def leaving(server, problems):
     # The four motions have 400 times the work of the short one; each may end the step that it is in, a twentieth.
     print(f"a short motion takes {alone:.2f} s alone and {after:.2f} s after four that nobody wants")
     expect(problems, f"{after:.2f} s after four motions that nobody wants, {alone:.2f} s alone", after < 60 * alone)
+
+
+def searching(browser, problems):
+    """Words find a moment in the project's folder, which becomes a bar that is kept."""
+    whole = state(browser)["whole"]
+    click(browser, "#find")
+    type_into(browser, "#sought", "walk backwards" + ENTER)
+    expect(problems, "nothing is found: " + browser.run("return document.getElementById('findSays').textContent"),
+           wait(browser, "document.querySelectorAll('#found li').length > 0", 60))
+    picture(browser, "found")
+    click(browser, "#found button")
+    expect(problems, "what was found is not on the timeline", wait(
+        browser, "motionlang.state().project.bars.some((b) => b.clip && /^walk_backwards/.test(b.text)) && "
+        "!document.getElementById('findDialog').open", 20))
+    clip = [b for b in state(browser)["project"]["bars"] if b.get("clip")][0]
+    expect(problems, f"the moment: {clip}", 0.9 < clip["end"] - clip["start"] < 3.1 and clip["whole"] > 2)
+    count = state(browser)["motions"]
+    click(browser, "#generate")
+    expect(problems, "no motion that keeps it", made(browser, count + 1))
+    press(browser, CONTROL, "z")
+    expect(problems, "undo does not take it off", wait(browser, "!motionlang.state().stale", 10) and
+           state(browser)["whole"]["timelines"] == whole["timelines"])
 
 
 def in_browser(server, driver_port, project, problems):
@@ -237,6 +325,11 @@ def in_browser(server, driver_port, project, problems):
         expect(problems, "the motion is not in the project",
                wait(first, "/folder/.test(document.getElementById('status').textContent)", 20) and
                (project / "walk_backwards.bvh").stat().st_size > 10000)
+        click(first, "#saveProject")
+        expect(problems, "the project's file is not in its folder", wait(
+            first, "/_project.json is in/.test(document.getElementById('status').textContent)", 20) and json.loads(
+                (project / "walk_backwards_project.json").read_text(encoding="utf-8")) == state(first)["whole"])
+        searching(first, problems)
         first.post("/url", {"url": f"http://127.0.0.1:{server.port}/"})
         expect(problems, "a reload loses the token or the project",
                made(first, 1) and state(first)["project"]["bars"][0]["text"] == "walk backwards")
@@ -285,6 +378,8 @@ def main(driver_path, program, folder):
         files(server, folder, project, problems)
         bodies(server, problems)
         crowd(server, problems)
+        slow_heads(server, problems)
+        slow_bodies(server, problems)
         leaving(server, problems)
         in_browser(server, port, project, problems)
         expect(problems, "it is down", server.alive())

@@ -13,10 +13,11 @@
 #include "../formatted.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
+#include "../search/search_encoder.hpp"
 #include "generation.hpp"
 
 #ifdef MOTIONLANG_HTTP
-#include <httplib.h>
+#include "studio_connection.hpp"
 #endif
 
 namespace program {
@@ -25,6 +26,7 @@ namespace {
 
 struct StudioCommand {
   std::string model = default_model().string(), backend = "eigen", project, host;
+  std::string search_model = default_search_model().string();
   int port = 8421;
   ml::ModelSources sources;
   MachineOptions machine;
@@ -75,9 +77,8 @@ ml::StudioHead head_of(const httplib::Request& r) {
 
 /// Reads a body that is neither too long nor too slow. False otherwise.
 bool read_body(const httplib::ContentReader& reader, std::size_t most, std::string& body) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   return reader([&](const char* data, std::size_t size) {
-    if (size > most - body.size() || std::chrono::steady_clock::now() > end) return false;
+    if (size > most - body.size()) return false;
     body.append(data, size);
     return true;
   });
@@ -86,8 +87,6 @@ bool read_body(const httplib::ContentReader& reader, std::size_t most, std::stri
 void connect(httplib::Server& http, ml::StudioServer& studio, const ml::StudioGate& gate) {
   http.new_task_queue = [] { return new httplib::ThreadPool(160); };  // so that many idle ones keep nobody waiting
   http.set_keep_alive_max_count(1);  // a body that was not read is never taken for the next request
-  http.set_read_timeout(5);
-  http.set_write_timeout(5);
   http.set_payload_max_length(studio.limits().question);
   http.set_default_headers({{"Cache-Control", "no-store"},
                             {"Content-Security-Policy", "frame-ancestors 'none'"},
@@ -126,8 +125,10 @@ void connect(httplib::Server& http, ml::StudioServer& studio, const ml::StudioGa
 
 void serve(const StudioCommand& o, std::shared_ptr<const ml::MotionModel> model) {
   const Scratch scratch;
-  ml::StudioServer studio(std::move(model), {.project = o.project, .scratch = scratch.path()});
-  httplib::Server http;
+  ml::StudioServer studio(std::move(model), {.project = o.project, .scratch = scratch.path(), .search_model = [&o] {
+                                               return search_encoder(o.search_model);
+                                             }});
+  TimedServer<httplib::Server> http(studio.limits());
   const char* const address = o.host.empty() ? "127.0.0.1" : "0.0.0.0";
   int port = o.port;
   if (port == 0)
@@ -182,6 +183,9 @@ void add_studio(CLI::App& app) {
   checked_option(*c, "--port", o->port, in_range(0, 65535), "Port of 127.0.0.1. 0 takes one that is free");
   path_option(*c, "--project", o->project,
               "Folder whose motions and timelines the page reads and writes. Without it, the browser saves files");
+  folder_option(*c, "--search-model", o->search_model,
+                "Folder of a TMR, by which words find moments in the motions of the project. The default is the "
+                "bundled one");
   checked_option(*c, "--host", o->host, not_empty(),
                  "Name or address by which other machines reach this one. Then it listens to all of them, without "
                  "encryption: whoever has the link, or reads what is sent, can use the model and the project");

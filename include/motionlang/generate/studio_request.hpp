@@ -50,8 +50,12 @@ struct StudioLimits {
   std::size_t file = 32u << 20;      // bytes of a file
   std::size_t text = 100000;         // bytes of a timeline or of a text
   double seconds = 120;              // of a motion
-  Index offered = 50;                // texts
+  Index offered = 50;                // texts, and moments that a search finds
+  Index remembered = 500;            // moments of the latest searches of a client
   double read_seconds = 3600;        // of the motion of a file
+  double head_seconds = 10;          // until the head of a request is here
+  double question_seconds = 30;      // until all of a question is here
+  double stalled_seconds = 60;       // that an answer waits, all in all, for somebody who does not read it
 };
 
 /// A stretch of a motion that is kept.
@@ -62,9 +66,9 @@ struct StudioClip {
 
 /// A question of the page. Fields that a kind does not need have their defaults.
 struct StudioQuestion {
-  std::string kind{};    // load, check, known, generate, read, show, save, files, open, store
+  std::string kind{};    // load, check, known, generate, read, show, save, files, open, store, search, moment
   std::string client{};  // 32 hexadecimal digits that the page chose
-  std::string timeline{}, begun{}, name{}, format{}, id{};
+  std::string timeline{}, begun{}, words{}, name{}, format{}, id{};
   std::vector<std::byte> bytes{};  // of a file
   std::uint64_t seed = 0;
   bool fast = false, has_character = false;

@@ -117,8 +117,8 @@ MOTIONLANG_BODY bool is_studio_file(std::string_view name) {
   if (dot == name.npos || dot == 0 || name.size() > 100 || !is_plain(name.front()) || !is_plain(name[dot - 1]) ||
       detail::is_device(name))
     return false;
-  if (!detail::is_one_of(name.substr(dot),
-                         {".txt", ".bvh", ".glb", ".gltf", ".vrm", ".vrma", ".npz", ".npy", ".html", ".svg"}))
+  if (!detail::is_one_of(name.substr(dot), {".txt", ".bvh", ".glb", ".gltf", ".vrm", ".vrma", ".npz", ".npy", ".html",
+                                            ".svg", ".json", ".png", ".webm", ".mp4"}))
     return false;
   return std::all_of(name.begin(), name.end(), [&](char c) { return is_plain(c) || c == '.' || c == ' '; });
 }
@@ -134,6 +134,7 @@ MOTIONLANG_BODY StudioQuestion parse_studio_question(std::string_view json, cons
                      .client = fields.text("client"),
                      .timeline = fields.text("timeline"),
                      .begun = fields.text("begun"),
+                     .words = fields.text("words"),
                      .name = fields.text("name"),
                      .format = fields.text("format"),
                      .id = fields.text("id"),
@@ -143,8 +144,8 @@ MOTIONLANG_BODY StudioQuestion parse_studio_question(std::string_view json, cons
                      .count = fields.index("count", limits.offered),
                      .motion = fields.index("motion", many),
                      .beyond = fields.number("beyond", limits.seconds)};
-  if (!detail::is_one_of(out.kind,
-                         {"load", "check", "known", "generate", "read", "show", "save", "files", "open", "store"}))
+  if (!detail::is_one_of(out.kind, {"load", "check", "known", "generate", "read", "show", "save", "files", "open",
+                                    "store", "search", "moment"}))
     raise<config_error>(103, "question.kind: '", out.kind, "'");
   if (!detail::is_client(out.client)) raise<config_error>(103, "question.client: not 32 hexadecimal digits");
   if (!out.name.empty() && !is_studio_file(out.name)) raise<config_error>(103, "question.name: '", out.name, "'");

@@ -11,13 +11,14 @@
 
 #include <cstdint>      // random numbers
 #include <filesystem>   // the project
-#include <functional>   // writers
+#include <functional>   // writers, the model of searches
 #include <memory>       // the model
 #include <string>       // the page
 #include <string_view>  // lines
 
 #include <motionlang/generate/motion_model.hpp>
 #include <motionlang/generate/studio_request.hpp>
+#include <motionlang/search/search_encoder.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -31,6 +32,8 @@ struct StudioServerOptions {
   Index files = 4;                  // of each client
   std::filesystem::path project{};  // folder whose files the pages may read and write; "": none
   std::filesystem::path scratch{};  // folder for records of motions, which only this server uses; "": nothing is reused
+  /// Loads the model of searches in the project, when somebody first searches. Empty: nobody can search.
+  std::function<std::shared_ptr<const SearchEncoder>()> search_model{};
   std::string title = "motionlang studio";
 };
 

@@ -10,16 +10,20 @@
 #include <map>                 // clients
 #include <mutex>               // clients
 #include <optional>            // folders
+#include <utility>             // exchange
 
 #include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/core/formatted.hpp>
 #include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/detail/json_text.hpp>
 #include <motionlang/file/project_folder.hpp>
 #include <motionlang/formats/glb_rig.hpp>
+#include <motionlang/formats/motion_file.hpp>
 #include <motionlang/generate/generate_options.hpp>
 #include <motionlang/generate/kept_clip_text.hpp>
 #include <motionlang/generate/studio_server.hpp>
 #include <motionlang/generate/timeline_report.hpp>
+#include <motionlang/search/searched_folder.hpp>
 #include <motionlang/view/rig_viewer.hpp>
 #include <motionlang/view/studio_page.hpp>
 #include <motionlang/view/view_file.hpp>
@@ -38,7 +42,8 @@ struct StudioClient {
   std::mutex mutex;
   std::list<Made> motions;
   std::list<std::pair<std::string, std::shared_ptr<const Motion>>> files;
-  std::uint64_t asked = 0;  // when it asked last
+  std::map<Index, FolderMoment> found;  // by latest searches
+  std::uint64_t asked = 0;              // when it asked last
   ~StudioClient() {
     for (const Made& m : motions) forget(m);
   }
@@ -86,7 +91,7 @@ class StudioTurns {
 class StudioServer::Body {
  public:
   Body(std::shared_ptr<const MotionModel> model, StudioServerOptions options)
-      : model_(std::move(model)), o_(std::move(options)), turns_(o_.together, o_.waiting) {
+      : model_(std::move(model)), o_(std::move(options)), turns_(o_.together, o_.waiting), searches_(1, o_.waiting) {
     if (!model_) raise<config_error>(101, "studio: no model");
     if (!o_.project.empty()) folder_.emplace(o_.project, is_studio_file);
     StudioParts parts{.program = "", .code = {}, .model = {}, .title = o_.title, .asks_server = true};
@@ -108,8 +113,10 @@ class StudioServer::Body {
     if (q.kind == "store") return folder().write(q.name, q.bytes), "true";
     const auto client = client_of(q.client);
     if (q.kind == "generate") return generated(q, *client, write);
-    const Turn turn = turn_for(write);
+    if (q.kind == "search") return found(q, *client, write);
+    const Turn turn = turn_for(turns_, write);
     if (q.kind == "read") return read(q, *client);
+    if (q.kind == "moment") return moment(q, *client);
     if (q.kind == "show") return rig_viewer_data(GlbRig(q.bytes, q.name), *motion_of(*client, q.motion).motion);
     return saved(q, *client);
   }
@@ -119,10 +126,17 @@ class StudioServer::Body {
 
   using Turn = std::unique_ptr<detail::StudioTurns, void (*)(detail::StudioTurns*)>;
   /// Waits for a turn, which ends with its answer.
-  Turn turn_for(const StudioWriter& write) {
-    if (!turns_.wait([&] { return write("{\"waiting\":true}\n"); }))
+  static Turn turn_for(detail::StudioTurns& turns, const StudioWriter& write) {
+    if (!turns.wait([&] { return write("{\"waiting\":true}\n"); }))
       raise<config_error>(101, "too many questions wait at the moment");
-    return {&turns_, [](detail::StudioTurns* t) { t->leave(); }};
+    return {&turns, [](detail::StudioTurns* t) { t->leave(); }};
+  }
+  /// Says that steps are done, as long as somebody listens and the time of one generation is not over.
+  auto steps_to(const StudioWriter& write) const {
+    return [&write, began = std::chrono::steady_clock::now(), most = o_.generation_seconds](Index done, Index total) {
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - began;
+      return taken.count() <= most && write(concat_text("{\"done\":", done, ",\"total\":", total, "}\n"));
+    };
   }
 
   static std::string text_of(const nlohmann::ordered_json& json) { return detail::json_text(json); }
@@ -142,6 +156,7 @@ class StudioServer::Body {
                     {"system", model_->system()},
                     {"steps", model_->steps()},
                     {"folder", folder_.has_value()},
+                    {"search", searches()},
                     {"timelines", model_->takes_timelines()}});
   }
 
@@ -222,13 +237,8 @@ class StudioServer::Body {
     if (reuses && q.beyond > 0) how.keep_beyond = q.beyond;
     if (q.fast && !reuses && model_->steps() >= fast_steps) use_fast_preset(how);
 
-    const Turn turn = turn_for(write);
-    const auto began = std::chrono::steady_clock::now();
-    const auto progress = [&](Index done, Index total) {
-      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - began;
-      return taken.count() <= o_.generation_seconds &&
-             write(concat_text("{\"done\":", done, ",\"total\":", total, "}\n"));
-    };
+    const Turn turn = turn_for(turns_, write);
+    const auto progress = steps_to(write);
     how.progress = progress;
     detail::StudioClient::Made made{.number = next(), .motion = {}, .record = {}};
     made.record = record_of(made.number, how);
@@ -245,9 +255,10 @@ class StudioServer::Body {
     remember(client, std::move(made));
     return out;
   }
-  Index next() {
+  /// The first of numbers that were not given before.
+  Index next(Index count = 1) {
     const std::lock_guard lock(mutex_);
-    return ++made_;
+    return std::exchange(made_, made_ + count) + 1;
   }
   void remember(detail::StudioClient& client, detail::StudioClient::Made made) const {
     const std::lock_guard lock(client.mutex);
@@ -275,10 +286,56 @@ class StudioServer::Body {
     return "true";
   }
 
+  bool searches() const { return folder_.has_value() && o_.search_model != nullptr; }
+  /// The moments of the folder's motions that are nearest to words. One client at a time searches, because the files
+  /// that are new may take long.
+  std::string found(const StudioQuestion& q, detail::StudioClient& client, const StudioWriter& write) {
+    if (!searches()) raise<config_error>(101, "this server searches no folder");
+    if (q.words.empty()) raise<config_error>(101, "there are no words to search for");
+    const Turn turn = turn_for(searches_, write);
+    if (!searched_)
+      searched_.emplace(o_.project, o_.search_model(),
+                        SearchedFolderOptions{.index = o_.project / ".motionlang.index", .moments = {}});
+    const auto progress = steps_to(write);
+    const FolderAnswer answer = searched_->find(q.words, q.count > 0 ? q.count : 10, progress);
+    nlohmann::ordered_json moments = nlohmann::ordered_json::array();
+    const Index first = next(std::ssize(answer.moments));
+    const std::lock_guard lock(client.mutex);
+    for (const FolderMoment& m : answer.moments) {
+      const Index number = first + std::ssize(moments);
+      client.found.emplace(number, m);
+      const std::string name = m.animation.empty() ? m.file : concat_text(m.file, " (", m.animation, ")");
+      moments.push_back({{"number", number}, {"name", name}, {"start", m.start}, {"end", m.end}, {"score", m.score}});
+    }
+    while (std::ssize(client.found) > o_.limits.remembered) client.found.erase(client.found.begin());
+    return text_of({{"moments", std::move(moments)},
+                    {"shows", answer.shown},
+                    {"unknown", answer.unknown},
+                    {"clips", answer.clips},
+                    {"skipped", answer.skipped}});
+  }
+  /// A found moment as a file, with some of the motion before and after it.
+  std::string moment(const StudioQuestion& q, detail::StudioClient& client) const {
+    constexpr double margin = 2;  // seconds
+    const FolderMoment m = [&] {
+      const std::lock_guard lock(client.mutex);
+      const auto known = client.found.find(q.motion);
+      if (known == client.found.end()) raise<config_error>(101, "this moment is gone; search again");
+      return known->second;
+    }();
+    const FolderPiece piece = searched_->piece(m, margin);
+    const std::string name = std::filesystem::path(m.file).stem().string();
+    return text_of({{"name", concat_text(name, formatted("_%.1fs.glb", m.start))},
+                    {"from", piece.start},
+                    {"seconds", piece.end - piece.start},
+                    {"bytes", packed(motion_bytes(".glb", piece.motion))}});
+  }
+
   std::shared_ptr<const MotionModel> model_;
   StudioServerOptions o_;
-  detail::StudioTurns turns_;
+  detail::StudioTurns turns_, searches_;
   std::optional<ProjectFolder> folder_;
+  std::optional<SearchedFolder> searched_;  // who has the turn of searches makes it
   std::string page_;
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<detail::StudioClient>> clients_;

@@ -111,6 +111,8 @@ TEST_CASE("a question has its fields") {
   CHECK(q.clip->from == 0.5);
   CHECK(q.clip->start == 1);
   CHECK(q.clip->end == 2.5);
+  CHECK(parsed(R"("kind":"search","words":"a person jumps","count":5)").words == "a person jumps");
+  CHECK(parsed(R"("kind":"moment","motion":7)").motion == 7);
   const auto plain = parsed(R"("kind":"save","format":".glb","motion":2,"record":null,"clip":null,"character":null)");
   CHECK(plain.motion == 2);
   CHECK(plain.format == ".glb");
@@ -137,6 +139,9 @@ TEST_CASE("anything else is an error") {
                               R"("kind":"generate","beyond":1e300)",
                               R"("kind":"known","count":51)",
                               R"("kind":"known","count":-1)",
+                              R"("kind":"search","words":["a"])",
+                              R"("kind":"search","words":"a","count":51)",
+                              R"("kind":"moment","motion":-1)",
                               R"("kind":"save","motion":1.5)",
                               R"("kind":"generate","record":-1)",
                               R"("kind":"generate","clip":[])",
@@ -162,11 +167,12 @@ TEST_CASE("texts and files have limits") {
 
 TEST_CASE("names of files are plain") {
   for (const char* name : {"walk.bvh", "a_b-c 2.glb", "x.tar.npz", "A.txt", "me.gltf", "_.bvh", "cone.bvh", "com10.bvh",
-                           "com.bvh", "my con.bvh", "x.nul.bvh"})
+                           "com.bvh", "my con.bvh", "x.nul.bvh", "my_project.json", "walk.png", "walk.webm", "w.mp4"})
     CHECK_MESSAGE(ml::is_studio_file(name), name);
-  for (const char* name :
-       {"", ".", "..", ".bvh", "walk", "walk.exe", "walk.BVH", "../walk.bvh", "/walk.bvh", "a/b.bvh", "a\\b.bvh",
-        "C:a.bvh", " a.bvh", "a .bvh", "a..bvh", "a.bvh ", "a.bvh.", "-\n.bvh", "\xc3\xa4.bvh"})
+  for (const char* name : {"",         ".",           "..",          ".bvh",    "walk",     "walk.exe",
+                           "walk.BVH", "../walk.bvh", "/walk.bvh",   "a/b.bvh", "a\\b.bvh", ".motionlang.index",
+                           "a.index",  "C:a.bvh",     " a.bvh",      "a .bvh",  "a..bvh",   "a.bvh ",
+                           "a.bvh.",   "-\n.bvh",     "\xc3\xa4.bvh"})
     CHECK_MESSAGE(!ml::is_studio_file(name), name);
   for (const char* name : {"con.bvh", "CON.txt", "prn.glb", "aux.npz", "Nul.tar.npy", "com0.bvh", "COM1.bvh",
                            "lpt9.svg", "lpt0.bvh", "con .x.bvh"})

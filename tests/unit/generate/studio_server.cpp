@@ -13,6 +13,7 @@
 
 #include "../../support/page_data.hpp"
 #include "../../support/rigs.hpp"
+#include "../../support/speed_encoder.hpp"
 #include "../../support/temporary_folder.hpp"
 #include "fake_models.hpp"
 
@@ -74,8 +75,12 @@ TEST_CASE("the page asks its server, and has no program, code and model") {
 
 TEST_CASE("a motion is made with its progress, drawn, and saved") {
   ml::StudioServer server(std::make_shared<Walker>());
-  CHECK(answer(server, {{"kind", "load"}})["value"] ==
-        json{{"fps", 20.0}, {"system", "a walker"}, {"steps", 3}, {"folder", false}, {"timelines", false}});
+  CHECK(answer(server, {{"kind", "load"}})["value"] == json{{"fps", 20.0},
+                                                            {"system", "a walker"},
+                                                            {"steps", 3},
+                                                            {"folder", false},
+                                                            {"search", false},
+                                                            {"timelines", false}});
   const auto all = lines(server, walk_of(1));
   REQUIRE(all.size() == 4);
   CHECK(all[0] == json{{"done", 1}, {"total", 3}});
@@ -148,6 +153,46 @@ TEST_CASE("the project's folder is the only one") {
   CHECK(answer(server, {{"kind", "open"}, {"name", "t.txt"}})["value"]["bytes"] == "aGk=");
   CHECK(is_error(answer(server, {{"kind", "open"}, {"name", "../t.txt"}}), "../t.txt"));
   CHECK_THROWS_AS(ml::StudioServer(std::make_shared<Walker>(), {.project = place / "none"}), ml::io_error);
+}
+
+TEST_CASE("words find moments in the project, and a moment becomes a file to keep") {
+  const TemporaryFolder place;
+  ml::write_motion(place / "slow.bvh", synthetic::walk({.frames = 100, .fps = 20, .steps_per_second = 1}));
+  ml::write_motion(place / "fast.bvh", synthetic::walk({.frames = 100, .fps = 20, .steps_per_second = 3}));
+  int loaded = 0;
+  const auto encoder = [&]() -> std::shared_ptr<const ml::SearchEncoder> {
+    ++loaded;
+    return std::make_shared<SpeedEncoder>();
+  };
+  ml::StudioServer server(std::make_shared<Walker>(),
+                          {.limits = {.remembered = 4}, .project = place.path, .search_model = encoder});
+  CHECK(answer(server, {{"kind", "load"}})["value"]["search"] == true);
+  CHECK(loaded == 0);  // not before somebody searches
+  const json ask{{"kind", "search"}, {"words", "walk 9"}, {"count", 2}};
+  const auto all = lines(server, ask);
+  CHECK(all.front() == json{{"done", 2}, {"total", 2}});
+  const json found = all.back()["value"];
+  CHECK(found["clips"] == 2);
+  CHECK(found["skipped"] == 0);
+  REQUIRE(found["moments"].size() == 2);
+  const json first = found["moments"][0];
+  CHECK(first["name"] == "fast.bvh");
+  const json moment = answer(server, {{"kind", "moment"}, {"motion", first["number"]}})["value"];
+  const double start = first["start"], end = first["end"];
+  CHECK(double(moment["from"]) == doctest::Approx(std::min(2.0, start)).epsilon(0.02));
+  CHECK(double(moment["seconds"]) == doctest::Approx(end - start).epsilon(0.05));
+  const json read = answer(server, {{"kind", "read"}, {"id", "x"}, {"name", "x.glb"}, {"bytes", moment["bytes"]}});
+  CHECK(double(read["value"]["seconds"]) >= double(moment["from"]) + double(moment["seconds"]) - 0.06);
+  CHECK(is_error(answer(server, {{"kind", "moment"}, {"motion", first["number"]}}, bert), "this moment is gone"));
+  for (int i = 0; i < 2; ++i) CHECK(lines(server, ask).size() == 1);  // nothing is read again
+  CHECK(is_error(answer(server, {{"kind", "moment"}, {"motion", first["number"]}}), "this moment is gone"));
+  CHECK(loaded == 1);
+  CHECK(std::filesystem::exists(place / ".motionlang.index"));
+  CHECK(answer(server, {{"kind", "files"}})["value"] == json{"fast.bvh", "slow.bvh"});
+  CHECK(is_error(answer(server, {{"kind", "open"}, {"name", ".motionlang.index"}}), ".motionlang.index"));
+  CHECK(is_error(answer(server, {{"kind", "search"}}), "no words"));
+  ml::StudioServer without(std::make_shared<Walker>(), {.project = place.path});
+  CHECK(is_error(answer(without, ask), "searches no folder"));
 }
 
 TEST_CASE("limits of length, time and number") {
