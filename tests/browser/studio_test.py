@@ -12,6 +12,7 @@ import struct
 import subprocess
 import sys
 import time
+import urllib.error
 
 from pages_test import wait
 from viewer_test import WEBGL, Browser, severe, start_driver
@@ -29,8 +30,15 @@ def find(browser, selector):
     return browser.post("/element", {"using": "css selector", "value": selector})[ELEMENT]
 
 
-def click(browser, selector):
-    browser.post(f"/element/{find(browser, selector)}/click", {})
+def click(browser, selector, tries=3):
+    """The page draws its bars anew after it has checked them, so an element may be gone before the click."""
+    try:
+        browser.post(f"/element/{find(browser, selector)}/click", {})
+    except urllib.error.HTTPError as reason:
+        if reason.code != 404 or tries == 1:
+            raise
+        time.sleep(0.3)
+        click(browser, selector, tries - 1)
 
 
 def type_into(browser, selector, keys):
