@@ -21990,14 +21990,17 @@ struct StepOptions {
 GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps);
 
 /// Standard normal values (sequences, frames, features). Every sequence has its own stream, so it sees the same noise
-/// alone and in a batch. draw: 0 for the initial tensor, 1, 2, ... for the steps.
+/// alone and in a batch.
+/// draw   0 for the initial tensor, 1, 2, ... for the steps
+/// first  the place of the first sequence, if these are a part of a longer list
 template <Backend B>
-Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
+Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape, Index first = 0) {
   using S = typename B::scalar;
   PoolVector<S> values(static_cast<std::size_t>(shape.count()));
   const auto size = static_cast<std::size_t>(shape[1] * shape[2]);
   for (Index m = 0; m < shape[0]; ++m) {
-    auto stream = rng.split("noise").split(static_cast<std::uint64_t>(m)).split(static_cast<std::uint64_t>(draw));
+    auto stream =
+        rng.split("noise").split(static_cast<std::uint64_t>(first + m)).split(static_cast<std::uint64_t>(draw));
     stream.normal(std::span<S>(values).subspan(static_cast<std::size_t>(m) * size, size));
   }
   return Tensor<B, 3>::from(std::span<const S>(values), shape);
@@ -29627,7 +29630,8 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto length = natural_length("sit down");                     // 2.8 s, then "sit quietly"
 ///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
 ///
-/// Source  lengths: the third quartile of the segments with such captions in examples/training/captions.tsv
+/// Source  lengths: the third quartile of the segments with such captions in examples/training/captions.tsv; of a jump,
+///         the time between the jumps of clips that show several, because a denoiser fills a longer time with two
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -29706,7 +29710,7 @@ MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view tex
   if (says({"sit", "sits", "sitting"}) && says({"down"})) return NaturalLength{2.8, "sit quietly"};
   if (says({"stand", "stands", "get", "gets"}) && says({"up"})) return NaturalLength{2.4, "stand still"};
   if (says({"jump", "jumps", "leap", "leaps"}) && !(says({"up"}) && says({"down"})))
-    return NaturalLength{2.8, "stand still"};
+    return NaturalLength{1.4, "stand still"};
   if (says({"bend", "bends", "bending", "bow", "bows", "bowing"}) && !says({"knees", "knee", "arm", "arms"}))
     return NaturalLength{2.2, "stand still", true};
   if (says({"kick", "kicks", "punch", "punches", "throw", "throws"})) return NaturalLength{2.4, "stand still"};
@@ -29756,9 +29760,24 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// The texts of a timeline: a line with their number and the length of all, then one for each with its seconds.
+/// fps  frames per second of the timeline
+std::string describe_timeline(const Timeline& timeline, double fps);
+
 /// A line for each text with its seconds and body parts, then one for each body part with the stretches of its texts.
 /// fps  frames per second of the plan
 std::string describe_plan(const TimelinePlan& plan, double fps);
+
+/// Options of a report on the plans of timelines.
+struct PlanReportOptions {
+  double fps = 20;         // of the timelines
+  double overlap = 0.5;    // seconds that neighbouring texts share around a cut
+  bool cut_texts = true;   // as generate_motion does
+  Index longest_crop = 0;  // frames that the model accepts; 0: any
+};
+/// For each timeline a line with its number, frames, seconds and texts, and its plan below. Texts may be hidden. Throws
+/// what cut_texts and plan_timeline throw.
+std::string describe_plans(std::span<const Timeline> timelines, const PlanReportOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
 
@@ -29780,6 +29799,15 @@ inline std::string names_of_parts(BodyParts parts, const BodyPartition& body) {
 
 }  // namespace detail
 
+MOTIONLANG_BODY std::string describe_timeline(const Timeline& timeline, double fps) {
+  const auto seconds = [fps](Index frame) { return static_cast<double>(frame) / fps; };
+  std::string out = formatted("timeline: %s, %.2f s\n", counted(std::ssize(timeline.intervals), "text").c_str(),
+                              seconds(timeline.end()));
+  for (const Interval& i : timeline.intervals)
+    out += formatted("  %6.2f - %6.2f s  %s\n", seconds(i.start), seconds(i.end), printable(i.text).c_str());
+  return out;
+}
+
 MOTIONLANG_BODY std::string describe_plan(const TimelinePlan& plan, double fps) {
   const auto seconds = [fps](Index frame) { return static_cast<double>(frame) / fps; };
   std::string out;
@@ -29797,6 +29825,23 @@ MOTIONLANG_BODY std::string describe_plan(const TimelinePlan& plan, double fps) 
                        text.empty() ? "-" : printable(text).c_str());
     }
     out += "\n";
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string describe_plans(std::span<const Timeline> timelines, const PlanReportOptions& options) {
+  const double fps = options.fps;
+  std::string out;
+  for (std::size_t m = 0; m < timelines.size(); ++m) {
+    const Timeline timeline = options.cut_texts ? cut_texts(timelines[m], fps) : timelines[m];
+    const auto plan = plan_timeline(timeline, {.overlap = frame_at(options.overlap, fps),
+                                               .hidden = HiddenTexts::ignore,
+                                               .longest_crop = options.longest_crop});
+    const auto texts = timelines[m].intervals.size(), pieces = timeline.intervals.size();
+    out += formatted("timeline %zu: %s, %.2f s, %s", m, counted(plan.frames, "frame").c_str(),
+                     static_cast<double>(plan.frames) / fps, counted(texts, "text").c_str());
+    if (pieces != texts) out += formatted(" cut into %zu", pieces);
+    out += "\n" + describe_plan(plan, fps);
   }
   return out;
 }
@@ -30351,13 +30396,18 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_IPP
 // Bodies of timeline_text.hpp.
 
+#ifndef MOTIONLANG_HAS_COMPOSE_DETAIL_TIMELINE_PARSER_HPP  // <motionlang/compose/detail/timeline_parser.hpp>
+#define MOTIONLANG_HAS_COMPOSE_DETAIL_TIMELINE_PARSER_HPP
+/// Reads lines of timelines in frames, in seconds, or in both. Only bodies (*.ipp) include it. `Options` is always
+/// TimelineTextOptions, whose header is above this one.
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
 /// T = Index: frames at options.fps; T = double: seconds.
-template <class T>
-BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOptions& options) {
+template <class T, class Options>
+BasicInterval<T> parse_interval(const TimelineLine& line, const Options& options) {
   if (line.fields() < 3) line.fail(501, line.fields(), "expected 'text # start # end # body parts'");
   const auto time = [&](std::size_t i) {
     if constexpr (std::is_same_v<T, Index>) {
@@ -30377,45 +30427,75 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
   return out;
 }
 
-template <class T>
-std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const TimelineTextOptions& options) {
-  if (!(options.fps > 0)) raise<config_error>(101, "parse_timelines: fps ", options.fps);
-  std::vector<BasicTimeline<T>> out;
-  bool inside = false;
-  for_each_line(text, [&](std::string_view line, Index number) {
-    const bool blank = trim(line).empty();
-    if (!blank) {
-      if (!inside) out.push_back({{}, options.body});
-      out.back().intervals.push_back(parse_interval<T>(TimelineLine(line, number, options.name), options));
-    }
-    inside = !blank;
-  });
-  if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
-  for (auto& timeline : out) {
+/// Shifts each timeline to begin at 0. Throws timeline_error 507 without a timeline, 502 for one that is too long.
+template <class T, class Options>
+void finish_timelines(std::vector<BasicTimeline<T>>& timelines, const Options& options) {
+  if (timelines.empty()) raise<timeline_error>(507, options.name, ": no line");
+  for (auto& timeline : timelines) {
     shift_to_zero(timeline);
     for (const auto& i : timeline.intervals) {
       if (i.end <= static_cast<T>(latest_time)) continue;
       fail_at(502, options.name, i.place, "a timeline that lasts ", i.end, " is too long");
     }
   }
-  return out;
+}
+
+/// Puts the timelines of a text into lists of them: in frames, in seconds.
+template <class Options, class... T>
+void parse_timelines_into(std::string_view text, const Options& options, std::vector<BasicTimeline<T>>&... out) {
+  if (!(options.fps > 0)) raise<config_error>(101, "parse_timelines: fps ", options.fps);
+  bool inside = false;
+  for_each_line(text, [&](std::string_view content, Index number) {
+    const bool blank = trim(content).empty();
+    if (!blank) {
+      if (!inside) (out.push_back({{}, options.body}), ...);
+      const TimelineLine line(content, number, options.name);
+      (out.back().intervals.push_back(parse_interval<T>(line, options)), ...);
+    }
+    inside = !blank;
+  });
+  (finish_timelines(out, options), ...);
+}
+
+template <class T, class Options>
+void require_one_timeline(const std::vector<BasicTimeline<T>>& all, const Options& options) {
+  if (all.size() > 1)
+    fail_at(509, options.name, all[1].intervals.front().place, all.size(), " timelines where one is expected");
+}
+
+/// The timeline of a text that has only one. Throws as parse_timeline.
+template <class Options>
+std::pair<Timeline, TimelineInSeconds> parse_timeline_in_both(std::string_view text, const Options& options) {
+  std::vector<Timeline> frames;
+  std::vector<TimelineInSeconds> seconds;
+  parse_timelines_into(text, options, frames, seconds);
+  require_one_timeline(frames, options);
+  return {std::move(frames.front()), std::move(seconds.front())};
 }
 
 }  // namespace detail
 
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
 MOTIONLANG_BODY std::vector<Timeline> parse_timelines(std::string_view text, const TimelineTextOptions& options) {
-  return detail::parse_timelines_as<Index>(text, options);
+  std::vector<Timeline> out;
+  detail::parse_timelines_into(text, options, out);
+  return out;
 }
 
 MOTIONLANG_BODY std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
                                                                           const TimelineTextOptions& options) {
-  return detail::parse_timelines_as<double>(text, options);
+  std::vector<TimelineInSeconds> out;
+  detail::parse_timelines_into(text, options, out);
+  return out;
 }
 
 MOTIONLANG_BODY Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options) {
   auto all = parse_timelines(text, options);
-  if (all.size() > 1)
-    detail::fail_at(509, options.name, all[1].intervals.front().place, all.size(), " timelines where one is expected");
+  detail::require_one_timeline(all, options);
   return std::move(all.front());
 }
 
@@ -31409,11 +31489,22 @@ class ApeAveMetric {
  public:
   using Joints = std::span<const Vec3<S>>;
 
+  /// The errors of one pair of clips, which another metric of the same kind can add.
+  struct Clip {
+    ApeAve errors{};  // sums over the frames, and variances
+    Index frames = 0;
+  };
+
   explicit ApeAveMetric(RifkeVariant variant, S unit = S(1)) : variant_(std::move(variant)), unit_(unit) {}
 
   /// Adds a pair of joints, (frames, J) each, which are compared up to the shorter length. Throws shape_error 205, 203;
   /// numeric_error 302 unless two frames are compared
-  void add(Joints generated, Joints reference) { add(canonical(generated), canonical(reference)); }
+  void add(Joints generated, Joints reference) { add(clip(generated, reference)); }
+  void add(const Clip& c) { collect(c.errors, c.frames); }
+  Clip clip(Joints generated, Joints reference) const {
+    const auto a = canonical(generated), b = canonical(reference);
+    return {errors_of(a, b, common(a, b)), common(a, b)};
+  }
   /// The same for motions that were padded at the end. The padding counts for the floor, as in TEMOS' validation. Also
   /// throws shape_error 203 if there are fewer than `frames`.
   void add_padded(Joints generated, Joints reference, Index frames) {
@@ -31424,8 +31515,10 @@ class ApeAveMetric {
   }
   /// Adds the sample with the smallest (largest) sum of root errors. As published, all its sums are divided by the
   /// frames of the first sample. Also throws numeric_error 302 without samples.
-  void add_best(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, false); }
-  void add_worst(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, true); }
+  void add_best(std::span<const Joints> samples, Joints reference) { add(best_clip(samples, reference)); }
+  void add_worst(std::span<const Joints> samples, Joints reference) { add(worst_clip(samples, reference)); }
+  Clip best_clip(std::span<const Joints> samples, Joints reference) const { return chosen(samples, reference, false); }
+  Clip worst_clip(std::span<const Joints> samples, Joints reference) const { return chosen(samples, reference, true); }
 
   Index clips() const { return clips_; }
 
@@ -31451,22 +31544,18 @@ class ApeAveMetric {
     frames_ += frames;
     ++clips_;
   }
-  void add(const CanonicalMotion<S>& a, const CanonicalMotion<S>& b) {
-    collect(errors_of(a, b, common(a, b)), common(a, b));
-  }
-  void add_chosen(std::span<const Joints> samples, Joints reference, bool worst) {
+  Clip chosen(std::span<const Joints> samples, Joints reference, bool worst) const {
     if (samples.empty()) raise<numeric_error>(302, "ApeAveMetric: no samples");
     const auto b = canonical(reference);
-    ApeAve chosen;
-    Index frames = 0;
+    Clip out;
     for (std::size_t s = 0; s < samples.size(); ++s) {
       const auto a = canonical(samples[s]);
       ApeAve errors = errors_of(a, b, common(a, b));
-      if (s == 0) frames = common(a, b);
-      const double now = errors.ape.root, before = chosen.ape.root;
-      if (s == 0 || (worst ? now > before : now < before)) chosen = std::move(errors);
+      if (s == 0) out.frames = common(a, b);
+      const double now = errors.ape.root, before = out.errors.ape.root;
+      if (s == 0 || (worst ? now > before : now < before)) out.errors = std::move(errors);
     }
-    collect(chosen, frames);
+    return out;
   }
 
   RifkeVariant variant_;
@@ -34522,7 +34611,11 @@ class SampledErrors {
       : of_sample_(static_cast<std::size_t>(samples), none), best_of_(of_sample_), worst_(none) {}
 
   /// samples  one motion for each of the samples
-  void add(const std::vector<JointFrames>& samples, const JointFrames& truth);
+  void add(const std::vector<JointFrames>& samples, const JointFrames& truth) { add(clips(samples, truth)); }
+  /// The errors of the motions of a text: of each, of the best of the first 1, 2, 3, ..., and of the worst. Another
+  /// object can add them.
+  std::vector<JointErrors::Clip> clips(const std::vector<JointFrames>& samples, const JointFrames& truth) const;
+  void add(std::span<const JointErrors::Clip> of_text);
 
   Index samples() const { return std::ssize(of_sample_); }
   /// The errors of the first motion of each text.
@@ -34612,11 +34705,23 @@ inline JointFrames mean_pose(const RifkeVariant& variant, Index motions, const B
 
 }  // namespace detail
 
-MOTIONLANG_BODY void SampledErrors::add(const std::vector<JointFrames>& samples, const JointFrames& truth) {
+MOTIONLANG_BODY std::vector<JointErrors::Clip> SampledErrors::clips(const std::vector<JointFrames>& samples,
+                                                                    const JointFrames& truth) const {
   const std::vector<JointErrors::Joints> all(samples.begin(), samples.end());
-  for (std::size_t k = 0; k < of_sample_.size(); ++k) of_sample_[k].add(all[k], truth);
-  for (std::size_t k = 0; k < best_of_.size(); ++k) best_of_[k].add_best(std::span(all).first(k + 1), truth);
-  worst_.add_worst(all, truth);
+  std::vector<JointErrors::Clip> out;
+  for (std::size_t k = 0; k < of_sample_.size(); ++k) out.push_back(worst_.clip(all[k], truth));
+  for (std::size_t k = 0; k < best_of_.size(); ++k) out.push_back(worst_.best_clip(std::span(all).first(k + 1), truth));
+  out.push_back(worst_.worst_clip(all, truth));
+  return out;
+}
+
+MOTIONLANG_BODY void SampledErrors::add(std::span<const JointErrors::Clip> of_text) {
+  const std::size_t count = of_sample_.size();
+  if (of_text.size() != 2 * count + 1)
+    raise<shape_error>(205, "SampledErrors: ", of_text.size(), " errors of ", counted(count, "sample"), ", expected ",
+                       2 * count + 1);
+  for (std::size_t k = 0; k < count; ++k) of_sample_[k].add(of_text[k]), best_of_[k].add(of_text[count + k]);
+  worst_.add(of_text.back());
 }
 
 MOTIONLANG_BODY ApeAve SampledErrors::mean() const {
@@ -35061,6 +35166,9 @@ struct StudyTrial {
 /// all pairs of systems; catch trials pair the right system with each other one.
 std::vector<StudyTrial> study_trials(const Study& study, std::uint64_t seed);
 
+/// "12 trials, 3 warm-ups and 2 catch trials"
+std::string describe_trials(const Study& study, std::span<const StudyTrial> trials);
+
 /// The answer to a trial. Places are numbers of shown choices from the left, from 0.
 struct StudyAnswer {
   std::size_t trial = 0;
@@ -35268,6 +35376,16 @@ MOTIONLANG_BODY std::vector<StudyTrial> study_trials(const Study& study, std::ui
   return out;
 }
 
+MOTIONLANG_BODY std::string describe_trials(const Study& study, std::span<const StudyTrial> trials) {
+  const auto count = [&](StudyRole role, const char* name) {
+    return counted(std::count_if(trials.begin(), trials.end(),
+                                 [&](const StudyTrial& t) { return study.items[t.item].role == role; }),
+                   name);
+  };
+  return concat_text(count(StudyRole::counted, "trial"), ", ", count(StudyRole::warmup, "warm-up"), " and ",
+                     count(StudyRole::catch_trial, "catch trial"));
+}
+
 MOTIONLANG_BODY StudyAnswers parse_study_answers(std::string_view text, const Study& study, std::string_view name) {
   StudyAnswers out;
   std::vector<StudyTrial> trials;
@@ -35433,6 +35551,10 @@ struct StudyCounts {
 /// A catch trial is passed if the right system is preferred, ranked first, or rated 4 or 5 and the others 1 or 2.
 /// Raters are kept if they pass this share of the catch trials that they answered, and answered one if there are any.
 StudyCounts count_study(const Study& study, std::span<const StudyAnswers> answers, double pass_share = 1);
+
+/// A line for each rater who is left out, and one about the others.
+/// files  of the raters' answers
+std::string describe_raters(const StudyCounts& counts, std::span<const std::string> files);
 
 /// The counts of a study's kind as a table in Markdown: pairs of systems, or a row for each system.
 std::string study_table(const Study& study, const StudyCounts& counts);
@@ -35618,6 +35740,20 @@ inline std::string rating_table(const Study& study, const std::vector<RatingCoun
 }
 
 }  // namespace detail
+
+MOTIONLANG_BODY std::string describe_raters(const StudyCounts& counts, std::span<const std::string> files) {
+  std::string out;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < counts.raters.size(); ++i) {
+    const StudyRater& r = counts.raters[i];
+    kept += r.kept ? 1 : 0;
+    if (!r.kept)
+      out += formatted("left out: %s (%s), %zu of %s passed\n", r.name.c_str(), files[i].c_str(), r.passed,
+                       counted(r.caught, "catch trial").c_str());
+  }
+  return out + formatted("%zu of %s kept, %.1f answers for each trial\n", kept,
+                         counted(counts.raters.size(), "rater").c_str(), counts.raters_for_item);
+}
 
 MOTIONLANG_BODY std::string study_table(const Study& study, const StudyCounts& counts) {
   if (study.kind == StudyKind::pairs) return detail::pair_table(study, counts.pairs);
@@ -36027,6 +36163,10 @@ struct DifferentTexts {
   explicit DifferentTexts(const BatchPlan& plan);
 };
 
+/// Throws option_error 102 if a motion depends on the others of its list, so that no part of the list can be made
+/// alone. one_token: the texts have one token each, so that they have the same length in any list.
+void require_own_motions(BatchMates mates, bool one_token);
+
 /// SMPL RIFKE features as a motion that starts facing pi.
 Motion published_motion(std::span<const double> features, double fps);
 
@@ -36051,6 +36191,13 @@ MOTIONLANG_BODY DifferentTexts::DifferentTexts(const BatchPlan& plan) {
       which.push_back(place->second);
     }
   }
+}
+
+MOTIONLANG_BODY void require_own_motions(BatchMates mates, bool one_token) {
+  if (mates == BatchMates::none || (mates == BatchMates::longest_text && one_token)) return;
+  raise<option_error>(102,
+                      "a motion of this model depends on the other timelines of its list, so that several processes "
+                      "cannot share the list");
 }
 
 MOTIONLANG_BODY Motion published_motion(std::span<const double> features, double fps) {
@@ -36105,6 +36252,7 @@ struct StmcOptions {
   HiddenTexts hidden = HiddenTexts::refuse;
   Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Affects only the memory
   Progress progress{};                      // called after every step; may cancel
+  Index first = 0;  // the place of the first sequence in a longer list, of which these are a part
 };
 
 /// Clean motions, normalised, in consecutive rows.
@@ -36146,7 +36294,8 @@ struct Stmc {
   }
 
   /// One motion per timeline, (frames, features), not normalised. All are sampled together. The noise of each depends
-  /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
+  /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`;
+  /// option_error 102 for a part of a list, if the motions of the model depend on each other (BatchMates).
   std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
                                      const StmcOptions& options = {}) const;
   Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
@@ -36177,8 +36326,8 @@ struct Stmc {
   PlanOptions plan_options(const StmcOptions& options) const;
 
   /// Standard normal values of every sequence from its own stream, so a timeline has the same noise alone and in a
-  /// batch.
-  Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
+  /// batch. first: as in StmcOptions.
+  Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape, Index first = 0) const;
 
   /// The process with this many evenly chosen steps, all if 0; the model's own number unless given. Throws config_error
   /// 105.
@@ -36214,7 +36363,7 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
                                                   const StmcOptions& options) const {
   return generate_from(
-      timelines, [&](Index draw, const Shape& shape) { return noise(rng, draw, shape); }, options);
+      timelines, [&](Index draw, const Shape& shape) { return noise(rng, draw, shape, options.first); }, options);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -36258,6 +36407,8 @@ template <class Noise, class Estimate, bool>
 CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                       Estimate&& estimate) const {
   const auto [text, null] = encode(plan);
+  if (options.first > 0)
+    detail::require_own_motions(denoiser.traits().mates, /*one_token=*/text.tokens.offsets.longest() <= 1);
   const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
                               options.rows_at_once);
   const auto sequences = static_cast<Index>(collage.plan().timelines.size());
@@ -36288,8 +36439,8 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::separate(const CleanMotions<B>& clean, 
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape) const {
-  return sequence_noise<B>(rng, draw, shape);
+Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape, Index first) const {
+  return sequence_noise<B>(rng, draw, shape, first);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -36386,14 +36537,14 @@ std::vector<Tensor<B, 2>> sinc_baseline_from(const Stmc<B, D, E>& stmc, const Ba
       stmc, plan, noise, options, cuts,
       [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
 }
-/// The same from timelines and a generator. Throws what Stmc::generate throws.
+/// The same from timelines and a generator. `first` of the options counts texts. Throws what Stmc::generate throws.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> sinc_baseline(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                         const Philox& rng, const StmcOptions& options = {},
                                         SincCuts cuts = SincCuts::hard) {
   return sinc_baseline_from(
       stmc, plan_timelines(timelines, sinc_plan_options(stmc, options)),
-      [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, cuts);
+      [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape, options.first); }, options, cuts);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -36705,7 +36856,8 @@ std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<c
     return rows->over(whole(collage, x, t));
   };
   return stmc.generate_from(
-      timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, estimate);
+      timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape, options.first); }, options,
+      estimate);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -41756,6 +41908,10 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_SEARCH_MOTION_INDEX_FILE_IPP
 // Bodies of motion_index_file.hpp.
 
+#ifndef MOTIONLANG_HAS_FILE_DETAIL_JSON_TEXT_HPP  // <motionlang/file/detail/json_text.hpp>
+#define MOTIONLANG_HAS_FILE_DETAIL_JSON_TEXT_HPP
+/// The text of a JSON document that may hold what people and files wrote.
+
 #ifndef MOTIONLANG_HAS_FILE_JSON_HPP  // <motionlang/file/json.hpp>
 #define MOTIONLANG_HAS_FILE_JSON_HPP
 /// JSON documents: reading with positions in messages, and typed access that names the path to a wrong value. This is
@@ -42028,6 +42184,21 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
+/// In one line, or in lines with this indent. Bytes that are not UTF-8 are replaced; nothing is thrown.
+template <class Json>
+std::string json_text(const Json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
 inline nlohmann::ordered_json index_model_json(const IndexModel& m) {
   return {{"id", m.id},        {"path", m.path}, {"text_encoder", m.text_encoder},
           {"width", m.width},  {"fps", m.fps},   {"windows", m.windows},
@@ -42056,19 +42227,14 @@ inline void require_index(const SafetensorsFile& file) {
     raise<io_error>(404, file.name(), ": version ", version, " of an index, expected ", index_version);
 }
 
-/// In one line; bytes that are not UTF-8 are replaced.
-inline std::string index_text(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 /// places  receives the first byte of each clip in the text, and the byte behind its last
 inline std::string index_about(const MotionIndex& index, std::vector<std::int64_t>* places = nullptr) {
-  std::string out = "{\"model\":" + index_text(index_model_json(index.model())) + ",\"clips\":[";
+  std::string out = "{\"model\":" + json_text(index_model_json(index.model())) + ",\"clips\":[";
   bool first = true;
   for (const IndexedClip& c : index.clips()) {
     if (!std::exchange(first, false)) out += ',';
     const std::int64_t begin = std::ssize(out);
-    out += index_text(indexed_clip_json(c));
+    out += json_text(indexed_clip_json(c));
     if (places != nullptr) places->insert(places->end(), {begin, std::ssize(out)});
   }
   return out + "]}";

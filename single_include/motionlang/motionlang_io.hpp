@@ -6306,8 +6306,7 @@ class GlbBuilder {
   std::vector<std::byte> finish() {
     if (document["buffers"].empty()) document["buffers"].push_back(nlohmann::ordered_json::object());
     document["buffers"][0]["byteLength"] = binary_.size();
-    constexpr auto repair = nlohmann::ordered_json::error_handler_t::replace;  // names that are not UTF-8
-    return glb_file(document.dump(-1, ' ', false, repair), std::move(binary_));
+    return glb_file(json_text(document), std::move(binary_));
   }
 
  private:
@@ -14779,6 +14778,8 @@ BodyPartAnswers parse_body_part_answers(std::string_view text, std::string_view 
 /// Answers in the lines above or in a table of SINC's form, by what the file holds. Throws io_error 401, 403,
 /// config_error 107.
 BodyPartAnswers read_body_part_answers(const FilePath& path);
+/// The labels without an answer that names a part, in their order.
+std::vector<std::string> unanswered_labels(std::span<const std::string> labels, const BodyPartAnswers& answers);
 /// The table as SINC has it. A label with several answers gets the last one.
 std::string body_part_table_text(const BodyPartAnswers& answers);
 
@@ -14791,6 +14792,8 @@ struct BodyPartTruth {
 /// 0.5 and 1.
 BodyPartTruth parse_body_part_truth(std::string_view text, std::string_view name = "truth");
 
+/// The labels on the lines of a text, sorted, without empty lines.
+std::vector<std::string> parse_label_list(std::string_view text);
 /// Labels of BABEL as train-sinc takes them: those of segments and, without segments, of whole sequences; sorted. No
 /// motion is read.
 std::vector<std::string> babel_labels(const FilePath& babel, const FilePath& spelling = "");
@@ -14837,6 +14840,19 @@ MOTIONLANG_BODY BodyPartAnswers read_body_part_answers(const FilePath& path) {
   return out;
 }
 
+MOTIONLANG_BODY std::vector<std::string> unanswered_labels(std::span<const std::string> labels,
+                                                           const BodyPartAnswers& answers) {
+  std::set<std::string_view> known;
+  for (const auto& [label, answer] : answers) {
+    if (known_body_part_answer(answer)) known.insert(label);
+  }
+  std::vector<std::string> out;
+  for (const std::string& label : labels) {
+    if (!known.contains(label)) out.push_back(label);
+  }
+  return out;
+}
+
 MOTIONLANG_BODY std::string body_part_table_text(const BodyPartAnswers& answers) {
   nlohmann::ordered_json table = nlohmann::ordered_json::object();
   for (const auto& [label, answer] : answers) table[label] = {"", "", answer};
@@ -14863,6 +14879,14 @@ MOTIONLANG_BODY BodyPartTruth parse_body_part_truth(std::string_view text, std::
     }
   });
   return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> parse_label_list(std::string_view text) {
+  std::set<std::string> found;
+  detail::for_each_line(text, [&](std::string_view line, Index) {
+    if (!line.empty()) found.emplace(line);
+  });
+  return {found.begin(), found.end()};
 }
 
 MOTIONLANG_BODY std::vector<std::string> babel_labels(const FilePath& babel, const FilePath& spelling) {
@@ -15866,6 +15890,11 @@ class TrainingSet {
   /// All captions and their mirror images, from which a tokenizer learns.
   std::vector<std::string> all_captions() const;
 
+  /// Makes segments `factor` times as likely to be drawn if one of their captions has one of these words or phrases
+  /// ("nod" also finds "nods" and "nodding"): what `motionlang judge` still sees fail. Throws config_error 101 for a
+  /// factor that is not above 0, 102 for words that no caption has.
+  void practise(std::span<const std::string> words, double factor);
+
   /// A sample that depends only on the generator. It is one of these:
   ///   - a segment: mirrored, faster or slower, with its cycle repeated if it has one, or a part of it
   ///   - an action in its own time and then its continuation, if the table has one
@@ -15895,6 +15924,8 @@ class TrainingSet {
   };
   const CaptionedSegment& pick(const Choice& choice, Philox& rng) const;
   void weigh();
+  /// Fills the choices with the segments and their weights.
+  void list_choices();
 
   std::vector<CaptionedSegment> segments_;
   std::vector<std::string> verbs_{};
@@ -16109,6 +16140,11 @@ MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, 
     segments_.push_back(std::move(s));
   }
   weigh();
+  list_choices();
+}
+
+MOTIONLANG_BODY void TrainingSet::list_choices() {
+  all_ = bases_ = still_ = overlays_ = {};
   for (std::size_t i = 0; i < segments_.size(); ++i) {
     const CaptionedSegment& s = segments_[i];
     const bool arms = (s.parts.bits & detail::arm_parts().bits) != 0, legs = s.parts.has(BodyPart::legs);
@@ -16136,6 +16172,26 @@ MOTIONLANG_BODY void TrainingSet::weigh() {
     }
     s.weight = action.empty() ? 1 : std::clamp(std::sqrt(common / segments_about[action]), 1.0, most);
   }
+}
+
+MOTIONLANG_BODY void TrainingSet::practise(std::span<const std::string> words, double factor) {
+  if (!(factor > 0)) raise<config_error>(101, "TrainingSet: words are practised ", factor, " times as often");
+  const auto spaced = [](const std::string& text) { return " " + join_text(detail::caption_words(text), " "); };
+  std::vector<bool> chosen(segments_.size());
+  for (const std::string& word : words) {
+    const std::string start = spaced(word);
+    bool found = false;
+    for (std::size_t i = 0; i < segments_.size() && start != " "; ++i) {
+      for (const std::string& caption : segments_[i].captions) {
+        if (spaced(caption).find(start) != std::string::npos) chosen[i] = found = true;
+      }
+    }
+    if (!found) raise<config_error>(102, "TrainingSet: no caption has \"", word, "\", so nobody can practise it");
+  }
+  for (std::size_t i = 0; i < segments_.size(); ++i) {
+    if (chosen[i]) segments_[i].weight *= factor;
+  }
+  list_choices();
 }
 
 MOTIONLANG_BODY const CaptionedSegment& TrainingSet::pick(const Choice& choice, Philox& rng) const {
@@ -16439,6 +16495,7 @@ struct IndexOptions {
                                      // above them; without such a file, what the index had
   bool again = false;                // read all files, changed or not
   MotionReadOptions read{};          // of all files, see options_for_file
+  bool skip_links = false;           // leave out links to files; links to folders are never followed
 };
 
 /// The report of an update.
@@ -16638,6 +16695,8 @@ MOTIONLANG_BODY IndexUpdate::IndexUpdate(std::shared_ptr<ClipStore> index, const
 MOTIONLANG_BODY void IndexUpdate::look_at_files() {
   namespace fs = std::filesystem;
   for (const fs::path& path : motion_files_below(folder_, "", &report_.folder_notes)) {
+    std::error_code unknown;
+    if (options_.skip_links && fs::is_symlink(path, unknown)) continue;
     const auto time =
         std::chrono::duration_cast<std::chrono::nanoseconds>(fs::last_write_time(path).time_since_epoch());
     files_.push_back({path.lexically_normal(), time.count(), static_cast<std::int64_t>(fs::file_size(path)), {}});
@@ -17146,7 +17205,7 @@ inline CodedRows coded_rows(const SafetensorsFile& file, const std::string& name
 /// The model without its place.
 inline std::string comparable(IndexModel m) {
   m.path.clear(), m.text_encoder.clear();
-  return index_text(index_model_json(m));
+  return json_text(index_model_json(m));
 }
 
 /// Throws io_error 403 with the first row whose bounds do not hold.
@@ -17213,7 +17272,7 @@ inline std::string shard_list_text(const ShardList& list) {
                                    {"model", index_model_json(list.model)},
                                    {"shard_bytes", list.shard_bytes},
                                    {"shards", std::move(shards)}};
-  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return json_text(all, 2) + "\n";
 }
 
 }  // namespace detail
@@ -17492,8 +17551,7 @@ namespace detail {
 /// The bytes that a clip takes in a shard.
 inline Index bytes_in_shard(const IndexedClip& clip, Index moments, Index width) {
   const Index captions = std::ssize(clip.captions), rows = 1 + moments + captions;
-  return rows * (width * 5 + 8) + 24 * moments + 8 * captions + 16 + std::ssize(index_text(indexed_clip_json(clip))) +
-         1;
+  return rows * (width * 5 + 8) + 24 * moments + 8 * captions + 16 + std::ssize(json_text(indexed_clip_json(clip))) + 1;
 }
 inline constexpr Index bytes_of_header = 8192;  // and of what else a shard has
 
@@ -17554,7 +17612,7 @@ MOTIONLANG_BODY ShardEntry ShardStore::write_shard(const MotionIndex& index) {
   add_codes(coded[1], "moments", index.moment_rows());
   add_codes(coded[2], "captions", index.caption_rows());
   const auto bytes =
-      detail::index_bytes(index, about, more, {{"model", detail::index_text(detail::index_model_json(index.model()))}});
+      detail::index_bytes(index, about, more, {{"model", detail::json_text(detail::index_model_json(index.model()))}});
   ShardEntry e{.file = new_file_name(),
                .checksum = detail::metadata_of(SafetensorsFile::from_bytes(bytes), "checksum"),
                .bytes = std::ssize(bytes),
@@ -18104,6 +18162,177 @@ MOTIONLANG_BODY void KeptIndex::write_without_graphs() {
     shards_->write();
   else
     write_motion_index(file_, *index_);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_SEARCH_SEARCHED_FOLDER_HPP  // <motionlang/search/searched_folder.hpp>
+#define MOTIONLANG_HAS_SEARCH_SEARCHED_FOLDER_HPP
+/// Searches a folder of motions by words while its files come and go: every search first reads the files that have
+/// changed.
+///
+///     SearchedFolder folder("clips", encoder, {.index = "clips/.motionlang.index"});
+///     for (const FolderMoment& moment : folder.find("a person jumps", 10).moments)
+///       use(folder.piece(moment, 2).motion);
+///
+/// Links    are not followed, so no file elsewhere is read
+/// Threads  one at a time calls find; any number call piece
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A moment of a motion in the folder.
+struct FolderMoment {
+  std::string file{};         // in the folder, with '/' behind subfolders
+  std::string animation{};    // of a file with several motions; "": the only one
+  double start = 0, end = 0;  // seconds in the file
+  double score = 0;           // from 0 to 1, as TextAnswer has it
+  bool operator==(const FolderMoment&) const = default;
+};
+
+/// The answer to a text.
+struct FolderAnswer {
+  std::vector<FolderMoment> moments{};  // best first
+  bool shown = true;                    // false: no moment shows the text
+  std::vector<std::string> unknown{};   // words that the model knows nothing about
+  Index clips = 0;                      // in the folder
+  Index skipped = 0;                    // that could not be read or encoded
+};
+
+/// A moment with some of the motion around it.
+struct FolderPiece {
+  Motion motion;
+  double start = 0, end = 0;  // of the moment, in seconds of `motion`
+};
+
+struct SearchedFolderOptions {
+  std::filesystem::path index{};  // file in which the vectors are for the next time; "": they are only in memory
+  MomentOptions moments{};        // of a new index
+};
+
+class SearchedFolder {
+ public:
+  /// Takes up the index if it is one of this encoder. One that is not, or that is damaged, is made anew.
+  /// Throws io_error 401 if there is no such folder, config_error 101 without an encoder.
+  SearchedFolder(const FilePath& folder, std::shared_ptr<const SearchEncoder> encoder,
+                 SearchedFolderOptions options = {});
+
+  /// The moments that are nearest to a text. `progress` gets the number of files of those that are read.
+  /// Throws io_error 401 if the folder cannot be read; cancelled, and then the next search goes on from there; and what
+  /// answer_text throws.
+  FolderAnswer find(const std::string& text, Index top, Progress progress = {});
+
+  /// The motion of a moment, with this many seconds before and after it, as far as the file has them.
+  /// Throws io_error 401 if the file is gone or elsewhere, and what read_motions throws.
+  FolderPiece piece(const FolderMoment& moment, double margin = 0) const;
+
+ private:
+  MotionIndex taken_up() const;
+  void keep(const IndexReport& report) const;
+
+  std::filesystem::path folder_;
+  std::shared_ptr<const SearchEncoder> encoder_;
+  SearchedFolderOptions o_;
+  MotionIndex index_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_SEARCHED_FOLDER_IPP  // <motionlang/search/searched_folder.ipp>
+#define MOTIONLANG_HAS_SEARCH_SEARCHED_FOLDER_IPP
+// Bodies of searched_folder.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline std::filesystem::path searched_place(const FilePath& folder) {
+  std::error_code failed;
+  if (!std::filesystem::is_directory(folder.string(), failed))
+    raise<io_error>(401, folder.string(), ": there is no such folder");
+  return indexed_path(folder);
+}
+inline std::shared_ptr<const SearchEncoder> given_encoder(std::shared_ptr<const SearchEncoder> encoder) {
+  if (!encoder) raise<config_error>(101, "SearchedFolder: no encoder");
+  return encoder;
+}
+/// True for a file itself, not for a link to one.
+inline bool is_own_file(const std::filesystem::path& path) {
+  std::error_code failed;
+  return std::filesystem::is_regular_file(std::filesystem::symlink_status(path, failed));
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY SearchedFolder::SearchedFolder(const FilePath& folder, std::shared_ptr<const SearchEncoder> encoder,
+                                               SearchedFolderOptions options)
+    : folder_(detail::searched_place(folder)),
+      encoder_(detail::given_encoder(std::move(encoder))),
+      o_(std::move(options)),
+      index_(taken_up()) {}
+
+MOTIONLANG_BODY MotionIndex SearchedFolder::taken_up() const {
+  MotionIndex out(index_model(*encoder_, o_.moments));
+  if (o_.index.empty() || !detail::is_own_file(o_.index)) return out;
+  const auto take = [&] {
+    MotionIndex old = read_motion_index(o_.index);
+    old.require_model(out.model().id, out.model().path);
+    if (old.model().windows != out.model().windows || old.model().stride != out.model().stride) return;
+    old.remove_if([&](const IndexedClip& c) { return !is_below(c.path, folder_); });
+    out = std::move(old);
+  };
+  detail::guard<error>(take, [](const error&) { return true; });  // another model's, or damaged
+  return out;
+}
+
+MOTIONLANG_BODY void SearchedFolder::keep(const IndexReport& report) const {
+  if (o_.index.empty() || !report.changed()) return;
+  detail::guard<io_error>([&] { write_motion_index(o_.index, index_); }, [](const io_error&) { return true; });
+}
+
+MOTIONLANG_BODY FolderAnswer SearchedFolder::find(const std::string& text, Index top, Progress progress) {
+  IndexUpdate update(index_, folder_, *encoder_, {.skip_links = true});
+  detail::guard<cancelled>([&] { update.run(progress); },
+                           [&](const cancelled&) {
+                             keep(update.report());
+                             return false;
+                           });
+  keep(update.report());
+
+  FolderAnswer out{.clips = index_.count(), .skipped = std::ssize(update.report().skipped)};
+  if (index_.moments().empty()) return out;
+  const TextAnswer answer =
+      answer_text(MotionSearch(index_), *encoder_, text, {.top = top, .what = SearchFor::moments});
+  out.shown = answer.shown;
+  for (const UnknownWord& w : answer.unheard) out.unknown.push_back(w.word);
+  for (std::size_t i = 0; i < answer.hits.size(); ++i) {
+    const MotionHit& hit = answer.hits[i];
+    const IndexedClip& clip = clip_of(index_, hit);
+    out.moments.push_back({.file = std::filesystem::path(clip.path).lexically_relative(folder_).generic_string(),
+                           .animation = clip.name,
+                           .start = hit.start,
+                           .end = hit.end,
+                           .score = answer.scores[i]});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY FolderPiece SearchedFolder::piece(const FolderMoment& moment, double margin) const {
+  const auto path = (folder_ / moment.file).lexically_normal();
+  if (moment.file.empty() || !is_below(path, folder_) || !detail::is_own_file(path))
+    raise<io_error>(401, moment.file, ": there is no such motion in the folder");
+  for (Motion& whole : read_motions(path, options_for_file({}, path))) {
+    if (!moment.animation.empty() && whole.name != moment.animation) continue;
+    const double from = std::max(moment.start - margin, 0.0), to = std::min(moment.end + margin, whole.seconds());
+    const auto first = static_cast<double>(frames_between(whole, from, to).first);
+    FolderPiece out{.motion = edit_time(whole, {.from = from, .to = to})};
+    const double before = first / whole.fps, length = out.motion.seconds();
+    out.start = std::clamp(moment.start - before, 0.0, length);
+    out.end = std::clamp(moment.end - before, out.start, length);
+    return out;
+  }
+  raise<io_error>(401, moment.file, ": there is no motion '", moment.animation, "' in it any more");
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -27052,7 +27281,7 @@ inline std::string self_contained_page(std::string_view title, std::string_view 
                                        const nlohmann::ordered_json& page,
                                        std::initializer_list<std::string_view> scripts, std::string_view allowed = "") {
   std::string data, program;
-  for (const char c : page.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
+  for (const char c : json_text(page)) {
     data += c == '<' ? "\\u003c" : std::string(1, c);  // no tag can end the script; '<' only stands in texts
   }
   for (const std::string_view script : scripts) program += script;
@@ -27714,6 +27943,7 @@ let clip = null, time = 0, playing = false, looping = true, following = true, sp
 let scheduled = false, before = 0;
 let decorate = () => {};  // changes the cones of the figure, or adds to them, before they are drawn
 let pace = 16, quality = 1;  // milliseconds between frames, pixels drawn per pixel of the screen
+let steady = false;          // the picture keeps its size, as while it is recorded
 
 let renderer;
 try {
@@ -27761,8 +27991,9 @@ function drawAxis(axis, length, limit = 12) {
 }
 
 function render() {
-  const ratio = quality * Math.min(devicePixelRatio || 1, 2), width = Math.round(view.clientWidth * ratio);
-  const height = Math.round(view.clientHeight * ratio), pose = clip.pose(time), root = pose.positions[0];
+  const ratio = quality * Math.min(devicePixelRatio || 1, 2), pose = clip.pose(time), root = pose.positions[0];
+  const width = steady ? view.width : Math.round(view.clientWidth * ratio);
+  const height = steady ? view.height : Math.round(view.clientHeight * ratio);
   if (!width || !height) return;
   if (view.width !== width || view.height !== height) Object.assign(view, { width, height });
   if (following) camera.goal = [root[0], clip.floor + 0.52 * clip.size, root[2]];
@@ -27786,7 +28017,7 @@ function frame(now) {
     time += speed * Math.max(0, now - before) / 1000;
     pace = mix(pace, now - before, 0.15);
     before = now;
-    if (pace > 60 && quality > 0.5) [pace, quality] = [30, 0.8 * quality];  // slow to draw: coarser
+    if (pace > 60 && quality > 0.5 && !steady) [pace, quality] = [30, 0.8 * quality];  // slow to draw: coarser
     if (time > clip.seconds && looping) time %= clip.seconds;
     if (time > clip.seconds) seek(clip.seconds), play(false);
     refresh();
@@ -27994,10 +28225,6 @@ inline nlohmann::ordered_json body_json(const SkinnedMesh<std::uint16_t>& mesh, 
           {"triangles", packed(mesh.triangles)}, {"offsets", std::move(offsets)}, {"parents", skeleton.parents}};
 }
 
-inline std::string json_text(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motions,
                                              const SkinnedMesh<std::uint16_t>& mesh, const Skeleton& skeleton,
                                              const ViewerOptions& options) {
@@ -28008,7 +28235,8 @@ MOTIONLANG_BODY std::string body_viewer_page(std::span<const ViewerMotion> motio
 
 MOTIONLANG_BODY std::string body_viewer_data(const Motion& motion, const SkinnedMesh<std::uint16_t>& mesh,
                                              const Skeleton& skeleton) {
-  return json_text({{"motion", shown_motion(motion, {}, "")}, {"body", body_json(mesh, skeleton)}});
+  return json_text(
+      nlohmann::ordered_json{{"motion", shown_motion(motion, {}, "")}, {"body", body_json(mesh, skeleton)}});
 }
 
 }  // namespace detail
@@ -31183,7 +31411,7 @@ MOTIONLANG_BODY std::string search_json(std::span<const FoundMotion> found, cons
                                    {"shown", answer.shown},
                                    {"unknown_words", std::move(unheard)},
                                    {"hits", std::move(hits)}};
-  return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return detail::json_text(out, 2) + "\n";
 }
 
 MOTIONLANG_BODY void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read) {
@@ -31236,6 +31464,64 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_VIEW_SIMILARITY_PICTURE_HPP  // <motionlang/view/similarity_picture.hpp>
+#define MOTIONLANG_HAS_VIEW_SIMILARITY_PICTURE_HPP
+/// The similarity of texts and a motion over time as curves, with the best moment of each text.
+///
+///     const auto picture = similarity_picture(tmr, texts, motion, 1.0);
+///     write_file("moments.svg", curves_svg(picture.panels));
+///
+/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.4; thesis figures 5.8 and 5.9
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A text, and the seconds in which the motion shows it, if they are known.
+struct TextToLocate {
+  std::string text;
+  std::optional<std::pair<double, double>> truth{};
+};
+
+struct SimilarityPicture {
+  std::vector<CurvePanel> panels;  // of each text: a curve over the seconds, the truth shaded, and a mark at the best
+  std::string about;               // a line for each text: the best second and its similarity
+};
+
+/// window  seconds around each frame that are compared; at least one frame
+/// Throws  what text_similarity throws
+SimilarityPicture similarity_picture(const SearchEncoder& encoder, std::span<const TextToLocate> texts,
+                                     const Motion& motion, double window);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_SIMILARITY_PICTURE_IPP  // <motionlang/view/similarity_picture.ipp>
+#define MOTIONLANG_HAS_VIEW_SIMILARITY_PICTURE_IPP
+// Bodies of similarity_picture.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY SimilarityPicture similarity_picture(const SearchEncoder& encoder, std::span<const TextToLocate> texts,
+                                                     const Motion& motion, double window) {
+  SimilarityPicture out;
+  const auto frames = std::max<Index>(1, std::lround(window * encoder.model().fps));
+  for (const auto& [text, truth] : texts) {
+    const SimilarityOverTime found = text_similarity(encoder, text, motion, frames);
+    Curve curve{"similarity", {}, found.similarity};
+    for (std::size_t f = 0; f < found.similarity.size(); ++f) curve.steps.push_back(static_cast<double>(f) / found.fps);
+    const double best = static_cast<double>(found.best) / found.fps;
+    CurvePanel panel{.title = text, .curves = {std::move(curve)}, .axis = "seconds"};
+    if (truth) panel.shaded.push_back(*truth);
+    panel.marks.push_back(best);
+    out.panels.push_back(std::move(panel));
+    out.about += formatted("%-40s %.2f s, similarity %.3f\n", printable(text).c_str(), best,
+                           found.similarity[static_cast<std::size_t>(found.best)]);
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_VIEW_STUDIO_PAGE_HPP  // <motionlang/view/studio_page.hpp>
 #define MOTIONLANG_HAS_VIEW_STUDIO_PAGE_HPP
 /// The studio: one self-contained HTML page in which motion is made from texts on a timeline. It holds motionlang as
@@ -31276,6 +31562,283 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_VIEW_STUDIO_PAGE_IPP
 // Bodies of studio_page.hpp.
 
+#ifndef MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_SHARING_HPP  // <motionlang/view/detail/studio_page_sharing.hpp>
+#define MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_SHARING_HPP
+/// The source of the studio's page, continued: the project as a file, pictures and videos, examples to start from, and
+/// search. studio_page.hpp puts it between the parts of studio_page_source.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The project as one object, for the storage and for a file.
+inline constexpr std::string_view studio_script_whole = R"page(
+// ---- The whole project.
+
+const bounds = { timelines: 100, bars: 200, words: 1000, locks: 4 };
+/** Seeds whose variations are locked as soon as they are made, by the id of their timeline. */
+const wanted = new Map();
+const lockedSeeds = (id) => {
+  const made = (id === takesId ? takes : takesOf.get(id) || []).filter((t) => t.locked).map((t) => t.seed);
+  return [...new Set([...made, ...wanted.get(id) || []])].slice(0, bounds.locks);
+};
+const nameOfClip = (id) => /^clip (.*) \d+ \d+$/s.exec(id)?.[1] || id;
+
+/** All timelines with their seeds and locks, the settings, and the names of the files whose motions are kept. */
+const wholeProject = () => ({
+  motionlang: "studio project", version: 1, shown: sheet, settings: { keep: keeping, live, snap: snapping },
+  timelines: book.map((p) => ({ bars: p.bars, seconds: p.seconds, seed: p.seed, fast: p.fast,
+                                locked: lockedSeeds(p.id) })),
+  kept: [...new Set(book.map(clipOf).filter(Boolean).map((b) => nameOfClip(b.clip)))] });
+
+/** A timeline with nothing else in it. Throws an error that names the place. */
+function checkedTimeline(p, where) {
+  const fail = (words) => { throw new Error(`${where}: ${words}`); };
+  const finite = (value, name, most = Number.MAX_SAFE_INTEGER) =>
+    Number.isFinite(value) && value >= 0 && value <= most ? value : fail(`${name} is not a number from 0 to ${most}`);
+  if (!Array.isArray(p?.bars)) fail("it has no list of texts");
+  if (p.bars.length > bounds.bars) fail(`it has ${p.bars.length} texts, and the studio takes at most ${bounds.bars}`);
+  const seconds = finite(p.seconds, "its length", longest), locked = p.locked ?? [];
+  const bars = p.bars.map((b, i) => {
+    const at = `text ${i + 1}`;
+    if (typeof b?.text !== "string" || b.text.length > bounds.words) fail(`${at} has no words, or too many`);
+    if (!Array.isArray(b.parts) || !b.parts.every((name) => parts.includes(name))) fail(`${at}: unknown body parts`);
+    const made = { text: b.text, start: finite(b.start, `${at}: its start`, seconds),
+                   end: finite(b.end, `${at}: its end`, seconds), parts: [...b.parts] };
+    if (b.clip === undefined) return made;
+    if (typeof b.clip !== "string" || b.clip.length > bounds.words) fail(`${at}: its file has no name`);
+    const whole = finite(b.whole, `${at}: the length of its file`);
+    const from = finite(b.from, `${at}: its start in the file`, Math.max(whole - shortest, 0));
+    return { ...made, end: Math.min(made.end, made.start + whole - from), clip: b.clip, from, whole };
+  });
+  if (bars.filter((b) => b.clip).length > 1) fail("it keeps several motions, and the studio keeps one");
+  if (!Array.isArray(locked) || locked.length > bounds.locks) fail("its locked seeds are not a list of at most 4");
+  return { ...tidied({ bars, seconds, seed: finite(p.seed, "its seed"), fast: p.fast === true }),
+           locked: locked.map((seed) => Math.floor(finite(seed, "a locked seed"))) };
+}
+/** A project of a file or of the storage, with nothing else in it. Throws an error that names the place. */
+function checkedProject(found) {
+  if (found?.motionlang !== "studio project" || !Array.isArray(found.timelines))
+    throw new Error("it is not a project of the studio");
+  const { version, timelines, shown: number, settings } = found, count = timelines.length;
+  if (version !== 1) throw new Error(`its version is ${version}, and this studio knows version 1`);
+  if (count < 1 || count > bounds.timelines)
+    throw new Error(`it has ${count} timelines, and the studio takes 1 to ${bounds.timelines}`);
+  return { timelines: timelines.map((p, i) => checkedTimeline(p, `timeline ${i + 1}`)),
+           number: clamp(Math.floor(+number) || 0, 0, count - 1),
+           settings: { keep: settings?.keep !== false, live: settings?.live === true,
+                       snap: settings?.snap !== false } };
+}
+/** The project becomes this one. Its timelines get ids that none had before. */
+function takeProject({ timelines, number, settings }) {
+  book = timelines.map(({ locked, ...p }) => {
+    wanted.set(++lastId, locked);
+    return { ...p, id: lastId };
+  });
+  sheet = number;
+  project = book[sheet];
+  chosen = project.bars.length ? 0 : -1;
+  marked.clear();
+  ({ keep: keeping, live, snap: snapping } = settings);
+}
+/** The project of a file takes the place of the one that is here; undo brings that back. */
+async function openProject(words) {
+  let found;
+  try {
+    found = JSON.parse(words);
+  } catch (reason) {
+    throw new Error(`it is not JSON, or not all of it: ${reason.message}`);
+  }
+  const read = checkedProject(found), lacks = [];
+  for (const p of book) {  // the storage keeps files only of the project that is here
+    const id = clipOf(p)?.clip, file = id && !clips.has(id) && await shelf.get(id);
+    if (file) clips.set(id, file);
+  }
+  for (const p of read.timelines) {
+    const id = clipOf(p)?.clip;
+    if (id && !clips.has(id) && !await shelf.get(id)) lacks.push(nameOfClip(id));
+  }
+  edit(() => takeProject(read));
+  const count = read.timelines.length;
+  say(`${count === 1 ? "A timeline is" : `${count} timelines are`} open. Undo brings back what was here.` +
+    (lacks.length ? ` Also drop ${[...new Set(lacks)].join(", ")}, whose motion is kept.` : ""));
+}
+)page";
+
+/// Pictures, videos and examples.
+inline constexpr std::string_view studio_script_sharing = R"page(
+// ---- The project as a file.
+
+press("saveProject", async () => {
+  try {
+    await keepFile(`${fileName()}_project.json`, new TextEncoder().encode(JSON.stringify(wholeProject(), null, 1)),
+                   "application/json");
+  } catch (reason) {
+    say(reason.message, true);
+  }
+});
+
+// ---- Pictures and videos of the view.
+
+/** The figure as it is shown, with two pixels for one of the page. */
+async function savePicture() {
+  const usual = quality;
+  quality = 2 / Math.min(devicePixelRatio || 1, 2);
+  render();
+  const made = new Promise((resolve) => view.toBlob(resolve, "image/png"));  // the pixels are gone after this task
+  quality = usual;
+  refresh();
+  const picture = await made;
+  if (!picture) throw new Error("this browser makes no picture of the view");
+  await keepFile(fileName() + ".png", new Uint8Array(await picture.arrayBuffer()), "image/png");
+}
+/** Records the view while the motion plays once. A pause ends the video there. */
+const saveVideo = () => work("Recording the video.", async () => {
+  const type = ["video/webm", "video/mp4"].find((t) => globalThis.MediaRecorder?.isTypeSupported(t));
+  if (!type || !view.captureStream) throw new Error("this browser records no video");
+  const usual = { looping, speed, playing, time }, blocks = [], stream = view.captureStream();
+  const recorder = new MediaRecorder(stream, { mimeType: type, videoBitsPerSecond: 6e6 });
+  const pause = () => new Promise((resolve) => setTimeout(resolve, 50));
+  const stand = async (count) => {  // pictures that stand: browsers may lose the first and the last ones
+    for (let i = 0; i < count && !cancelled; ++i) render(), await pause();
+  };
+  let cancelled = false, length = 0;
+  const ended = new Promise((resolve, reject) => {
+    recorder.onstop = resolve;
+    recorder.onerror = ({ error }) => reject(error);
+  });
+  recorder.ondataavailable = ({ data }) => blocks.push(data);
+  making.cancel = () => { cancelled = true; };
+  [looping, speed, quality] = [false, 1, Math.max(quality, 1)];
+  play(false);
+  seek(0);
+  render();
+  steady = true;
+  try {
+    const began = performance.now();
+    recorder.start();
+    await stand(4);
+    play(true);
+    while (playing && !cancelled) {
+      element("progress").value = time / clip.seconds;
+      element("left").textContent = `${time.toFixed(1)} of ${clip.seconds.toFixed(1)} s`;
+      await pause();
+    }
+    await stand(4);
+    recorder.stop();
+    length = performance.now() - began;
+    await ended;
+  } finally {
+    steady = false;
+    stream.getTracks().forEach((track) => track.stop());
+    ({ looping, speed } = usual);
+    seek(usual.time);
+    play(usual.playing);
+  }
+  if (cancelled) throw Object.assign(new Error("cancelled"), { cancelled: true });
+  const bytes = new Uint8Array(await new Blob(blocks).arrayBuffer());
+  const name = fileName() + type.replace("video/", ".");
+  await keepFile(name, bytes, type);
+  const where = engine.folder ? " in the project's folder" : "";
+  return `${name}${where}: ${(length / 1000).toFixed(1)} s, ${Math.ceil(bytes.length / 1000)} kB.`;
+});
+
+// ---- Examples to start from: a name, a seed, and texts with their times. The bundled model does all of them well.
+
+const arms = ["left arm", "right arm"];
+const gallery = [
+  ["Walk and raise both arms", 7, ["walk forward", 0, 6, "legs"], ["raise both arms", 2, 5, ...arms]],
+  ["Sit down, stand up", 7, ["walk forward", 0, 3], ["sit down", 3, 5.5], ["stand up", 5.5, 8]],
+  ["There and back", 7, ["walk forward", 0, 3], ["turn left", 3, 5], ["walk forward", 5, 8]],
+  ["Run and jump", 7, ["run forward", 0, 3], ["jump forward", 3, 5], ["run forward", 5, 8]],
+  ["Bend and step back", 7, ["walk forward", 0, 3], ["bend forward", 3, 5.5], ["walk backwards", 5.5, 8.5]],
+  ["Morning exercise", 7, ["raise both arms", 0, 2], ["bend forward", 2, 4.5], ["jog in place", 4.5, 7.5]],
+  ["Greet while walking", 7, ["walk slowly", 0, 7, "legs", "spine", "head"],
+   ["raise the right arm", 1, 3.5, "right arm"], ["raise the left arm", 3.5, 6, "left arm"]],
+  ["Point the way", 7, ["walk forward", 0, 3], ["point at something", 3, 6], ["turn right", 6, 8]],
+  ["Backflip", 7, ["stand still", 0, 2], ["backflip", 2, 5], ["raise both arms", 5, 7]],
+  ["Jog and fall", 7, ["jog forward", 0, 4], ["fall down", 4, 7]]];
+const exampleOf = ([, seed, ...texts]) => tidied({
+  bars: texts.map(([words, start, end, ...names]) => ({ text: words, start, end, parts: names })),
+  seconds: Math.max(...texts.map(([, , end]) => end)), seed, fast: project.fast });
+element("examples").append(...gallery.map(([name], i) => new Option(name, i)));
+/** Opens beside what is there; an example that nobody has changed gives its place to another. */
+element("examples").addEventListener("change", async ({ target }) => {
+  const made = exampleOf(gallery[+target.value]);
+  const untouched = gallery.some((one) => linkOf(exampleOf(one)) === linkOf(project));
+  target.value = "";
+  if (untouched) {
+    edit((p) => {
+      Object.assign(p, made);
+      marked.clear();
+      chosen = 0;
+    });
+  } else {
+    addSheet(made);
+  }
+  seek(0);
+  if (!making) await generate();
+});
+
+// ---- Search in the project's folder, which the server does.
+
+let sought = 0;  // searches so far
+function showIndexed(done, total) {
+  element("findSays").textContent = `Reading the folder: ${done} of ${total} files.`;
+}
+press("find", () => {
+  const can = engine.folder && engine.search;
+  element("findHelp").hidden = can;
+  element("findForm").hidden = !can;
+  element("findDialog").showModal();
+  if (can) element("sought").select();
+});
+press("findClose", () => element("findDialog").close());
+element("findForm").addEventListener("submit", async (event) => {
+  event.preventDefault();
+  const words = element("sought").value.trim(), mine = ++sought;
+  if (!words) return;
+  const answer = (line) => { if (mine === sought) element("findSays").textContent = line; };
+  answer("Searching.");
+  try {
+    const { moments, shows, unknown, clips: count, skipped } = await engine.ask("search", { words, count: 12 });
+    if (mine !== sought) return;
+    const many = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
+    answer((count === 0 ? "The folder has no motion that can be searched."
+      : shows ? `The nearest moments of ${many(count, "clip")}.` : "Nothing shows this. The nearest moments:") +
+      (unknown.length ? ` The model does not know: ${unknown.join(", ")}.` : "") +
+      (skipped ? ` ${many(skipped, "file")} could not be read.` : ""));
+    element("found").replaceChildren();
+    for (const moment of moments) {
+      const item = text("li", "", element("found")), button = text("button", "Keep", item);
+      const about = `${moment.name}, ${shown(moment.start)} to ${shown(moment.end)}`;
+      button.type = "button";
+      button.setAttribute("aria-label", `Keep ${about}`);
+      item.append(" ", about);
+      text("small", `${Math.round(100 * moment.score)} %`, item);
+      button.addEventListener("click", () => keepFound(moment));
+    }
+  } catch (reason) {
+    if (!reason.cancelled) answer(reason.message);
+  }
+});
+/** Puts a moment on the timeline, with some time before and after it to which its bar can be drawn out. */
+async function keepFound({ number }) {
+  try {
+    const { name, bytes, from, seconds } = await engine.ask("moment", { motion: number });
+    await keepMotion(new File([unpackedBytes(bytes)], name), { from, seconds });
+    element("findDialog").close();
+  } catch (reason) {
+    if (!reason.cancelled) element("findSays").textContent = reason.message;
+  }
+}
+)page";
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_SOURCE_HPP  // <motionlang/view/detail/studio_page_source.hpp>
 #define MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_SOURCE_HPP
 /// The source of the studio's page: style, elements, program. studio_page.hpp puts the parts between them. The program
@@ -31290,7 +31853,9 @@ inline constexpr std::string_view studio_style = R"page(
 [hidden] { display: none !important; }
 body { overflow: hidden; }
 header { align-items: center; padding: 7px 16px; background: var(--panel); border-bottom: 1px solid var(--line); }
-nav { display: flex; flex-wrap: wrap; gap: 6px; align-items: center; margin-left: auto; }
+nav { display: flex; flex-wrap: wrap; gap: 4px; align-items: center; margin-left: auto; }
+nav button, nav select { padding: 4px 7px; }
+#info { display: none; }
 button { cursor: pointer; }
 button:disabled { cursor: default; }
 input, textarea {
@@ -31366,7 +31931,13 @@ footer { padding: 6px 16px 8px; }
   position: absolute; right: 4px; top: 4px; min-height: 24px; padding: 0 6px; font-size: 12px;
 }
 #takes .old canvas { opacity: 0.45; }
-#sheet { max-width: 150px; }
+#sheet { max-width: 120px; }
+#examples { width: 110px; }
+#kind, #folder { width: 98px; }
+#found { margin: 0 0 10px; padding-left: 26px; max-height: 44vh; overflow-y: auto; }
+#found li { margin: 4px 0; }
+#found small { color: var(--faint); margin-left: 8px; }
+#sought { flex: 1; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 16px; }
 dt { font-weight: 600; }
 dd { margin: 0; }
@@ -31398,22 +31969,26 @@ dialog::backdrop { background: rgb(0 0 0 / 0.4); }
 inline constexpr std::string_view studio_header = R"page(
 <header><h1 id="title"></h1><span id="info"></span>
   <nav aria-label="Project">
+    <select id="examples" aria-label="Examples to start from"><option value="">Examples</option></select>
     <select id="sheet" aria-label="Timeline of the project"></select>
     <button id="fresh" type="button">New</button>
     <button id="drop" type="button" aria-label="Remove this timeline">Remove</button>
     <button id="undo" type="button" title="Ctrl+Z">Undo</button>
     <button id="redo" type="button" title="Ctrl+Shift+Z">Redo</button>
-    <button id="open" type="button" title="A motion to keep, a character or a timeline">Open</button>
+    <button id="open" type="button" title="A project, a timeline, a motion to keep or a character">Open</button>
     <select id="folder" aria-label="File in the project's folder" hidden></select>
-    <input id="file" type="file" accept=".txt,.bvh,.glb,.gltf,.vrm,.vrma,.npz,.npy" hidden>
+    <input id="file" type="file" accept=".txt,.json,.bvh,.glb,.gltf,.vrm,.vrma,.npz,.npy" hidden>
+    <button id="find" type="button" title="Find a motion by words">Find</button>
     <button id="write" type="button">Text</button>
-    <button id="link" type="button">Copy link</button>
+    <button id="link" type="button" title="Copy a link to this timeline">Link</button>
+    <button id="saveProject" type="button" title="All timelines and settings in one file">Save project</button>
     <select id="kind" aria-label="Kind of file">
       <option value=".bvh">BVH</option><option value=".glb">GLB</option><option value=".vrma">VRMA</option>
       <option value=".npz">AMASS .npz</option><option value=".npy">joints .npy</option>
       <option value=".html">viewer page</option><option value=".svg">film strip</option>
+      <option value=".png">picture PNG</option><option value=".webm">video WebM</option>
     </select>
-    <button id="save" type="button" disabled>Save motion</button>
+    <button id="save" type="button" disabled>Save</button>
     <button id="keysHelp" type="button" aria-label="Keys" title="?">?</button>
   </nav>
 </header>
@@ -31486,12 +32061,24 @@ inline constexpr std::string_view studio_dialog = R"page(
   <div class="line"><button id="apply" class="main" type="button">Apply</button>
     <button id="saveText" type="button">Save file</button><button id="close" type="button">Close</button></div>
 </dialog>
+<dialog id="findDialog" aria-labelledby="aboutFind">
+  <h2 id="aboutFind">Find a motion</h2>
+  <p id="findHelp">Searching needs the program: its model does not fit into this file. Start
+    <code>motionlang studio --project FOLDER</code> and open its link. Then words find moments in the motions of that
+    folder.</p>
+  <form id="findForm" class="line" hidden>
+    <input id="sought" maxlength="200" autocomplete="off" aria-label="What the person does">
+    <button class="main">Find</button></form>
+  <p id="findSays" role="status"></p>
+  <ol id="found" aria-label="What was found"></ol>
+  <button id="findClose" type="button">Close</button>
+</dialog>
 <dialog id="keysDialog" aria-labelledby="aboutKeys">
   <h2 id="aboutKeys">Keys</h2>
   <dl>
     <dt>Left, right</dt><dd>move the chosen bars; with Shift the end of one, with Ctrl its start</dd>
     <dt>Up, down</dt><dd>move a bar to another body part</dd>
-    <dt>N, Enter, Delete</dt><dd>add a text, edit its words, delete</dd>
+    <dt>N, Enter, Delete</dt><dd>add a text behind the chosen one, edit its words, delete</dd>
     <dt>Ctrl+D, X</dt><dd>duplicate; split at the cursor</dd>
     <dt>S, Ctrl+A, Escape</dt><dd>choose a bar as well, all bars, one bar</dd>
     <dt>+, &minus;, 0, G</dt><dd>zoom in, out, show all; snap</dd>
@@ -31669,12 +32256,14 @@ const example = {
   bars: [{ text: "walk forward", start: 0, end: 6, parts: ["legs"] },
          { text: "raise both arms", start: 2, end: 5, parts: ["left arm", "right arm"] }],
   seconds: 6, seed: 7, fast: false };
+let zoom = 1, snapping = true, live = false, keeping = true;
 
 // The timelines of the project, and the one that is edited. A bar with `clip` is a stretch of a motion to keep: it
 // begins `from` seconds after the start of that motion.
 let book = [structuredClone(example)], sheet = 0, project = book[0], chosen = 0;
 const marked = new Set();  // bars that are chosen besides `chosen`
 const past = [], future = [];
+let lastId = 1;  // of the timelines that there were
 let lastKey = null;  // the key of the latest edit: edits with the same key are undone together
 
 const rounded = (seconds) => Math.round(1000 * seconds) / 1000;
@@ -31685,7 +32274,7 @@ function tidied(p) {
   for (const bar of p.bars) {
     bar.start = clamp(rounded(+bar.start) || 0, 0, p.seconds - shortest);
     bar.end = clamp(rounded(+bar.end) || 0, bar.start + shortest, p.seconds);
-    bar.text = String(bar.text).replace(/[#\r\n]+/g, " ");
+    bar.text = String(bar.text).replace(/[#\r\n]+/g, " ").slice(0, bounds.words);
     bar.parts = parts.filter((name) => bar.parts.includes(name));
     if (bar.parts.length === parts.length) bar.parts = [];  // all: the whole body
   }
@@ -31699,6 +32288,12 @@ function edit(change, key = null) {
   tidied(project);
   book[sheet] = project;
   if (snapshot() === old) return;
+  if (book.length > bounds.timelines || project.bars.length > bounds.bars) {
+    ({ book, sheet, chosen } = JSON.parse(old));
+    project = book[sheet];
+    marked.clear();
+    return say(`A project has at most ${bounds.timelines} timelines, and each at most ${bounds.bars} texts.`, true);
+  }
   if (key === null || key !== lastKey) past.push(old);
   lastKey = key;
   future.length = 0;
@@ -31753,29 +32348,36 @@ const linkOf = (p) =>
 /** All that decides which motion a timeline has. */
 const keyOf = (p) => linkOf(p) + (clipOf(p) ? JSON.stringify(clipOf(p)) : "");
 const place = "motionlang studio";  // in the browser's storage
-function store() {
-  const link = linkOf(project);
+function store(leaving = false) {
+  const link = linkOf(project), links = [link];
+  if (leaving) links.push(location.hash);  // a reload comes with the address before the latest edit
   try {
     history.replaceState(null, "", link);
-    localStorage.setItem(place, JSON.stringify({ book, sheet, link }));
+    localStorage.setItem(place, JSON.stringify({ ...wholeProject(), links }));
   } catch (reason) {
     console.info("the browser keeps no project:", reason.message);
   }
 }
-/** Takes the project of the last visit, and returns the link that it had; null if there is none. */
+/** Takes the project of the last visit, and returns the links that it had. */
 function restore() {
   try {
-    const { book: kept, sheet: number, project: only, link } = JSON.parse(localStorage.getItem(place)) || {};
-    const all = kept || (only ? [only] : []);
-    if (all.length === 0 || !all.every((p) => Array.isArray(p.bars))) return null;
-    book = all.map(tidied);
-    book.forEach((p, i) => { p.id = i + 1; });
-    sheet = clamp(number || 0, 0, book.length - 1);
-    project = book[sheet];
-    return link;
+    const words = localStorage.getItem(place);
+    if (!words) return [];
+    try {
+      const kept = JSON.parse(words), marks = { motionlang: "studio project", version: 1 };
+      const { book: older, sheet: number, project: only } = kept;  // as earlier studios stored it
+      const all = older || (only && [only]);
+      const read = checkedProject(all ? { ...marks, timelines: all, shown: number } : kept);
+      lastId = 0;
+      takeProject(read);
+      return kept.links || [kept.link];
+    } catch (reason) {
+      localStorage.setItem(place + ", not read", words);
+      throw reason;
+    }
   } catch (reason) {
     console.info("the browser has no project:", reason.message);
-    return null;
+    return [];
   }
 }
 
@@ -31888,8 +32490,9 @@ class ServerEngine {
     this.has = new Set();
     this.life = {};
     this.stop = new AbortController();
-    this.ready = this.ask("load").then(({ folder, steps }) => {
+    this.ready = this.ask("load").then(({ folder, search, steps }) => {
       this.folder = folder;
+      this.search = search;
       const list = element("steps"), [usual, fast] = list.options;
       usual.text = "as the model asks";
       fast.disabled = steps < 10;
@@ -31916,7 +32519,7 @@ class ServerEngine {
           const line = JSON.parse(text.slice(0, end));
           if ("error" in line) throw new Error(line.error);
           if ("value" in line) return kind === "save" && !about.id ? unpackedBytes(line.value) : line.value;
-          if ("done" in line) this.onprogress(line);
+          if ("done" in line) this.onprogress({ ...line, kind });
         }
       }
     } catch (reason) {
@@ -31938,7 +32541,6 @@ inline constexpr std::string_view studio_script_look = R"page(
 let making = null;  // what is generated now: { began }
 let motions = 0, warned = [];  // number of motions so far, warnings
 let opened = 0, took = 0;  // seconds from opening to the first motion, and of the latest one
-let zoom = 1, snapping = true, live = false, keeping = true;
 const bar = () => project.bars[chosen];
 /** The numbers of the bars that are chosen, in their order. */
 const selected = () => [...new Set([...marked, chosen])].filter((i) => project.bars[i]).sort((a, b) => a - b);
@@ -31949,7 +32551,8 @@ function say(words, wrong = false) {
   element("status").textContent = words;
   element("status").classList.toggle("wrong", wrong);
 }
-const engine = new Engine(({ done, total }) => {
+const engine = new Engine(({ done, total, kind }) => {
+  if (kind === "search") return showIndexed(done, total);
   if (!making) return;
   const spent = (performance.now() - making.began) / 1000, left = spent / done * (total - done);
   element("progress").value = done / total;
@@ -32086,7 +32689,10 @@ function edited() {
   clearTimeout(beginning);
   if (live) beginning = setTimeout(() => { if (isStale()) generate(); }, 600);
 }
-addEventListener("pagehide", store);
+addEventListener("pagehide", () => {
+  clearTimeout(checking);
+  store(true);
+});
 /** Asks for warnings. While a motion is made they come after it. */
 async function check() {
   const { lines, bars } = timelineOf(project);
@@ -32171,7 +32777,7 @@ async function orderOf(p, from, beyond) {
   let stretch = null;
   if (kept) {
     const file = clips.get(kept.clip) || await shelf.get(kept.clip);
-    if (!file) throw new Error(`${kept.text}: the file is no longer here`);
+    if (!file) throw new Error(`Drop ${nameOfClip(kept.clip)} on the page again: this timeline keeps its motion.`);
     clips.set(kept.clip, file);
     if (!engine.has.has(kept.clip)) await engine.ask("read", { id: kept.clip, name: file.name, bytes: file.bytes });
     engine.has.add(kept.clip);
@@ -32197,6 +32803,11 @@ async function makeTake(p, whole) {
 }
 let spare = [];  // takes of other timelines and seeds, the newest first, for those who come back
 function put(take) {
+  const locks = wanted.get(take.project.id) || [];
+  if (locks.includes(take.seed)) {
+    take.locked = true;
+    wanted.set(take.project.id, locks.filter((seed) => seed !== take.seed));
+  }
   const at = takes.findIndex((t) => t.seed === take.seed && !t.locked);
   if (at >= 0) spare.unshift(takes[at]), takes[at] = take;
   else if (takes.length < 4) takes.push(take);
@@ -32226,6 +32837,7 @@ async function work(words, task) {
 }
 const generate = (whole = false) => work("Generating.", async () => {
   const began = performance.now(), first = motions === 0, asked = structuredClone(project);
+  turnTakes();
   const take = await makeTake(asked, whole);
   put(take);
   ++motions;
@@ -32245,10 +32857,15 @@ const vary = () => work("Making variations.", async () => {
   const kept = takes.filter((t) => t.locked || t === shownTake);
   spare.unshift(...takes.filter((t) => !kept.includes(t)));
   takes = kept;
+  const isNew = (s) => takes.every((t) => t.seed !== s);
   while (takes.length < 4) {
-    do ++seed; while (takes.some((t) => t.seed === seed));
+    let next = (wanted.get(base.id) || []).find(isNew);  // locked when the project was saved
+    if (next === undefined) {
+      do ++seed; while (!isNew(seed));
+      next = seed;
+    }
     making.began = performance.now();
-    put(await makeTake({ ...base, seed }, false));
+    put(await makeTake({ ...base, seed: next }, false));
     ++motions;
     say(`${++made} made.`);
     drawTakes();
@@ -32261,15 +32878,20 @@ async function shelve() {
   const names = [...new Set(book.flatMap((p) => [keyOf(p), clipOf(p)?.clip]).filter(Boolean))];
   const { key, record, exact, project: of } = shownTake;
   if (record instanceof ArrayBuffer) await shelf.put(key, { record, exact, project: of });
+  const there = await shelf.use("readonly", (things) => things.getAllKeys()) || [];
+  for (const name of names) if (clips.has(name) && !there.includes(name)) await shelf.put(name, clips.get(name));
   await shelf.keep(names);
+}
+/** The takes become those of the timeline that is edited. Returns whether it was another one. */
+function turnTakes() {
+  if (takesId === project.id) return false;
+  takesOf.set(takesId, takes);
+  takes = takesOf.get(takesId = project.id) || [];
+  return true;
 }
 /** After an undo or on another timeline: the take that was made of it, if it is still here. */
 function showKnownTake() {
-  const other = takesId !== project.id;
-  if (other) {
-    takesOf.set(takesId, takes);
-    takes = takesOf.get(takesId = project.id) || [];
-  }
+  const other = turnTakes();
   if (making) return;
   const key = keyOf(project), take = [...takes, ...spare].find((t) => t.key === key && t.data);
   if (take && take !== shownTake) show(take);
@@ -32485,6 +33107,21 @@ function addBar(row, from) {
   element("words").focus();
   element("words").select();
 }
+/** A text behind the chosen bar, of the same body parts; without one, at the cursor. The timeline becomes longer if it
+    has to. */
+function addNext() {
+  const last = bar();
+  if (!last || last.end + shortest > longest) return addBar(rows[0], time);
+  edit((p) => {
+    const start = last.end, end = Math.min(start + 2, longest);
+    p.seconds = Math.max(p.seconds, end);
+    marked.clear();
+    chosen = p.bars.push({ text: "stand still", start, end, parts: [...last.parts] }) - 1;
+  });
+  seek(last.end);
+  element("words").focus();
+  element("words").select();
+}
 function removeBars() {
   if (!bar()) return;
   edit((p) => {
@@ -32550,6 +33187,7 @@ lanes.addEventListener("pointerdown", (event) => {
   const i = +e.dataset.bar, side = event.target.classList;
   const mode = side.contains("from") ? "from" : side.contains("to") ? "to" : "move", key = `drag ${performance.now()}`;
   const firstRow = e.parentElement.dataset.row;
+  const gap = e.getBoundingClientRect().right - event.clientX;  // from the mouse to the end of the bar
   if (event.ctrlKey || event.metaKey || event.shiftKey) {
     choose(i, true);
     return;
@@ -32558,8 +33196,9 @@ lanes.addEventListener("pointerdown", (event) => {
   const group = mode === "move" ? selected() : [i], before = structuredClone(project.bars), from = before[i];
   lanes.querySelector(`[data-bar="${i}"][tabindex]`).focus({ preventScroll: true });
   lanes.setPointerCapture(event.pointerId);
-  let dragged = false;
+  let dragged = false, latest = event;
   const drag = (moved) => {
+    latest = moved;
     const way = (moved.clientX - event.clientX) * project.seconds / lanes.clientWidth;
     if (Math.hypot(moved.clientX - event.clientX, moved.clientY - event.clientY) < 4 && !dragged) return;
     dragged = true;
@@ -32574,7 +33213,10 @@ lanes.addEventListener("pointerdown", (event) => {
         b.start = clamp(snapped(from.start + way, group), b.clip ? from.start - from.from : 0, from.end - shortest);
         if (b.clip) b.from = from.from + b.start - from.start;
       }
-      if (mode === "to") b.end = Math.max(snapped(from.end + way, group), from.start + shortest);
+      if (mode === "to") {
+        const area = lanes.getBoundingClientRect(), at = (moved.clientX + gap - area.left) / area.width * p.seconds;
+        b.end = Math.max(snapped(at, group), from.start + shortest);
+      }
       if (b.clip) b.end = Math.min(b.end, b.start + b.whole - b.from);
       if (mode !== "move") return;
       const start = snapped(from.start + way, group), end = snapped(from.end + way, group);
@@ -32584,7 +33226,18 @@ lanes.addEventListener("pointerdown", (event) => {
       if (row && row !== firstRow && group.length === 1) setParts(b, row);
     }, key);
   };
+  /** An end that is held beyond the right edge makes the timeline longer. */
+  const growth = setInterval(() => {
+    if (mode !== "to" || !dragged || latest.clientX + gap < lanes.getBoundingClientRect().right + 4) return;
+    edit((p) => {
+      const b = p.bars[i];
+      if (b.clip && b.end + 0.1 > b.start + b.whole - b.from) return;
+      p.seconds = Math.max(p.seconds, Math.min(b.end + 0.1, longest));
+      b.end = Math.min(b.end + 0.1, longest);
+    }, key);
+  }, 50);
   const stop = () => {
+    clearInterval(growth);
     lanes.removeEventListener("pointermove", drag);
     if (!dragged && marked.size) chooseOne();
     lastKey = null;
@@ -32627,6 +33280,7 @@ lanes.addEventListener("keydown", (event) => {
       const b = p.bars[i];
       if (event.shiftKey) {
         b.end = Math.max(b.end + way, b.start + shortest);
+        p.seconds = Math.max(p.seconds, Math.min(b.end, longest));
         if (b.clip) b.end = Math.min(b.end, b.start + b.whole - b.from);
       } else if (event.ctrlKey) {
         const start = Math.min(Math.max(b.start + way, b.clip ? b.start - b.from : 0), b.end - shortest);
@@ -32696,10 +33350,11 @@ field("from", () => {
   if (b.clip) b.from += start - b.start;
   b.start = start;
 });
-field("to", () => {
+field("to", (p) => {
   const b = bar();
   b.end = Math.max(number("to"), b.start + shortest);
   if (b.clip) b.end = Math.min(b.end, b.start + b.whole - b.from);
+  p.seconds = Math.max(p.seconds, Math.min(b.end, longest));
 });
 field("length", (p) => { p.seconds = number("length"); });
 field("seed", (p) => { p.seed = number("seed"); });
@@ -32720,11 +33375,12 @@ press("redo", redo);
 press("duplicate", duplicateBars);
 press("remove", removeBars);
 press("split", splitBars);
-press("add", () => addBar(rows[0], time));
+press("add", addNext);
 press("generate", () => generate());
 press("whole", () => generate(true));
 press("vary", vary);
 press("cancel", () => {
+  if (making?.cancel) return making.cancel();
   engine.cancel();
   check();
 });
@@ -32741,8 +33397,7 @@ press("zoomOut", () => setZoom(zoom / 2));
 /** Another timeline in the project. */
 function addSheet(made) {
   edit((p) => {
-    const id = 1 + Math.max(...book.map((q) => q.id));
-    book.push(tidied({ ...made, id }));
+    book.push(tidied({ ...made, id: ++lastId }));
     sheet = book.length - 1;
     project = book[sheet];
     marked.clear();
@@ -32776,9 +33431,19 @@ function offer(name, bytes, type) {
 function fileName() {
   return plain(project.bars.map((b) => b.text.trim()).filter(Boolean)[0] || "motion");
 }
+/** A file in the project's folder of the server, or among the person's downloads. */
+async function keepFile(name, bytes, type) {
+  if (!engine.folder) return offer(name, bytes, type);
+  await engine.ask("store", { name, bytes });
+  await listFolder();
+  say(`${name} is in the project's folder.`);
+}
 press("save", async () => {
   const format = element("kind").value;
+  if (making) return say("Wait until the motion is made, then save.");
+  if (format === ".webm") return saveVideo();
   try {
+    if (format === ".png") return await savePicture();
     const motion = await held(shownTake), name = fileName() + format;
     if (engine.folder) {
       await engine.ask("save", { motion, format, character, id: name });
@@ -32836,24 +33501,32 @@ press("saveText", async () => {
 press("keysHelp", () => element("keysDialog").showModal());
 press("keysClose", () => element("keysDialog").close());
 
-/** A motion of a file is kept in the timeline, at the cursor or from the start, in place of one that was kept. */
-async function keepMotion(file) {
+/** A motion of a file is kept in the timeline, at the cursor or from the start, in place of one that was kept. With
+    `part`, { from, seconds }, only that is kept. A file that the project lacked is only given back to it. */
+async function keepMotion(file, part = null) {
   const bytes = await file.arrayBuffer(), name = file.name;
   const sum = new Uint8Array(bytes).reduce((all, b) => Math.imul(all ^ b, 16777619), 2166136261) >>> 0;
   const id = `clip ${name} ${bytes.byteLength} ${sum}`;
   const { seconds, notes } = await engine.ask("read", { id, name, bytes });
   engine.has.add(id);
+  const missing = book.some((p) => clipOf(p)?.clip === id) && !clips.has(id) && !await shelf.get(id);
   clips.set(id, { name, bytes, seconds });
   await shelf.put(id, { name, bytes, seconds });
+  if (missing) {
+    say(`${name} is here again.`);
+    if (isStale() && clipOf(project)?.clip === id) await generate();
+    return;
+  }
+  const taken = part || { from: 0, seconds };
   edit((p) => {
     const start = time + shortest < p.seconds && shownTake && time > 0.3 ? Math.round(20 * time) / 20 : 0;
-    const end = Math.min(start + seconds, longest), text = name.replace(/\.[^.]*$/, "");
+    const end = Math.min(start + taken.seconds, longest), text = name.replace(/\.[^.]*$/, "");
     p.seconds = Math.max(p.seconds, rounded(end));
     p.bars = p.bars.filter((b) => !b.clip);
     marked.clear();
-    chosen = p.bars.push({ text, start, end, parts: [], clip: id, from: 0, whole: seconds }) - 1;
+    chosen = p.bars.push({ text, start, end, parts: [], clip: id, from: taken.from, whole: seconds }) - 1;
   });
-  say([`${name}: ${seconds.toFixed(1)} s are kept.`, notes].filter(Boolean).join(" "));
+  say([`${name}: ${taken.seconds.toFixed(1)} s are kept.`, notes].filter(Boolean).join(" "));
 }
 /** The character of a file shows the motion. */
 async function showOn(file) {
@@ -32874,7 +33547,10 @@ async function take(file, asCharacter) {
   try {
     const kind = file.name.slice(file.name.lastIndexOf(".")).toLowerCase();
     if (file.size > 64e6) throw new Error("it is larger than 64 MB");
-    if (kind === ".vrm" || (asCharacter && [".glb", ".gltf"].includes(kind))) {
+    if (kind === ".json") {
+      if (file.size > 2e6) throw new Error("it is too large for a project");
+      await openProject(await file.text());
+    } else if (kind === ".vrm" || (asCharacter && [".glb", ".gltf"].includes(kind))) {
       await showOn(file);
     } else if ([".bvh", ".glb", ".gltf", ".vrma", ".npz", ".npy"].includes(kind)) {
       try {
@@ -32883,9 +33559,11 @@ async function take(file, asCharacter) {
         if (![".glb", ".gltf"].includes(kind) || !/animation/.test(reason.message)) throw reason;
         await showOn(file);
       }
-    } else {
+    } else if (kind === ".txt") {
       if (file.size > 100000) throw new Error("it is too large for a timeline");
       await readTimeline(await file.text());
+    } else {
+      throw new Error("the studio reads .bvh, .glb, .gltf, .vrma, .vrm, .npz, .npy, timelines .txt, projects .json");
     }
   } catch (reason) {
     if (!reason.cancelled) say(`${file.name}: ${reason.message}`, true);
@@ -32917,21 +33595,21 @@ addEventListener("dragover", (event) => {
   if (event.dataTransfer.types.includes("Files")) event.preventDefault();
 });
 addEventListener("drop", async (event) => {
-  const file = event.dataTransfer.files[0];
-  if (!file) return;
+  const files = [...event.dataTransfer.files], asCharacter = event.shiftKey;
+  if (files.length === 0) return;
   event.preventDefault();  // the page stays
-  await take(file, event.shiftKey);
+  for (const file of files) await take(file, asCharacter);
 });
 
 addEventListener("keydown", (event) => {
-  if (element("dialog").open || element("keysDialog").open) return;
+  if (document.querySelector("dialog[open]")) return;
   const key = event.key.toLowerCase(), held = event.ctrlKey || event.metaKey;
   const writes = takesText(event.target);
   const action = held
     ? { z: event.shiftKey ? redo : undo, y: redo, d: duplicateBars, enter: () => generate(event.shiftKey),
         ...(!writes && { a: chooseAll }) }[key]
     : writes || event.altKey || event.target.tagName === "SELECT" ? null
-    : { escape: chooseOne, n: () => addBar(rows[0], time), g: () => element("snap").click(), v: vary,
+    : { escape: chooseOne, n: addNext, g: () => element("snap").click(), v: vary,
         k: () => lockTake(shownTake), x: event.defaultPrevented ? null : splitBars,
         "?": () => element("keysHelp").click(), 0: () => setZoom(1),
         ...(event.target !== view && { "+": () => setZoom(2 * zoom), "-": () => setZoom(zoom / 2) }),
@@ -32982,7 +33660,7 @@ addEventListener("hashchange", async () => {
 window.motionlang = Object.freeze({
   state: () => ({
     ...playerState(), project: structuredClone(project), chosen, selected: selected(),
-    timeline: timelineOf(project).lines, sheet, timelines: book.length, motions, opened, took,
+    timeline: timelineOf(project).lines, sheet, timelines: book.length, motions, opened, took, whole: wholeProject(),
     making: making !== null, stale: isStale(), zoom, snapping,
     warnings: structuredClone(warned), undos: past.length, redos: future.length, character: character && character.name,
     takes: takes.map(({ seed, locked, key, reuse, exact }) => ({ seed, locked, key, reuse, exact })),
@@ -32993,10 +33671,10 @@ window.motionlang = Object.freeze({
 
 async function begin() {
   element("title").textContent = page.title;
-  element("info").textContent = `motionlang ${page.version}`;
+  element("title").title = `motionlang ${page.version}`;
   const says = text("span", "", element("stage"));
   says.id = "says";
-  const kept = restore(), linked = location.hash.length > 1 && kept !== location.hash;
+  const kept = restore(), linked = location.hash.length > 1 && !kept.includes(location.hash);
   takesId = project.id;
   showClip(new Clip(page.rest));
   camera.reset(clip);
@@ -33074,15 +33752,15 @@ MOTIONLANG_BODY std::string studio_html(const StudioParts& parts) {
     if (bytes.empty()) return std::string();
     return concat_text("<script type=\"text/plain\" id=\"", id, "\">", seven_bit_text(bytes), "</script>\n");
   };
-  return self_contained_page(
-      parts.title, concat_text(page_colours, viewer_style, studio_style),
-      concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel, "</div>\n<footer>", viewer_controls,
-                  studio_timeline, "</footer>\n", studio_dialog, packed("code", parts.code),
-                  packed("model", parts.model)),
-      page,
-      {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project, studio_script_engine,
-       studio_script_look, studio_script_takes, studio_script_aids, studio_script_edits, studio_script_files},
-      parts.asks_server ? "; connect-src 'self'" : " 'wasm-unsafe-eval'; worker-src blob:");
+  return self_contained_page(parts.title, concat_text(page_colours, viewer_style, studio_style),
+                             concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel,
+                                         "</div>\n<footer>", viewer_controls, studio_timeline, "</footer>\n",
+                                         studio_dialog, packed("code", parts.code), packed("model", parts.model)),
+                             page,
+                             {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project,
+                              studio_script_whole, studio_script_engine, studio_script_look, studio_script_takes,
+                              studio_script_aids, studio_script_edits, studio_script_sharing, studio_script_files},
+                             parts.asks_server ? "; connect-src 'self'" : " 'wasm-unsafe-eval'; worker-src blob:");
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -6171,6 +6171,11 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_IPP
 // Bodies of timeline_text.hpp.
 
+#ifndef MOTIONLANG_HAS_COMPOSE_DETAIL_TIMELINE_PARSER_HPP  // <motionlang/compose/detail/timeline_parser.hpp>
+#define MOTIONLANG_HAS_COMPOSE_DETAIL_TIMELINE_PARSER_HPP
+/// Reads lines of timelines in frames, in seconds, or in both. Only bodies (*.ipp) include it. `Options` is always
+/// TimelineTextOptions, whose header is above this one.
+
 #ifndef MOTIONLANG_HAS_COMPOSE_DETAIL_TIMELINE_LINE_HPP  // <motionlang/compose/detail/timeline_line.hpp>
 #define MOTIONLANG_HAS_COMPOSE_DETAIL_TIMELINE_LINE_HPP
 /// A line of a file of timelines. Only bodies (*.ipp) include it.
@@ -6301,6 +6306,83 @@ class TimelineLine {
 MOTIONLANG_NAMESPACE_END
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// T = Index: frames at options.fps; T = double: seconds.
+template <class T, class Options>
+BasicInterval<T> parse_interval(const TimelineLine& line, const Options& options) {
+  if (line.fields() < 3) line.fail(501, line.fields(), "expected 'text # start # end # body parts'");
+  const auto time = [&](std::size_t i) {
+    if constexpr (std::is_same_v<T, Index>) {
+      const double seconds = line.seconds(i);
+      if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, i, "'", line.field(i), "' is too late");
+      return frame_at(seconds, options.fps);
+    } else {
+      return line.seconds(i);
+    }
+  };
+  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3, options.body), line.place(0)};
+  if (out.parts == BodyParts{} && !options.as_published) out.parts = options.body.all();
+  if (!(out.start < out.end) && !options.as_published) {
+    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
+              line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
+  }
+  return out;
+}
+
+/// Shifts each timeline to begin at 0. Throws timeline_error 507 without a timeline, 502 for one that is too long.
+template <class T, class Options>
+void finish_timelines(std::vector<BasicTimeline<T>>& timelines, const Options& options) {
+  if (timelines.empty()) raise<timeline_error>(507, options.name, ": no line");
+  for (auto& timeline : timelines) {
+    shift_to_zero(timeline);
+    for (const auto& i : timeline.intervals) {
+      if (i.end <= static_cast<T>(latest_time)) continue;
+      fail_at(502, options.name, i.place, "a timeline that lasts ", i.end, " is too long");
+    }
+  }
+}
+
+/// Puts the timelines of a text into lists of them: in frames, in seconds.
+template <class Options, class... T>
+void parse_timelines_into(std::string_view text, const Options& options, std::vector<BasicTimeline<T>>&... out) {
+  if (!(options.fps > 0)) raise<config_error>(101, "parse_timelines: fps ", options.fps);
+  bool inside = false;
+  for_each_line(text, [&](std::string_view content, Index number) {
+    const bool blank = trim(content).empty();
+    if (!blank) {
+      if (!inside) (out.push_back({{}, options.body}), ...);
+      const TimelineLine line(content, number, options.name);
+      (out.back().intervals.push_back(parse_interval<T>(line, options)), ...);
+    }
+    inside = !blank;
+  });
+  (finish_timelines(out, options), ...);
+}
+
+template <class T, class Options>
+void require_one_timeline(const std::vector<BasicTimeline<T>>& all, const Options& options) {
+  if (all.size() > 1)
+    fail_at(509, options.name, all[1].intervals.front().place, all.size(), " timelines where one is expected");
+}
+
+/// The timeline of a text that has only one. Throws as parse_timeline.
+template <class Options>
+std::pair<Timeline, TimelineInSeconds> parse_timeline_in_both(std::string_view text, const Options& options) {
+  std::vector<Timeline> frames;
+  std::vector<TimelineInSeconds> seconds;
+  parse_timelines_into(text, options, frames, seconds);
+  require_one_timeline(frames, options);
+  return {std::move(frames.front()), std::move(seconds.front())};
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
 #define MOTIONLANG_HAS_CORE_SORT_HPP
 /// Sorts short lists. std::sort is faster on long ones, but each use of it compiles some thirty functions.
@@ -6332,69 +6414,22 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-/// T = Index: frames at options.fps; T = double: seconds.
-template <class T>
-BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOptions& options) {
-  if (line.fields() < 3) line.fail(501, line.fields(), "expected 'text # start # end # body parts'");
-  const auto time = [&](std::size_t i) {
-    if constexpr (std::is_same_v<T, Index>) {
-      const double seconds = line.seconds(i);
-      if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, i, "'", line.field(i), "' is too late");
-      return frame_at(seconds, options.fps);
-    } else {
-      return line.seconds(i);
-    }
-  };
-  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3, options.body), line.place(0)};
-  if (out.parts == BodyParts{} && !options.as_published) out.parts = options.body.all();
-  if (!(out.start < out.end) && !options.as_published) {
-    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
-              line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
-  }
-  return out;
-}
-
-template <class T>
-std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const TimelineTextOptions& options) {
-  if (!(options.fps > 0)) raise<config_error>(101, "parse_timelines: fps ", options.fps);
-  std::vector<BasicTimeline<T>> out;
-  bool inside = false;
-  for_each_line(text, [&](std::string_view line, Index number) {
-    const bool blank = trim(line).empty();
-    if (!blank) {
-      if (!inside) out.push_back({{}, options.body});
-      out.back().intervals.push_back(parse_interval<T>(TimelineLine(line, number, options.name), options));
-    }
-    inside = !blank;
-  });
-  if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
-  for (auto& timeline : out) {
-    shift_to_zero(timeline);
-    for (const auto& i : timeline.intervals) {
-      if (i.end <= static_cast<T>(latest_time)) continue;
-      fail_at(502, options.name, i.place, "a timeline that lasts ", i.end, " is too long");
-    }
-  }
-  return out;
-}
-
-}  // namespace detail
-
 MOTIONLANG_BODY std::vector<Timeline> parse_timelines(std::string_view text, const TimelineTextOptions& options) {
-  return detail::parse_timelines_as<Index>(text, options);
+  std::vector<Timeline> out;
+  detail::parse_timelines_into(text, options, out);
+  return out;
 }
 
 MOTIONLANG_BODY std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
                                                                           const TimelineTextOptions& options) {
-  return detail::parse_timelines_as<double>(text, options);
+  std::vector<TimelineInSeconds> out;
+  detail::parse_timelines_into(text, options, out);
+  return out;
 }
 
 MOTIONLANG_BODY Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options) {
   auto all = parse_timelines(text, options);
-  if (all.size() > 1)
-    detail::fail_at(509, options.name, all[1].intervals.front().place, all.size(), " timelines where one is expected");
+  detail::require_one_timeline(all, options);
   return std::move(all.front());
 }
 
@@ -7202,14 +7237,17 @@ struct StepOptions {
 GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps);
 
 /// Standard normal values (sequences, frames, features). Every sequence has its own stream, so it sees the same noise
-/// alone and in a batch. draw: 0 for the initial tensor, 1, 2, ... for the steps.
+/// alone and in a batch.
+/// draw   0 for the initial tensor, 1, 2, ... for the steps
+/// first  the place of the first sequence, if these are a part of a longer list
 template <Backend B>
-Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
+Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape, Index first = 0) {
   using S = typename B::scalar;
   PoolVector<S> values(static_cast<std::size_t>(shape.count()));
   const auto size = static_cast<std::size_t>(shape[1] * shape[2]);
   for (Index m = 0; m < shape[0]; ++m) {
-    auto stream = rng.split("noise").split(static_cast<std::uint64_t>(m)).split(static_cast<std::uint64_t>(draw));
+    auto stream =
+        rng.split("noise").split(static_cast<std::uint64_t>(first + m)).split(static_cast<std::uint64_t>(draw));
     stream.normal(std::span<S>(values).subspan(static_cast<std::size_t>(m) * size, size));
   }
   return Tensor<B, 3>::from(std::span<const S>(values), shape);
@@ -7850,6 +7888,193 @@ struct StmcReuse {
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_TRAIN_COMMUNICATOR_HPP  // <motionlang/train/communicator.hpp>
+#define MOTIONLANG_HAS_TRAIN_COMMUNICATOR_HPP
+/// Processes that train together, and their messages: a concept with the model for one process. train/mpi.hpp has the
+/// model for MPI.
+///
+/// A training uses no sum of a message library, because its order of additions changes with the number of processes.
+/// The order of `sum_of_parts` (train/batch_parts.hpp) depends on the number of parts alone.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Processes with the numbers (ranks) 0 ... size - 1. Each process has an object of its own.
+///   send, receive   bytes for one rank, bytes from one rank; either may wait for the other
+///   exchange        sends bytes to a rank and takes those that it sends, at the same time; both ranks call it
+///   broadcast       all have the bytes of `root` afterwards
+///   barrier         returns once all have called it
+/// Laws    messages between two ranks arrive in their order; the receiver asks for as many bytes as were sent; all
+///         ranks call broadcast and barrier in one order, with one size and one root
+/// Models  OneProcess, AnyCommunicator, MpiCommunicator
+template <class C>
+concept Communicator = requires(const C& c, std::span<const std::byte> given, std::span<std::byte> taken, Index rank) {
+  { c.rank() } -> std::convertible_to<Index>;
+  { c.size() } -> std::convertible_to<Index>;
+  c.send(given, rank);
+  c.receive(taken, rank);
+  c.exchange(given, taken, rank);
+  c.broadcast(taken, rank);
+  c.barrier();
+};
+
+/// A process alone. It has nobody to send to.
+struct OneProcess {
+  static Index rank() { return 0; }
+  static Index size() { return 1; }
+  [[noreturn]] static void send(std::span<const std::byte>, Index to) { refuse(to); }
+  [[noreturn]] static void receive(std::span<std::byte>, Index from) { refuse(from); }
+  [[noreturn]] static void exchange(std::span<const std::byte>, std::span<std::byte>, Index with) { refuse(with); }
+  static void broadcast(std::span<std::byte>, Index) {}
+  static void barrier() {}
+
+ private:
+  [[noreturn]] static void refuse(Index rank) { raise<config_error>(101, "OneProcess: there is no rank ", rank); }
+};
+static_assert(Communicator<OneProcess>);
+
+/// A reference to any communicator, OneProcess by default. Code that takes it is compiled once for all of them.
+class AnyCommunicator {
+ public:
+  AnyCommunicator() : AnyCommunicator(one_process()) {}
+  /// The communicator must outlive this object, so a temporary one does not compile.
+  template <Communicator C>
+  requires(!std::same_as<C, AnyCommunicator>) explicit AnyCommunicator(const C& c)
+      : communicator_(&c), functions_(&functions_of<C>), rank_(c.rank()), size_(c.size()) {}
+  template <Communicator C>
+  requires(!std::same_as<C, AnyCommunicator>) explicit AnyCommunicator(const C&& c) = delete;
+
+  Index rank() const { return rank_; }
+  Index size() const { return size_; }
+  void send(std::span<const std::byte> bytes, Index to) const { functions_->send(communicator_, bytes, to); }
+  void receive(std::span<std::byte> bytes, Index from) const { functions_->receive(communicator_, bytes, from); }
+  void exchange(std::span<const std::byte> given, std::span<std::byte> taken, Index with) const {
+    functions_->exchange(communicator_, given, taken, with);
+  }
+  void broadcast(std::span<std::byte> bytes, Index root) const { functions_->broadcast(communicator_, bytes, root); }
+  void barrier() const { functions_->barrier(communicator_); }
+
+ private:
+  struct Functions {
+    void (*send)(const void*, std::span<const std::byte>, Index);
+    void (*receive)(const void*, std::span<std::byte>, Index);
+    void (*exchange)(const void*, std::span<const std::byte>, std::span<std::byte>, Index);
+    void (*broadcast)(const void*, std::span<std::byte>, Index);
+    void (*barrier)(const void*);
+  };
+  template <class C>
+  static const C& of(const void* c) {
+    return *static_cast<const C*>(c);
+  }
+  template <class C>
+  static constexpr Functions functions_of{
+      .send = [](const void* c, std::span<const std::byte> bytes, Index to) { of<C>(c).send(bytes, to); },
+      .receive = [](const void* c, std::span<std::byte> bytes, Index from) { of<C>(c).receive(bytes, from); },
+      .exchange = [](const void* c, std::span<const std::byte> given, std::span<std::byte> taken,
+                     Index with) { of<C>(c).exchange(given, taken, with); },
+      .broadcast = [](const void* c, std::span<std::byte> bytes, Index root) { of<C>(c).broadcast(bytes, root); },
+      .barrier = [](const void* c) { of<C>(c).barrier(); }};
+  static const OneProcess& one_process() {
+    static constexpr OneProcess one{};
+    return one;
+  }
+
+  const void* communicator_;
+  const Functions* functions_;
+  Index rank_, size_;
+};
+static_assert(Communicator<AnyCommunicator>);
+
+/// The text of rank 0, in all processes.
+std::string text_of_first(const AnyCommunicator& c, std::string text);
+/// The lines of rank 0, in all processes.
+std::vector<std::string> lines_of_first(const AnyCommunicator& c, const std::vector<std::string>& lines);
+/// The numbers of rank 0, in all processes. Others need not know how many there are.
+template <Scalar S>
+void numbers_of_first(const AnyCommunicator& c, std::vector<S>& numbers);
+/// The answer of rank 0, in all processes.
+bool answer_of_first(const AnyCommunicator& c, bool answer);
+/// The number of the first rank whose text differs from that of rank 0, in all processes; -1 if all are equal.
+Index first_other_text(const AnyCommunicator& c, const std::string& text);
+
+template <Scalar S>
+void numbers_of_first(const AnyCommunicator& c, std::vector<S>& numbers) {
+  std::uint64_t size = numbers.size();
+  c.broadcast(std::as_writable_bytes(std::span(&size, 1)), 0);
+  numbers.resize(size);
+  c.broadcast(std::as_writable_bytes(std::span(numbers)), 0);
+}
+
+/// The kernels of this process (core/instruction_set.hpp). Processes whose kernels differ compute other bits.
+std::string kernels_in_use();
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TRAIN_COMMUNICATOR_IPP  // <motionlang/train/communicator.ipp>
+#define MOTIONLANG_HAS_TRAIN_COMMUNICATOR_IPP
+// Bodies of communicator.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// A value as the bytes of a message.
+template <class T>
+std::span<std::byte> message_of(T& value) {
+  return std::as_writable_bytes(std::span(&value, 1));
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string text_of_first(const AnyCommunicator& c, std::string text) {
+  std::uint64_t size = text.size();
+  c.broadcast(detail::message_of(size), 0);
+  text.resize(size);
+  c.broadcast(std::as_writable_bytes(std::span(text)), 0);
+  return text;
+}
+
+MOTIONLANG_BODY std::vector<std::string> lines_of_first(const AnyCommunicator& c,
+                                                        const std::vector<std::string>& lines) {
+  if (c.size() == 1) return lines;
+  std::vector<std::string> out;
+  detail::for_each_line(text_of_first(c, join_text(lines, "\n")),
+                        [&](std::string_view line, Index) { out.emplace_back(line); });
+  return out;
+}
+
+MOTIONLANG_BODY bool answer_of_first(const AnyCommunicator& c, bool answer) {
+  auto sent = static_cast<unsigned char>(answer);
+  c.broadcast(detail::message_of(sent), 0);
+  return sent != 0;
+}
+
+MOTIONLANG_BODY Index first_other_text(const AnyCommunicator& c, const std::string& text) {
+  const std::string first = text_of_first(c, text);
+  auto same = static_cast<unsigned char>(text == first);
+  std::int64_t other = -1;
+  if (c.rank() > 0) c.send(detail::message_of(same), 0);
+  for (Index r = 1; c.rank() == 0 && r < c.size(); ++r) {
+    c.receive(detail::message_of(same), r);
+    if (same == 0 && other < 0) other = r;
+  }
+  c.broadcast(detail::message_of(other), 0);
+  return static_cast<Index>(other);
+}
+
+MOTIONLANG_BODY std::string kernels_in_use() {
+  using detail::Isa;
+  int best = 0;
+  for (const Isa isa : {Isa::avx2, Isa::avx512, Isa::avx512_bf16, Isa::amx}) {
+    if (detail::processor_has(isa)) best = static_cast<int>(isa);
+  }
+  constexpr const char* names[] = {"portable", "avx2", "avx512", "avx512_bf16", "amx"};
+  return names[std::min(best, static_cast<int>(detail::wanted_isa()))];
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// A motion of which a part is kept. The model makes the rest. Its frame 0 is that of the timeline.
@@ -7889,6 +8114,11 @@ struct GenerateOptions {
   std::optional<KeptClip> keep{};       // for every timeline
   Progress progress{};                  // called after every step, or after every motion; may cancel
   GenerateNotes* notes = nullptr;       // filled if given
+  /// The timelines before these in a longer list, of which these are a part. Their motions have the bits that they have
+  /// in the whole list. Without noise, record and reuse.
+  std::span<const Timeline> before{};
+  /// The processes that share the timelines: all call the function, and get the motions of one process.
+  AnyCommunicator communicator{};
 };
 
 /// True if a text that ends may be divided into its action and what follows (compose/text_timeline.hpp).
@@ -10604,6 +10834,7 @@ struct StmcOptions {
   HiddenTexts hidden = HiddenTexts::refuse;
   Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Affects only the memory
   Progress progress{};                      // called after every step; may cancel
+  Index first = 0;  // the place of the first sequence in a longer list, of which these are a part
 };
 
 /// Clean motions, normalised, in consecutive rows.
@@ -10645,7 +10876,8 @@ struct Stmc {
   }
 
   /// One motion per timeline, (frames, features), not normalised. All are sampled together. The noise of each depends
-  /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
+  /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`;
+  /// option_error 102 for a part of a list, if the motions of the model depend on each other (BatchMates).
   std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
                                      const StmcOptions& options = {}) const;
   Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
@@ -10676,8 +10908,8 @@ struct Stmc {
   PlanOptions plan_options(const StmcOptions& options) const;
 
   /// Standard normal values of every sequence from its own stream, so a timeline has the same noise alone and in a
-  /// batch.
-  Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
+  /// batch. first: as in StmcOptions.
+  Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape, Index first = 0) const;
 
   /// The process with this many evenly chosen steps, all if 0; the model's own number unless given. Throws config_error
   /// 105.
@@ -11713,6 +11945,10 @@ struct DifferentTexts {
   explicit DifferentTexts(const BatchPlan& plan);
 };
 
+/// Throws option_error 102 if a motion depends on the others of its list, so that no part of the list can be made
+/// alone. one_token: the texts have one token each, so that they have the same length in any list.
+void require_own_motions(BatchMates mates, bool one_token);
+
 /// SMPL RIFKE features as a motion that starts facing pi.
 Motion published_motion(std::span<const double> features, double fps);
 
@@ -12300,6 +12536,13 @@ MOTIONLANG_BODY DifferentTexts::DifferentTexts(const BatchPlan& plan) {
   }
 }
 
+MOTIONLANG_BODY void require_own_motions(BatchMates mates, bool one_token) {
+  if (mates == BatchMates::none || (mates == BatchMates::longest_text && one_token)) return;
+  raise<option_error>(102,
+                      "a motion of this model depends on the other timelines of its list, so that several processes "
+                      "cannot share the list");
+}
+
 MOTIONLANG_BODY Motion published_motion(std::span<const double> features, double fps) {
   return smplrifke_to_motion<double>(features, {.first_angle = std::numbers::pi}, fps);
 }
@@ -12323,7 +12566,7 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
                                                   const StmcOptions& options) const {
   return generate_from(
-      timelines, [&](Index draw, const Shape& shape) { return noise(rng, draw, shape); }, options);
+      timelines, [&](Index draw, const Shape& shape) { return noise(rng, draw, shape, options.first); }, options);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -12367,6 +12610,8 @@ template <class Noise, class Estimate, bool>
 CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                       Estimate&& estimate) const {
   const auto [text, null] = encode(plan);
+  if (options.first > 0)
+    detail::require_own_motions(denoiser.traits().mates, /*one_token=*/text.tokens.offsets.longest() <= 1);
   const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
                               options.rows_at_once);
   const auto sequences = static_cast<Index>(collage.plan().timelines.size());
@@ -12397,8 +12642,8 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::separate(const CleanMotions<B>& clean, 
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape) const {
-  return sequence_noise<B>(rng, draw, shape);
+Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape, Index first) const {
+  return sequence_noise<B>(rng, draw, shape, first);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -12632,7 +12877,8 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto length = natural_length("sit down");                     // 2.8 s, then "sit quietly"
 ///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
 ///
-/// Source  lengths: the third quartile of the segments with such captions in examples/training/captions.tsv
+/// Source  lengths: the third quartile of the segments with such captions in examples/training/captions.tsv; of a jump,
+///         the time between the jumps of clips that show several, because a denoiser fills a longer time with two
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -12711,7 +12957,7 @@ MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view tex
   if (says({"sit", "sits", "sitting"}) && says({"down"})) return NaturalLength{2.8, "sit quietly"};
   if (says({"stand", "stands", "get", "gets"}) && says({"up"})) return NaturalLength{2.4, "stand still"};
   if (says({"jump", "jumps", "leap", "leaps"}) && !(says({"up"}) && says({"down"})))
-    return NaturalLength{2.8, "stand still"};
+    return NaturalLength{1.4, "stand still"};
   if (says({"bend", "bends", "bending", "bow", "bows", "bowing"}) && !says({"knees", "knee", "arm", "arms"}))
     return NaturalLength{2.2, "stand still", true};
   if (says({"kick", "kicks", "punch", "punches", "throw", "throws"})) return NaturalLength{2.4, "stand still"};
@@ -17442,6 +17688,8 @@ namespace detail {
 void require_steps(const GenerateOptions& options, Index steps);
 /// Throws option_error 102 for contradictory options of models that go through STMC.
 void require_one_source(const GenerateOptions& options);
+/// Throws option_error 102 for options whose files are about the whole list of timelines.
+void require_no_list_files(const GenerateOptions& options);
 
 /// The frames to keep of a clip of `frames` frames in a timeline of `wanted` frames. Throws option_error 101 for frames
 /// that do not exist.
@@ -17718,6 +17966,17 @@ MOTIONLANG_BODY void require_one_source(const GenerateOptions& o) {
   if (o.mode != StmcMode::stmc && (o.keep || record || reuse || o.overlay_arms))
     raise<option_error>(102, "`mode` ", to_string(o.mode), " excludes `keep`, `record`, `reuse` and `overlay_arms`");
   if (o.keep_beyond && !reuse) raise<option_error>(102, "keep_beyond needs reuse");
+  if (!o.before.empty()) require_no_list_files(o);
+}
+
+MOTIONLANG_BODY void require_no_list_files(const GenerateOptions& o) {
+  const std::pair<const FilePath*, const char*> files[] = {
+      {&o.noise, "`noise`"}, {&o.record, "`record`"}, {&o.reuse, "`reuse`"}};
+  for (const auto& [file, name] : files) {
+    if (!file->string().empty())
+      raise<option_error>(102, name, " is a file of all timelines, which one process makes, not ",
+                          std::max<Index>(2, o.communicator.size()));
+  }
 }
 
 MOTIONLANG_BODY std::vector<IndexRange> kept_frames(const KeptClip& keep, Index frames, Index wanted, double fps) {
@@ -17779,6 +18038,503 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_GENERATE_SHARED_MOTIONS_HPP  // <motionlang/generate/shared_motions.hpp>
+#define MOTIONLANG_HAS_GENERATE_SHARED_MOTIONS_HPP
+/// Motions of timelines that several processes share: each makes those of a part of the list, and all get all of them,
+/// with the bits of one process.
+///
+///     // In every process, with the same timelines and options.
+///     const std::vector<Motion> motions = generate_motions(*model, timelines, {.seed = 7, .communicator = all});
+///
+/// The parts follow each other. They have about as much to make: the frames of all texts count.
+/// Differs  a model whose motions depend on each other is refused (BatchMates), and so are files of noise and records
+
+#include <functional>  // makers
+
+#ifndef MOTIONLANG_HAS_TRAIN_MESSAGES_HPP  // <motionlang/train/messages.hpp>
+#define MOTIONLANG_HAS_TRAIN_MESSAGES_HPP
+/// Messages of numbers, lists and texts between processes (train/communicator.hpp).
+///
+///     MessageWriter out;
+///     out.value(seed), out.list(std::span<const float>(rows));
+///     for (const std::string& message : messages_of_all(all, out.bytes())) {
+///       MessageReader in(message);
+///       const auto seed = in.value<std::uint64_t>();
+///       const auto rows = in.list<float>();
+///     }
+
+#ifndef MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP  // <motionlang/file/detail/bytes.hpp>
+#define MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP
+/// Little-endian numbers in byte buffers (checked reading, appending), and base64.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+static_assert(std::endian::native == std::endian::little, "the files are little-endian and are copied as they are");
+
+template <class T>
+concept Plain = std::is_trivially_copyable_v<T>;
+
+/// The value stored at `at`. Throws io_error 402 if it is not inside. Messages contain `what` and `file`.
+template <Plain T>
+T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file, std::string_view what) {
+  if (at > bytes.size() || bytes.size() - at < sizeof(T)) {
+    raise<io_error>(402, file, ": ends inside ", what, " at byte ", at, " (", counted(bytes.size(), "byte"), ")");
+  }
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof(T));
+  return value;
+}
+
+/// `size` bytes from `at`. Throws io_error 402 if they are not inside.
+std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
+                                 std::string_view file, std::string_view what);
+
+inline void append_bytes(std::vector<std::byte>& out, std::span<const std::byte> bytes) {
+  if (bytes.empty()) return;
+  const std::size_t size = out.size();
+  out.resize(size + bytes.size());
+  std::memcpy(out.data() + size, bytes.data(), bytes.size());  // vector::insert makes GCC 12 warn of overflow at -O3
+}
+inline void append_text(std::vector<std::byte>& out, std::string_view text) {
+  append_bytes(out, std::as_bytes(std::span(text.data(), text.size())));
+}
+template <Plain T>
+void append_value(std::vector<std::byte>& out, const T& value) {
+  append_bytes(out, std::as_bytes(std::span(&value, 1)));
+}
+
+inline std::string_view as_text(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// Source  RFC 4648, section 4.
+std::string to_base64(std::span<const std::byte> bytes);
+
+/// Skips white space. Messages contain `name`. Throws io_error 403 for any other character outside the alphabet.
+std::vector<std::byte> from_base64(std::string_view text, std::string_view name = "text");
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_DETAIL_BYTES_IPP  // <motionlang/file/detail/bytes.ipp>
+#define MOTIONLANG_HAS_FILE_DETAIL_BYTES_IPP
+// Bodies of bytes.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
+                                                 std::string_view file, std::string_view what) {
+  if (at > bytes.size() || bytes.size() - at < size) {
+    raise<io_error>(402, file, ": ", what, " needs ", counted(size, "byte"), " at byte ", at, ", the file has ",
+                    bytes.size());
+  }
+  return bytes.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(size));
+}
+
+inline constexpr std::string_view base64_alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+MOTIONLANG_BODY std::string to_base64(std::span<const std::byte> bytes) {
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      group = group << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0u);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      out += i + k <= bytes.size() ? base64_alphabet[group >> (18 - 6 * k) & 63u] : '=';
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::byte> from_base64(std::string_view text, std::string_view name) {
+  std::vector<std::byte> out;
+  out.reserve(text.size() / 4 * 3 + 3);
+  std::uint32_t group = 0;
+  int bits = 0;
+  for (std::size_t i = 0; i < text.size() && text[i] != '='; ++i) {
+    if (text[i] == '\n' || text[i] == '\r' || text[i] == ' ') continue;
+    const std::size_t digit = base64_alphabet.find(text[i]);
+    if (digit == std::string_view::npos) raise<io_error>(403, name, ": character ", i, " is not of base64");
+    group = (group << 6 | static_cast<std::uint32_t>(digit)) & 0xFFFFFFu;
+    if ((bits += 6) >= 8) out.push_back(static_cast<std::byte>(group >> (bits -= 8) & 255u));
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+class MessageWriter {
+ public:
+  template <detail::Plain T>
+  void value(const T& v) {
+    list(std::span<const T>(&v, 1), false);
+  }
+  template <detail::Plain T>
+  void list(std::span<const T> values, bool with_size = true) {
+    if (with_size) value(std::uint64_t{values.size()});
+    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+  }
+  void text(std::string_view t) { list(std::span<const char>(t.data(), t.size())); }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+/// Reads what a MessageWriter wrote, in the same order. Throws io_error 402 if the message ends too early.
+class MessageReader {
+ public:
+  explicit MessageReader(std::string_view bytes) : bytes_(bytes) {}
+  MessageReader(std::string&&) = delete;  // the message must outlive the reader
+
+  template <detail::Plain T>
+  T value() {
+    T out{};
+    std::memcpy(static_cast<void*>(&out), next(sizeof(T)).data(), sizeof(T));
+    return out;
+  }
+  template <detail::Plain T>
+  std::vector<T> list() {
+    const auto size = value<std::uint64_t>();
+    if (size > (bytes_.size() - at_) / sizeof(T)) raise<io_error>(402, "a message ends inside a list of ", size);
+    std::vector<T> out(size);
+    const std::string_view from = next(size * sizeof(T));
+    if (size > 0) std::memcpy(static_cast<void*>(out.data()), from.data(), from.size());
+    return out;
+  }
+  std::string text() {
+    const auto size = value<std::uint64_t>();
+    return std::string(next(size));
+  }
+  bool at_end() const { return at_ == bytes_.size(); }
+
+ private:
+  std::string_view next(std::uint64_t size) {
+    if (size > bytes_.size() - at_) raise<io_error>(402, "a message ends at byte ", bytes_.size());
+    at_ += size;
+    return bytes_.substr(at_ - size, size);
+  }
+
+  std::string_view bytes_;
+  std::size_t at_ = 0;
+};
+
+void send_message(const AnyCommunicator& c, std::string_view message, Index to);
+std::string receive_message(const AnyCommunicator& c, Index from);
+/// The messages of all processes in the order of their ranks, in all processes.
+std::vector<std::string> messages_of_all(const AnyCommunicator& c, const std::string& mine);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TRAIN_MESSAGES_IPP  // <motionlang/train/messages.ipp>
+#define MOTIONLANG_HAS_TRAIN_MESSAGES_IPP
+// Bodies of messages.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY void send_message(const AnyCommunicator& c, std::string_view message, Index to) {
+  const std::uint64_t size = message.size();
+  c.send(std::as_bytes(std::span(&size, 1)), to);
+  c.send(std::as_bytes(std::span(message.data(), message.size())), to);
+}
+
+MOTIONLANG_BODY std::string receive_message(const AnyCommunicator& c, Index from) {
+  std::uint64_t size = 0;
+  c.receive(std::as_writable_bytes(std::span(&size, 1)), from);
+  std::string out(size, '\0');
+  c.receive(std::as_writable_bytes(std::span(out)), from);
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> messages_of_all(const AnyCommunicator& c, const std::string& mine) {
+  if (c.size() == 1) return {mine};
+  std::vector<std::string> out(static_cast<std::size_t>(c.size()));
+  out[static_cast<std::size_t>(c.rank())] = mine;
+  if (c.rank() > 0) send_message(c, mine, 0);
+  for (Index r = 1; c.rank() == 0 && r < c.size(); ++r) out[static_cast<std::size_t>(r)] = receive_message(c, r);
+  for (std::string& message : out) message = text_of_first(c, std::move(message));
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Makes the motions of some timelines in one process.
+using MotionMaker = std::function<std::vector<Motion>(std::span<const Timeline>, const GenerateOptions&)>;
+
+/// The motions of all timelines, in all processes; the notes of the options as well.
+/// make    is called once in each process that has a part, with `before` in its options
+/// Throws  config_error 102 if timelines, seed or kernels of a process are not those of rank 0; option_error 102 for
+///         files of noise and records; what `make` throws
+std::vector<Motion> shared_motions(std::span<const Timeline> timelines, const GenerateOptions& options,
+                                   const MotionMaker& make);
+
+/// The places in the list at which the parts of the ranks begin, and its end.
+std::vector<Index> parts_of_timelines(std::span<const Timeline> timelines, Index ranks);
+
+void put_motion(MessageWriter& out, const Motion& motion);
+Motion take_motion(MessageReader& in);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_GENERATE_SHARED_MOTIONS_IPP  // <motionlang/generate/shared_motions.ipp>
+#define MOTIONLANG_HAS_GENERATE_SHARED_MOTIONS_IPP
+// Bodies of shared_motions.hpp.
+
+#ifndef MOTIONLANG_HAS_TRAIN_SHARED_PROGRESS_HPP  // <motionlang/train/shared_progress.hpp>
+#define MOTIONLANG_HAS_TRAIN_SHARED_PROGRESS_HPP
+/// The progress of work that several processes share (train/communicator.hpp): rank 0 reports that of all.
+///
+///     SharedProgress progress(all, {3, 2}, caller);                     // rank 0 has three motions to make
+///     use(generate_motions(*model, own_part, {.progress = progress}));  // in every process
+///     progress.finish();
+///
+/// The others send their counts and do not wait. Rank 0 waits for those that are behind it, so that the last motion of
+/// the slowest process is the end of the bar.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+class SharedProgress {
+ public:
+  /// work    of each rank, in any unit; 0 for a rank that has nothing to do
+  /// caller  of rank 0 is called, with counts of thousandths; alone, it gets the counts themselves
+  SharedProgress(const AnyCommunicator& all, std::vector<Index> work, const Progress& caller);
+
+  /// A part of the own work is done. Throws `cancelled` in rank 0 if the caller wants it.
+  bool operator()(Index done, Index total);
+  /// All processes call it once, behind their work and before other messages. Rank 0 waits until all are done.
+  void finish();
+
+ private:
+  void receive(std::size_t rank);
+  void report() const;
+
+  AnyCommunicator all_;
+  std::vector<Index> work_;
+  Progress caller_;
+  std::vector<double> shares_;  // of the work of each rank that is done, as far as rank 0 knows
+  std::vector<bool> finished_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TRAIN_SHARED_PROGRESS_IPP  // <motionlang/train/shared_progress.ipp>
+#define MOTIONLANG_HAS_TRAIN_SHARED_PROGRESS_IPP
+// Bodies of shared_progress.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// A message of progress. `total` 0: the work is done.
+struct ProgressCounts {
+  std::int64_t done = 0, total = 0;
+};
+
+}  // namespace detail
+
+MOTIONLANG_BODY SharedProgress::SharedProgress(const AnyCommunicator& all, std::vector<Index> work,
+                                               const Progress& caller)
+    : all_(all),
+      work_(std::move(work)),
+      caller_(caller),
+      shares_(static_cast<std::size_t>(all.size())),
+      finished_(static_cast<std::size_t>(all.size())) {
+  if (std::ssize(work_) != all.size())
+    raise<config_error>(102, "SharedProgress: the work of ", counted(work_.size(), "rank"), ", there are ", all.size());
+}
+
+MOTIONLANG_BODY bool SharedProgress::operator()(Index done, Index total) {
+  if (all_.size() == 1) {
+    caller_(done, total);
+    return true;
+  }
+  if (all_.rank() > 0) {
+    const detail::ProgressCounts own{done, std::max<Index>(1, total)};
+    all_.send(std::as_bytes(std::span(&own, 1)), 0);
+    return true;
+  }
+  for (std::size_t r = 1; r < shares_.size(); ++r) {
+    while (!finished_[r] && shares_[r] < shares_[0]) receive(r);
+  }
+  shares_[0] = static_cast<double>(done) / static_cast<double>(std::max<Index>(1, total));
+  report();
+  return true;
+}
+
+MOTIONLANG_BODY void SharedProgress::finish() {
+  if (all_.size() == 1) return;
+  if (all_.rank() > 0) {
+    const detail::ProgressCounts end;
+    all_.send(std::as_bytes(std::span(&end, 1)), 0);
+    return;
+  }
+  const auto set_and_report = [&](double& share, const auto& change) {
+    const double before = share;
+    change();
+    if (share != before) report();
+  };
+  set_and_report(shares_[0], [&] { shares_[0] = 1; });
+  while (true) {
+    std::size_t last = 0;  // the rank that is farthest behind
+    for (std::size_t r = 1; r < shares_.size(); ++r) {
+      if (!finished_[r] && (last == 0 || shares_[r] < shares_[last])) last = r;
+    }
+    if (last == 0) break;
+    set_and_report(shares_[last], [&] { receive(last); });
+  }
+}
+
+MOTIONLANG_BODY void SharedProgress::receive(std::size_t rank) {
+  detail::ProgressCounts counts;
+  all_.receive(std::as_writable_bytes(std::span(&counts, 1)), static_cast<Index>(rank));
+  finished_[rank] = counts.total == 0;
+  shares_[rank] = counts.total == 0 ? 1 : static_cast<double>(counts.done) / static_cast<double>(counts.total);
+}
+
+MOTIONLANG_BODY void SharedProgress::report() const {
+  double done = 0;
+  Index whole = 0;
+  for (std::size_t r = 0; r < shares_.size(); ++r) {
+    done += shares_[r] * static_cast<double>(work_[r]);
+    whole += work_[r];
+  }
+  constexpr Index parts = 1000;
+  if (whole > 0) caller_(static_cast<Index>(done * static_cast<double>(parts) + 0.5), whole * parts);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Frames of all texts.
+inline Index work_of(std::span<const Timeline> timelines) {
+  Index out = 0;
+  for (const Timeline& t : timelines) {
+    for (const Interval& i : t.intervals) out += std::max<Index>(1, i.end - i.start);
+  }
+  return out;
+}
+
+/// The input of the motions, which all processes need.
+inline std::string shared_input(std::span<const Timeline> timelines, const GenerateOptions& o) {
+  std::string out = concat_text(kernels_in_use(), ' ', o.seed);
+  for (const Timeline& t : timelines) {
+    for (const Interval& i : t.intervals) out += concat_text('\n', i.start, ' ', i.end, ' ', i.text);
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<Index> parts_of_timelines(std::span<const Timeline> timelines, Index ranks) {
+  const Index all = detail::work_of(timelines);
+  std::vector<Index> out{0};
+  Index next = 0, before = 0;  // timelines, and their work
+  for (Index r = 1; r < ranks; ++r) {
+    while (next < std::ssize(timelines)) {
+      const Index own = detail::work_of(timelines.subspan(static_cast<std::size_t>(next), 1));
+      if (2 * before + own > 2 * all * r / ranks) break;  // more than half of it would be beyond the share
+      before += own, ++next;
+    }
+    out.push_back(next);
+  }
+  out.push_back(std::ssize(timelines));
+  return out;
+}
+
+MOTIONLANG_BODY void put_motion(MessageWriter& out, const Motion& m) {
+  out.text(m.name), out.value(m.fps);
+  out.value(std::uint64_t{m.skeleton.names.size()});
+  for (const std::string& name : m.skeleton.names) out.text(name);
+  out.list(std::span<const int>(m.skeleton.parents));
+  out.list(std::span<const Vec3<double>>(m.skeleton.offsets)), out.list(std::span<const Vec3<double>>(m.skeleton.ends));
+  out.list(std::span<const Vec3<double>>(m.root)), out.list(std::span<const Quaternion<double>>(m.local));
+}
+MOTIONLANG_BODY Motion take_motion(MessageReader& in) {
+  Motion m;
+  m.name = in.text(), m.fps = in.value<double>();
+  for (auto joints = in.value<std::uint64_t>(); joints > 0; --joints) m.skeleton.names.push_back(in.text());
+  m.skeleton.parents = in.list<int>();
+  m.skeleton.offsets = in.list<Vec3<double>>(), m.skeleton.ends = in.list<Vec3<double>>();
+  m.root = in.list<Vec3<double>>(), m.local = in.list<Quaternion<double>>();
+  return m;
+}
+
+MOTIONLANG_BODY std::vector<Motion> shared_motions(std::span<const Timeline> timelines, const GenerateOptions& options,
+                                                   const MotionMaker& make) {
+  const AnyCommunicator& all = options.communicator;
+  detail::require_no_list_files(options);
+  if (const Index other = first_other_text(all, detail::shared_input(timelines, options)); other > 0)
+    raise<config_error>(102, "rank ", other, " of ", all.size(),
+                        " has other timelines, another seed or other kernels than rank 0, so that motions would differ "
+                        "from those of one process");
+  const std::vector<Index> begins = parts_of_timelines(timelines, all.size());
+  const auto part_of = [&](Index rank) {
+    const auto r = static_cast<std::size_t>(rank);
+    return timelines.subspan(static_cast<std::size_t>(begins[r]), static_cast<std::size_t>(begins[r + 1] - begins[r]));
+  };
+  std::vector<Index> work;
+  for (Index r = 0; r < all.size(); ++r) work.push_back(detail::work_of(part_of(r)));
+  SharedProgress progress(all, work, options.progress);
+
+  const std::span<const Timeline> own = part_of(all.rank());
+  std::vector<Timeline> before(options.before.begin(), options.before.end());
+  before.insert(before.end(), timelines.data(), own.data());
+  GenerateNotes notes;
+  GenerateOptions how = options;
+  how.communicator = AnyCommunicator();
+  how.before = before;
+  how.progress = progress;
+  how.notes = options.notes == nullptr ? nullptr : &notes;
+  std::vector<Motion> motions;
+  if (!own.empty() || timelines.empty()) motions = make(own, how);
+  progress.finish();
+
+  MessageWriter mine;
+  mine.value(std::uint64_t{motions.size()});
+  for (const Motion& m : motions) put_motion(mine, m);
+  mine.text(notes.layout), mine.value(notes.kept_moved);
+  mine.value(std::uint64_t{notes.features.size()});
+  for (const auto& rows : notes.features) mine.list(std::span<const double>(rows));
+  motions.clear();
+  notes = {};
+  for (const std::string& message : messages_of_all(all, mine.bytes())) {
+    MessageReader in(message);
+    for (auto left = in.value<std::uint64_t>(); left > 0; --left) motions.push_back(take_motion(in));
+    if (std::string layout = in.text(); !layout.empty()) notes.layout = std::move(layout);
+    notes.kept_moved = std::max(notes.kept_moved, in.value<double>());
+    for (auto left = in.value<std::uint64_t>(); left > 0; --left) notes.features.push_back(in.list<double>());
+  }
+  if (options.notes != nullptr) *options.notes = std::move(notes);
+  return motions;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_HPP  // <motionlang/systems/sinc_baseline.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_HPP
 /// The baseline of STMC: every text of a timeline is sampled alone, from its own noise. The motions are stitched once
@@ -17834,14 +18590,14 @@ std::vector<Tensor<B, 2>> sinc_baseline_from(const Stmc<B, D, E>& stmc, const Ba
       stmc, plan, noise, options, cuts,
       [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
 }
-/// The same from timelines and a generator. Throws what Stmc::generate throws.
+/// The same from timelines and a generator. `first` of the options counts texts. Throws what Stmc::generate throws.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> sinc_baseline(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                         const Philox& rng, const StmcOptions& options = {},
                                         SincCuts cuts = SincCuts::hard) {
   return sinc_baseline_from(
       stmc, plan_timelines(timelines, sinc_plan_options(stmc, options)),
-      [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, cuts);
+      [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape, options.first); }, options, cuts);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -17974,7 +18730,8 @@ std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<c
     return rows->over(whole(collage, x, t));
   };
   return stmc.generate_from(
-      timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, estimate);
+      timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape, options.first); }, options,
+      estimate);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -19269,117 +20026,6 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_FILE_SAFETENSORS_IPP
 // Bodies of safetensors.hpp.
 
-#ifndef MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP  // <motionlang/file/detail/bytes.hpp>
-#define MOTIONLANG_HAS_FILE_DETAIL_BYTES_HPP
-/// Little-endian numbers in byte buffers (checked reading, appending), and base64.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-static_assert(std::endian::native == std::endian::little, "the files are little-endian and are copied as they are");
-
-template <class T>
-concept Plain = std::is_trivially_copyable_v<T>;
-
-/// The value stored at `at`. Throws io_error 402 if it is not inside. Messages contain `what` and `file`.
-template <Plain T>
-T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file, std::string_view what) {
-  if (at > bytes.size() || bytes.size() - at < sizeof(T)) {
-    raise<io_error>(402, file, ": ends inside ", what, " at byte ", at, " (", counted(bytes.size(), "byte"), ")");
-  }
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof(T));
-  return value;
-}
-
-/// `size` bytes from `at`. Throws io_error 402 if they are not inside.
-std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
-                                 std::string_view file, std::string_view what);
-
-inline void append_bytes(std::vector<std::byte>& out, std::span<const std::byte> bytes) {
-  if (bytes.empty()) return;
-  const std::size_t size = out.size();
-  out.resize(size + bytes.size());
-  std::memcpy(out.data() + size, bytes.data(), bytes.size());  // vector::insert makes GCC 12 warn of overflow at -O3
-}
-inline void append_text(std::vector<std::byte>& out, std::string_view text) {
-  append_bytes(out, std::as_bytes(std::span(text.data(), text.size())));
-}
-template <Plain T>
-void append_value(std::vector<std::byte>& out, const T& value) {
-  append_bytes(out, std::as_bytes(std::span(&value, 1)));
-}
-
-inline std::string_view as_text(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-/// Source  RFC 4648, section 4.
-std::string to_base64(std::span<const std::byte> bytes);
-
-/// Skips white space. Messages contain `name`. Throws io_error 403 for any other character outside the alphabet.
-std::vector<std::byte> from_base64(std::string_view text, std::string_view name = "text");
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FILE_DETAIL_BYTES_IPP  // <motionlang/file/detail/bytes.ipp>
-#define MOTIONLANG_HAS_FILE_DETAIL_BYTES_IPP
-// Bodies of bytes.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-MOTIONLANG_BODY std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
-                                                 std::string_view file, std::string_view what) {
-  if (at > bytes.size() || bytes.size() - at < size) {
-    raise<io_error>(402, file, ": ", what, " needs ", counted(size, "byte"), " at byte ", at, ", the file has ",
-                    bytes.size());
-  }
-  return bytes.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(size));
-}
-
-inline constexpr std::string_view base64_alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-MOTIONLANG_BODY std::string to_base64(std::span<const std::byte> bytes) {
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0u);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      out += i + k <= bytes.size() ? base64_alphabet[group >> (18 - 6 * k) & 63u] : '=';
-    }
-  }
-  return out;
-}
-
-MOTIONLANG_BODY std::vector<std::byte> from_base64(std::string_view text, std::string_view name) {
-  std::vector<std::byte> out;
-  out.reserve(text.size() / 4 * 3 + 3);
-  std::uint32_t group = 0;
-  int bits = 0;
-  for (std::size_t i = 0; i < text.size() && text[i] != '='; ++i) {
-    if (text[i] == '\n' || text[i] == '\r' || text[i] == ' ') continue;
-    const std::size_t digit = base64_alphabet.find(text[i]);
-    if (digit == std::string_view::npos) raise<io_error>(403, name, ": character ", i, " is not of base64");
-    group = (group << 6 | static_cast<std::uint32_t>(digit)) & 0xFFFFFFu;
-    if ((bits += 6) >= 8) out.push_back(static_cast<std::byte>(group >> (bits -= 8) & 255u));
-  }
-  return out;
-}
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_JSON_CURSOR_HPP  // <motionlang/file/detail/json_cursor.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_JSON_CURSOR_HPP
 /// A strict reader for the small JSON subset of a safetensors header. It walks over the text and stores only keys.
@@ -19808,8 +20454,6 @@ MOTIONLANG_NAMESPACE_END
 ///     words    = sum_w rarity_w max_v alike(w, v) / sum_w rarity_w
 ///     rarity_w = log((1 + texts) / (1 + texts with w))
 ///     alike    = 1 for the same word, else the cosine between the words' vectors, and 0 without these
-
-#include <functional>   // encoders
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -21585,12 +22229,14 @@ class GenerateRun {
     Steps first{&o_.progress, 0, arms.texts.empty() ? 1 : 2}, second{&o_.progress, 1, 2};
     Sampling how{Philox{.seed = o_.seed}, how_, o_.cut_texts};
     how.options.progress = first;
+    how.options.first = sequences_before(how.options);
     for (const Tensor<B, 2>& f : features(timelines, how)) {
       const std::vector<double> rows(f.span().begin(), f.span().end());
       if (o_.notes != nullptr) o_.notes->features.push_back(rows);
       collages.push_back(motion_of(rows));
     }
     how.options.progress = second;
+    how.options.first = std::ssize(arms_of(o_.before).texts);
     overlay(arms, collages, how);
     for (Motion& motion : collages) {
       if (o_.keep) motion = in_its_place(std::move(motion), clip_, clip_frames_, o_);
@@ -21665,6 +22311,14 @@ class GenerateRun {
     return out;
   }
 
+  /// The number of sequences that the timelines before these have in the list.
+  Index sequences_before(const StmcOptions& options) const {
+    if (o_.before.empty() || (o_.mode != StmcMode::sinc && o_.mode != StmcMode::sinc_lerp))
+      return std::ssize(o_.before);
+    const BatchPlan plan = plan_timelines(cut(o_.before, o_.cut_texts), sinc_plan_options(model_, options));
+    return std::ssize(crop_lengths(plan));
+  }
+
   std::vector<Timeline> cut(std::span<const Timeline> timelines, bool wanted) const {
     std::vector<Timeline> out;
     for (const Timeline& t : timelines) {
@@ -21732,7 +22386,10 @@ class GenerateRun {
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                      const GenerateOptions& options) {
-  return detail::GenerateRun<B, D, E>(stmc, options)(timelines);
+  const auto make = [&](std::span<const Timeline> part, const GenerateOptions& how) {
+    return detail::GenerateRun<B, D, E>(stmc, how)(part);
+  };
+  return options.communicator.size() == 1 ? make(timelines, options) : shared_motions(timelines, options, make);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>

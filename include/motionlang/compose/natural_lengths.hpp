@@ -5,7 +5,8 @@
 ///     const auto length = natural_length("sit down");                     // 2.8 s, then "sit quietly"
 ///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
 ///
-/// Source  lengths: the third quartile of the segments with such captions in examples/training/captions.tsv
+/// Source  lengths: the third quartile of the segments with such captions in examples/training/captions.tsv; of a jump,
+///         the time between the jumps of clips that show several, because a denoiser fills a longer time with two
 #pragma once
 
 #include <optional>     // other texts

@@ -29,6 +29,7 @@
 #include <motionlang/search/kept_index.hpp>
 #include <motionlang/search/query_bench.hpp>
 #include <motionlang/search/search.hpp>
+#include <motionlang/search/searched_folder.hpp>
 #include <motionlang/search/text_answer.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/train/messages.hpp>
