@@ -291,7 +291,9 @@ def searching(browser, problems):
     expect(problems, f"the moment: {clip}", 0.9 < clip["end"] - clip["start"] < 3.1 and clip["whole"] > 2)
     count = state(browser)["motions"]
     click(browser, "#generate")
-    expect(problems, "no motion that keeps it", made(browser, count + 1))
+    keeps = made(browser, count + 1)
+    expect(problems, "no motion that keeps it: " +
+           browser.run("return document.getElementById('status').textContent"), keeps)
     press(browser, CONTROL, "z")
     expect(problems, "undo does not take it off", wait(browser, "!motionlang.state().stale", 10) and
            state(browser)["whole"]["timelines"] == whole["timelines"])
