@@ -149,6 +149,16 @@ def bodies(server, problems):
         except OSError:
             pass
     expect(problems, f"it read {sent >> 20} MiB of an endless body", sent < 120 << 20)
+    with server.connect() as s:  # a head without an end: it closes after 64 KiB
+        sent, block = 0, b"x" * 0x10000
+        try:
+            s.sendall(b"GET / HTTP/1.1\r\nA: ")
+            while sent < 200 << 20:
+                s.sendall(block)
+                sent += len(block)
+        except OSError:
+            pass
+    expect(problems, f"it read {sent >> 20} MiB of an endless head", sent < 20 << 20)
     for data in (b"\0" * 1000, b"GET " + b"/" * 100000 + b" HTTP/1.1\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n",
                  b"GET / HTTP/1.1\r\n" + b"A: " + b"b" * 100000 + b"\r\n\r\n", b"\r\n\r\n", b"POST /ask\r\n\r\n"):
         expect(problems, f"{data[:20]} gets {status(server.send(data))}", status(server.send(data)) != 200)

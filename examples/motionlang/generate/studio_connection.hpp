@@ -1,6 +1,6 @@
 // A server of cpp-httplib whose connections have deadlines. The library's own limits are for each next byte, so a
-// sender of one byte a second keeps a connection for ever. Here the head of a request, the whole request, and the
-// waiting for a reader have limits.
+// sender of one byte a second keeps a connection for ever. It also holds a line without an end in memory, however long.
+// Here the head of a request, the whole request, and the waiting for a reader have limits.
 #pragma once
 
 #include <httplib.h>
@@ -34,10 +34,14 @@ class StudioConnection final : public httplib::Stream {
         began_(Clock::now()),
         end_(began_ + seconds(limits.head_seconds)),
         limits_(limits),
+        left_(limits.head),
         patience_(seconds(limits.stalled_seconds)) {}
 
-  /// The head is here: from now on the limit of the whole question counts.
-  void head_is_read() { end_ = began_ + seconds(limits_.question_seconds); }
+  /// The head is here: from now on the limits of the whole question count. It may come in chunks, which have heads.
+  void head_is_read() {
+    end_ = began_ + seconds(limits_.question_seconds);
+    left_ = limits_.question + limits_.question / 16;
+  }
 
   bool is_readable() const override { return at_ < size_ || waits(POLLIN, end_ - Clock::now()) > 0; }
   bool is_writable() const override { return takes_bytes() && is_open(); }
@@ -47,6 +51,8 @@ class StudioConnection final : public httplib::Stream {
       if (Clock::now() > end_ || !is_readable()) return -1;
       const auto got = ::recv(socket_, held_.data(), held_.size(), 0);
       if (got <= 0) return static_cast<ssize_t>(got);
+      if (static_cast<size_t>(got) > left_) return -1;
+      left_ -= static_cast<size_t>(got);
       at_ = 0, size_ = static_cast<size_t>(got);
     }
     const size_t count = std::min(size, size_ - at_);
@@ -111,6 +117,7 @@ class StudioConnection final : public httplib::Stream {
   socket_t socket_;
   Clock::time_point began_, end_;
   const ml::StudioLimits& limits_;
+  size_t left_;  // bytes that may still come
   mutable Clock::duration patience_;
   std::array<char, 8192> held_{};
   size_t at_ = 0, size_ = 0;

@@ -47,6 +47,7 @@ StudioRefusal refusal(const StudioGate& gate, const StudioHead& head);
 
 struct StudioLimits {
   std::size_t question = 48u << 20;  // bytes of a question with a file in it
+  std::size_t head = 64u << 10;      // bytes of the head of a request
   std::size_t file = 32u << 20;      // bytes of a file
   std::size_t text = 100000;         // bytes of a timeline or of a text
   double seconds = 120;              // of a motion

@@ -33,13 +33,21 @@ inline std::string checksum_of_lines(const std::vector<ClipLine>& lines) {
   return checksum_of(std::as_bytes(std::span(all)));
 }
 
+/// True for a link to a motion, and for an AMC file whose skeleton is one.
+inline bool is_linked_motion(const std::filesystem::path& path) {
+  std::error_code unknown;
+  return std::filesystem::is_symlink(path, unknown) ||
+         (file_kind(path) == ".amc" && std::filesystem::is_symlink(asf_beside(path).string(), unknown));
+}
+
 /// The first line of the file LICENSE (LICENCE, COPYING, with or without an extension) in a folder, as UTF-8.
-inline std::string license_in(const std::filesystem::path& folder) {
+inline std::string license_in(const std::filesystem::path& folder, bool skip_links) {
   std::set<std::filesystem::path> found;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     std::string name = entry.path().stem().string();
     for (char& c : name) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
     std::error_code none;
+    if (skip_links && entry.is_symlink(none)) continue;
     if (entry.is_regular_file(none) && (name == "LICENSE" || name == "LICENCE" || name == "COPYING"))
       found.insert(entry.path());
   }
@@ -95,11 +103,14 @@ MOTIONLANG_BODY IndexUpdate::IndexUpdate(std::shared_ptr<ClipStore> index, const
 MOTIONLANG_BODY void IndexUpdate::look_at_files() {
   namespace fs = std::filesystem;
   for (const fs::path& path : motion_files_below(folder_, "", &report_.folder_notes)) {
-    std::error_code unknown;
-    if (options_.skip_links && fs::is_symlink(path, unknown)) continue;
-    const auto time =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(fs::last_write_time(path).time_since_epoch());
-    files_.push_back({path.lexically_normal(), time.count(), static_cast<std::int64_t>(fs::file_size(path)), {}});
+    std::error_code gone;
+    if (options_.skip_links && detail::is_linked_motion(path)) continue;
+    const auto written = fs::last_write_time(path, gone);
+    if (gone) continue;  // since it was listed
+    const auto size = fs::file_size(path, gone);
+    if (gone) continue;
+    const auto time = std::chrono::duration_cast<std::chrono::nanoseconds>(written.time_since_epoch());
+    files_.push_back({path.lexically_normal(), time.count(), static_cast<std::int64_t>(size), {}});
   }
 }
 
@@ -193,7 +204,7 @@ MOTIONLANG_BODY std::string IndexUpdate::license_of(const std::filesystem::path&
 MOTIONLANG_BODY const std::string& IndexUpdate::license_beside(const std::filesystem::path& folder) {
   const auto [entry, is_new] = licenses_.try_emplace(folder);
   if (!is_new) return entry->second;
-  std::string text = detail::license_in(folder);
+  std::string text = detail::license_in(folder, options_.skip_links);
   if (text.empty() && folder != folder_ && is_below(folder, folder_)) text = license_beside(folder.parent_path());
   return licenses_[folder] = std::move(text);
 }

@@ -56,6 +56,8 @@ MOTIONLANG_BODY MotionIndex SearchedFolder::taken_up() const {
 
 MOTIONLANG_BODY void SearchedFolder::keep(const IndexReport& report) const {
   if (o_.index.empty() || !report.changed()) return;
+  std::error_code failed;
+  if (std::filesystem::is_symlink(o_.index, failed)) return;  // a write would follow it
   detail::guard<io_error>([&] { write_motion_index(o_.index, index_); }, [](const io_error&) { return true; });
 }
 
@@ -87,8 +89,10 @@ MOTIONLANG_BODY FolderAnswer SearchedFolder::find(const std::string& text, Index
 }
 
 MOTIONLANG_BODY FolderPiece SearchedFolder::piece(const FolderMoment& moment, double margin) const {
+  std::error_code failed;
   const auto path = (folder_ / moment.file).lexically_normal();
-  if (moment.file.empty() || !is_below(path, folder_) || !detail::is_own_file(path))
+  if (moment.file.empty() || !is_below(path, folder_) || !detail::is_own_file(path) ||
+      std::filesystem::weakly_canonical(path, failed) != path || detail::is_linked_motion(path))
     raise<io_error>(401, moment.file, ": there is no such motion in the folder");
   for (Motion& whole : read_motions(path, options_for_file({}, path))) {
     if (!moment.animation.empty() && whole.name != moment.animation) continue;

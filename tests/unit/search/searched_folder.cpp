@@ -85,6 +85,28 @@ TEST_CASE("links are not followed") {
   CHECK(folder.find("walk 9", 9).clips == 1);
   CHECK(encoder->asked == 1);
   CHECK_ERROR(folder.piece({.file = "link.bvh", .end = 1}), "no such motion");
+  CHECK_ERROR(folder.piece({.file = "more/fast.bvh", .end = 1}), "no such motion");
+}
+
+TEST_CASE("an index that is a link is neither read nor written, and a licence that is a link is not read") {
+  const TemporaryFolder place;
+  put(place / "project" / "slow.bvh", 1);
+  fs::create_directories(place / "elsewhere");
+  ml::write_file(place / "elsewhere" / "secret.txt", "a secret\n");
+  const fs::path own = place / "project" / ".motionlang.index";
+  fs::create_symlink(place / "elsewhere" / "new.index", own);
+  fs::create_symlink(place / "elsewhere" / "secret.txt", place / "project" / "LICENSE");
+  const auto encoder = std::make_shared<SpeedEncoder>();
+  ml::SearchedFolder linked(place / "project", encoder, {.index = own});
+  CHECK(linked.find("walk 9", 9).clips == 1);
+  CHECK(!fs::exists(place / "elsewhere" / "new.index"));
+
+  fs::remove(own);
+  ml::SearchedFolder folder(place / "project", encoder, {.index = own});
+  CHECK(folder.find("walk 9", 9).clips == 1);
+  const ml::MotionIndex kept = ml::read_motion_index(own);
+  REQUIRE(kept.count() == 1);
+  CHECK(kept.clips().front().license.empty());
 }
 
 TEST_CASE("vectors are kept in a file, unless it is of another model, damaged or names other folders") {
