@@ -14,6 +14,7 @@
 #include <map>         // settings
 #include <optional>    // batches
 #include <string>      // captions
+#include <utility>     // move
 #include <vector>      // samples
 
 #include <motionlang/datasets/training_set.hpp>
@@ -128,7 +129,7 @@ class StmcTraining {
   /// For a new run: learns the vocabulary, measures mean and deviation of the features, draws the weights. `data` must
   /// outlive the training. With word vectors, each word that occurs at least twice in captions gets its own embedding,
   /// and `config.vocabulary` is ignored.
-  StmcTraining(const StmcTrainingConfig& config, const TrainingSet& data, const WordVectors& vectors = {});
+  StmcTraining(StmcTrainingConfig config, const TrainingSet& data, const WordVectors& vectors = {});
 
   /// Teaches the text encoder alone what captions mean: the mean of every feature of their motions over each quarter of
   /// the time, and its deviation; and which action they are about. (Waving and nodding have nearly the same means.)
@@ -180,8 +181,8 @@ class StmcTraining {
 };
 
 template <AutodiffBackend A>
-StmcTraining<A>::StmcTraining(const StmcTrainingConfig& config, const TrainingSet& data, const WordVectors& vectors)
-    : config_(config), data_(&data), diffusion_(CosineSchedule{.steps = config_.model.diffusion_steps}) {
+StmcTraining<A>::StmcTraining(StmcTrainingConfig config, const TrainingSet& data, const WordVectors& vectors)
+    : config_(std::move(config)), data_(&data), diffusion_(CosineSchedule{.steps = config_.model.diffusion_steps}) {
   config_.model = detail::completed(config_);
   const auto captions = data.all_captions();
   learner_.average = make_stmc<B>(
