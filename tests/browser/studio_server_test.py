@@ -309,6 +309,55 @@ def searching(browser, problems):
            state(browser)["whole"]["timelines"] == whole["timelines"])
 
 
+def save_project(browser, name, problems):
+    """Saves the project and expects its name."""
+    browser.run("document.getElementById('status').textContent = ''")
+    click(browser, "#saveProject")
+    said = wait(browser, "/ is in/.test(document.getElementById('status').textContent)", 20)
+    answer = browser.run("return document.getElementById('status').textContent")
+    expect(problems, f"{answer}, and not {name}", said and answer.startswith(f"{name} is in"))
+
+
+def names_of_projects(browser, project, problems):
+    """After a reload the page does not know whose the file is, and numbers the name; what it opened it overwrites."""
+    first, second = (project / f"walk_backwards_project{n}.json" for n in ("", "_2"))
+    words = first.read_bytes()
+    save_project(browser, second.name, problems)
+    save_project(browser, second.name, problems)
+    expect(problems, "the file of another project is overwritten", first.read_bytes() == words)
+    click(browser, f"#folder option[value='{first.name}']")
+    expect(problems, "a project of the folder is not opened", wait(
+        browser, "/Undo brings back/.test(document.getElementById('status').textContent)", 20))
+    wait(browser, "!motionlang.state().stale && !motionlang.state().making", MADE)
+    write(browser, "#seed", "99" + ENTER)
+    save_project(browser, first.name, problems)
+    expect(problems, "it is not saved where it was opened", b'"seed": 99' in first.read_bytes())
+    while state(browser)["undos"]:
+        press(browser, CONTROL, "z")
+    save_project(browser, second.name, problems)
+    expect(problems, "undo of opening overwrites what was opened", b'"seed": 99' in first.read_bytes())
+    wait(browser, "!motionlang.state().stale && !motionlang.state().making", MADE)
+
+
+def refused_video(browser, folder, problems):
+    """A video that the folder does not take becomes a download."""
+    browser.post("/goog/cdp/execute", {"cmd": "Browser.setDownloadBehavior",
+                                       "params": {"behavior": "allow", "downloadPath": str(folder)}})
+    browser.run("window.asked = fetch; window.fetch = (to, about) => JSON.parse(about.body).kind === 'store' ? "
+                "Promise.resolve(new Response('it is too large', { status: 413 })) : asked(to, about)")
+    click(browser, "#kind option[value='.webm']")
+    click(browser, "#save")
+    expect(problems, "it does not say where the video is: " +
+           browser.run("return document.getElementById('status').textContent"), wait(
+               browser, "/among the downloads: .* it is too large/.test(document.getElementById('status').textContent)",
+               60))
+    video, end = folder / "walk_backwards.webm", time.monotonic() + 20
+    while not video.exists() and time.monotonic() < end:
+        time.sleep(0.1)
+    expect(problems, "the video is lost", video.exists() and video.read_bytes().startswith(b"\x1aE\xdf\xa3"))
+    browser.run("window.fetch = asked")
+
+
 def in_browser(server, driver_port, project, problems):
     """The page makes a motion by the server, edits and saves it; another browser has its own."""
     first = second = None
@@ -345,6 +394,8 @@ def in_browser(server, driver_port, project, problems):
         first.post("/url", {"url": f"http://127.0.0.1:{server.port}/"})
         expect(problems, "a reload loses the token or the project",
                made(first, 1) and state(first)["project"]["bars"][0]["text"] == "walk backwards")
+        names_of_projects(first, project, problems)
+        refused_video(first, project.parent, problems)
         click(first, "#whole")
         wait(first, "document.getElementById('progress').value > 0", MADE)
         click(first, "#cancel")

@@ -13,7 +13,7 @@ import time
 
 from pages_test import wait
 from studio_edit_test import bars_of, drop, generate, picture, poses, set_timeline
-from studio_test import CONTROL, ENTER, MADE, click, expect, made, press, saved, state, write
+from studio_test import CONTROL, ENTER, MADE, click, drag, expect, made, press, saved, state, write
 from viewer_test import WEBGL, Browser, severe, start_driver
 
 
@@ -111,6 +111,54 @@ def restored(browser, project, kept, whole, motion, problems):
     browser.post("/refresh", {})
     expect(problems, "a reload loses it", wait(browser, "window.motionlang && motionlang.state().motions > 0", MADE) and
            state(browser)["whole"]["timelines"] == empty["timelines"])
+
+
+def trimmed(browser, folder, kept, problems):
+    """A clip of 134 / 30 s survives the next visit after its start was dragged to its end."""
+    head, frames = kept.read_text(encoding="utf-8").split("MOTION\n")
+    lines = frames.splitlines()[2:]
+    clip = folder / "thirds.bvh"  # 134 frames of 1/30 s: 4.466667 s, and its bar ends at 4.467 s
+    clip.write_text(head + "MOTION\nFrames: 134\nFrame Time: 0.03333333\n" + "\n".join((lines * 4)[:134]) + "\n",
+                    encoding="utf-8")
+    set_timeline(browser, "walk forward # 0 # 6\n")
+    browser.run("if (motionlang.state().playing) document.getElementById('play').click();"
+                "const s = document.getElementById('scrub'); s.value = 0; s.dispatchEvent(new Event('input'))")
+    drop(browser, clip)
+    expect(problems, "the clip is not kept: " + status(browser), wait(
+        browser, "motionlang.state().project.bars.some((b) => b.clip)", 20))
+    bar = state(browser)["project"]["bars"][1]
+    expect(problems, f"the bar of the clip: {bar}", bar["start"] == 0 and bar["end"] == 4.467 and
+           abs(bar["whole"] - 134 / 30) < 1e-5)
+    width = browser.run("return document.getElementById('lanes').clientWidth")
+    drag(browser, ".bar.clip .grip.from", round(4.6 / 6 * width))
+    time.sleep(1)  # until it is stored
+    before = state(browser)["whole"]
+    bar = before["timelines"][0]["bars"][1]
+    expect(problems, f"its start is not at its end: {bar}", bar["start"] == 4.217 and bar["from"] > 4.2)
+    browser.post("/refresh", {})
+    expect(problems, "a clip loses the project", wait(
+        browser, "window.motionlang && motionlang.state().motions > 0", MADE) and state(browser)["whole"] == before)
+
+
+def largest(browser, folder, whole, problems):
+    """A project of more than 3 MB is within the bounds, and so is a clip as earlier studios stored it."""
+    copy = json.loads(json.dumps(whole))
+    clip = copy["timelines"][2]["bars"][1]
+    clip.update({"start": 4.217, "end": 4.467, "from": 4.217, "whole": 4.466667})
+    copy["timelines"][2]["seconds"] = 6
+    text = {"text": "walk forward " * 8, "start": 0, "end": 1, "parts": ["left arm", "right arm"]}
+    copy["timelines"] += [{"bars": [text] * 200, "seconds": 1, "seed": 1, "fast": True}] * 97
+    copy["shown"] = 0
+    path = folder / "largest.json"
+    path.write_text(json.dumps(copy), encoding="utf-8")
+    expect(problems, f"it has only {path.stat().st_size} bytes", path.stat().st_size > 3_000_000)
+    drop(browser, path)
+    expect(problems, "it is not opened: " + status(browser), wait(browser, "motionlang.state().timelines === 100", 20))
+    bar = state(browser)["whole"]["timelines"][2]["bars"][1]
+    expect(problems, f"its clip: {bar}", bar["end"] == 4.467 and abs(bar["from"] - 4.216667) < 1e-9)
+    wait(browser, "!motionlang.state().stale && !motionlang.state().making", MADE)
+    press(browser, CONTROL, "z")
+    expect(problems, "undo does not bring back what was here", wait(browser, "motionlang.state().timelines < 100", 20))
 
 
 def broken(browser, folder, whole, problems):
@@ -310,6 +358,8 @@ def main(driver_path, page, folder):
         browser.close()
         browser = open_page(port, page, folder)
         restored(browser, project, kept, whole, motion, problems)
+        trimmed(browser, folder, kept, problems)
+        largest(browser, folder, whole, problems)
         no_search(browser, problems)
         click(browser, "#steps option[value='fast']")
         video = pictures(browser, folder, problems)

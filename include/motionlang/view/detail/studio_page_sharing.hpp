@@ -15,7 +15,8 @@ namespace detail {
 inline constexpr std::string_view studio_script_whole = R"page(
 // ---- The whole project.
 
-const bounds = { timelines: 100, bars: 200, words: 1000, locks: 4 };
+/** What a project has at most, and its file in bytes: a thousand letters for each of its texts fit into that. */
+const bounds = { timelines: 100, bars: 200, words: 1000, locks: 4, bytes: 32e6 };
 /** Seeds whose variations are locked as soon as they are made, by the id of their timeline. */
 const wanted = new Map();
 const lockedSeeds = (id) => {
@@ -34,8 +35,10 @@ const wholeProject = () => ({
 /** A timeline with nothing else in it. Throws an error that names the place. */
 function checkedTimeline(p, where) {
   const fail = (words) => { throw new Error(`${where}: ${words}`); };
-  const finite = (value, name, most = Number.MAX_SAFE_INTEGER) =>
-    Number.isFinite(value) && value >= 0 && value <= most ? value : fail(`${name} is not a number from 0 to ${most}`);
+  const finite = (value, name, most = Number.MAX_SAFE_INTEGER, spare = 0) =>
+    Number.isFinite(value) && value >= -spare && value <= most + spare ? clamp(value, 0, most)
+      : fail(`${name} is not a number from 0 to ${most}`);
+  const moment = (value, name, most) => finite(value, name, most, 0.001);  // the editor rounds to milliseconds
   if (!Array.isArray(p?.bars)) fail("it has no list of texts");
   if (p.bars.length > bounds.bars) fail(`it has ${p.bars.length} texts, and the studio takes at most ${bounds.bars}`);
   const seconds = finite(p.seconds, "its length", longest), locked = p.locked ?? [];
@@ -43,12 +46,12 @@ function checkedTimeline(p, where) {
     const at = `text ${i + 1}`;
     if (typeof b?.text !== "string" || b.text.length > bounds.words) fail(`${at} has no words, or too many`);
     if (!Array.isArray(b.parts) || !b.parts.every((name) => parts.includes(name))) fail(`${at}: unknown body parts`);
-    const made = { text: b.text, start: finite(b.start, `${at}: its start`, seconds),
-                   end: finite(b.end, `${at}: its end`, seconds), parts: [...b.parts] };
+    const made = { text: b.text, start: moment(b.start, `${at}: its start`, seconds),
+                   end: moment(b.end, `${at}: its end`, seconds), parts: [...b.parts] };
     if (b.clip === undefined) return made;
     if (typeof b.clip !== "string" || b.clip.length > bounds.words) fail(`${at}: its file has no name`);
     const whole = finite(b.whole, `${at}: the length of its file`);
-    const from = finite(b.from, `${at}: its start in the file`, Math.max(whole - shortest, 0));
+    const from = Math.min(moment(b.from, `${at}: its start in the file`, whole), Math.max(whole - shortest, 0));
     return { ...made, end: Math.min(made.end, made.start + whole - from), clip: b.clip, from, whole };
   });
   if (bars.filter((b) => b.clip).length > 1) fail("it keeps several motions, and the studio keeps one");
@@ -81,8 +84,9 @@ function takeProject({ timelines, number, settings }) {
   marked.clear();
   ({ keep: keeping, live, snap: snapping } = settings);
 }
-/** The project of a file takes the place of the one that is here; undo brings that back. */
-async function openProject(words) {
+/** The project of a file takes the place of the one that is here; undo brings that back.
+    stored: the file's name in the folder of the server, if it is there */
+async function openProject(words, stored) {
   let found;
   try {
     found = JSON.parse(words);
@@ -99,6 +103,7 @@ async function openProject(words) {
     if (id && !clips.has(id) && !await shelf.get(id)) lacks.push(nameOfClip(id));
   }
   edit(() => takeProject(read));
+  if (stored) ownFiles.set(stored, book.map((p) => p.id));
   const count = read.timelines.length;
   say(`${count === 1 ? "A timeline is" : `${count} timelines are`} open. Undo brings back what was here.` +
     (lacks.length ? ` Also drop ${[...new Set(lacks)].join(", ")}, whose motion is kept.` : ""));
@@ -109,10 +114,26 @@ async function openProject(words) {
 inline constexpr std::string_view studio_script_sharing = R"page(
 // ---- The project as a file.
 
+/** The files of the folder from which this project was opened, or to which it was saved: for each the ids of its
+    timelines, which no other project has. */
+const ownFiles = new Map();
+/** A name that overwrites no file of another project. */
+async function projectName() {
+  const start = `${fileName()}_project`, ids = book.map((p) => p.id);
+  const isOwn = (name) => ownFiles.get(name)?.some((id) => ids.includes(id));
+  const taken = engine.folder ? (await engine.ask("files")).map((name) => name.toLowerCase()) : [];
+  for (let i = 1;; ++i) {
+    const name = start + (i > 1 ? `_${i}` : "") + ".json";
+    if (isOwn(name) || !taken.includes(name.toLowerCase())) return name;
+  }
+}
 press("saveProject", async () => {
   try {
-    await keepFile(`${fileName()}_project.json`, new TextEncoder().encode(JSON.stringify(wholeProject(), null, 1)),
-                   "application/json");
+    const bytes = new TextEncoder().encode(JSON.stringify(wholeProject(), null, 1));
+    if (bytes.length > bounds.bytes) throw new Error(`the project has more than ${bounds.bytes / 1e6} MB of texts`);
+    const name = await projectName();
+    await keepFile(name, bytes, "application/json");
+    if (engine.folder) ownFiles.set(name, book.map((p) => p.id));
   } catch (reason) {
     say(reason.message, true);
   }
@@ -136,7 +157,7 @@ async function savePicture() {
 const saveVideo = () => work("Recording the video.", async () => {
   const type = ["video/webm", "video/mp4"].find((t) => globalThis.MediaRecorder?.isTypeSupported(t));
   if (!type || !view.captureStream) throw new Error("this browser records no video");
-  const usual = { looping, speed, playing, time }, blocks = [], stream = view.captureStream();
+  const usual = { looping, speed, quality, playing, time }, blocks = [], stream = view.captureStream();
   const recorder = new MediaRecorder(stream, { mimeType: type, videoBitsPerSecond: 6e6 });
   const pause = () => new Promise((resolve) => setTimeout(resolve, 50));
   const stand = async (count) => {  // pictures that stand: browsers may lose the first and the last ones
@@ -171,16 +192,21 @@ const saveVideo = () => work("Recording the video.", async () => {
   } finally {
     steady = false;
     stream.getTracks().forEach((track) => track.stop());
-    ({ looping, speed } = usual);
+    ({ looping, speed, quality } = usual);
     seek(usual.time);
     play(usual.playing);
   }
   if (cancelled) throw Object.assign(new Error("cancelled"), { cancelled: true });
   const bytes = new Uint8Array(await new Blob(blocks).arrayBuffer());
   const name = fileName() + type.replace("video/", ".");
-  await keepFile(name, bytes, type);
-  const where = engine.folder ? " in the project's folder" : "";
-  return `${name}${where}: ${(length / 1000).toFixed(1)} s, ${Math.ceil(bytes.length / 1000)} kB.`;
+  const about = `${(length / 1000).toFixed(1)} s, ${Math.ceil(bytes.length / 1000)} kB`;
+  try {
+    await keepFile(name, bytes, type);
+  } catch (reason) {
+    offer(name, bytes, type);
+    return `${name} is among the downloads: ${about}. The project's folder did not take it: ${reason.message}`;
+  }
+  return `${name}${engine.folder ? " in the project's folder" : ""}: ${about}.`;
 });
 
 // ---- Examples to start from: a name, a seed, and texts with their times. `motionlang judge` finds that the bundled

@@ -435,8 +435,9 @@ function tidied(p) {
   p.seconds = clamp(rounded(+p.seconds) || 0.5, 0.5, longest);
   p.seed = clamp(Math.floor(+p.seed) || 0, 0, Number.MAX_SAFE_INTEGER);
   for (const bar of p.bars) {
-    bar.start = clamp(rounded(+bar.start) || 0, 0, p.seconds - shortest);
-    bar.end = clamp(rounded(+bar.end) || 0, bar.start + shortest, p.seconds);
+    bar.start = clamp(rounded(+bar.start) || 0, 0, rounded(p.seconds - shortest));
+    bar.end = clamp(rounded(+bar.end) || 0, rounded(bar.start + shortest), p.seconds);
+    if (bar.clip) bar.from = clamp(bar.from, 0, Math.max(bar.whole - shortest, 0));  // rounded ends lie beyond it
     bar.text = String(bar.text).replace(/[#\r\n]+/g, " ").slice(0, bounds.words);
     bar.parts = parts.filter((name) => bar.parts.includes(name));
     if (bar.parts.length === parts.length) bar.parts = [];  // all: the whole body
@@ -1024,7 +1025,7 @@ const vary = () => work("Making variations.", async () => {
   while (takes.length < 4) {
     let next = (wanted.get(base.id) || []).find(isNew);  // locked when the project was saved
     if (next === undefined) {
-      do ++seed; while (!isNew(seed));
+      do seed = seed < Number.MAX_SAFE_INTEGER ? seed + 1 : 0; while (!isNew(seed));
       next = seed;
     }
     making.began = performance.now();
@@ -1705,14 +1706,15 @@ press("plain", () => {
   character = null;
   show(shownTake);
 });
-/** A GLB file without an animation and a VRM file are characters; with Shift every GLB file is one. */
-async function take(file, asCharacter) {
+/** A GLB file without an animation and a VRM file are characters; with Shift every GLB file is one.
+    stored: the file's name in the folder of the server, if it is there */
+async function take(file, asCharacter, stored = null) {
   try {
     const kind = file.name.slice(file.name.lastIndexOf(".")).toLowerCase();
     if (file.size > 64e6) throw new Error("it is larger than 64 MB");
     if (kind === ".json") {
-      if (file.size > 2e6) throw new Error("it is too large for a project");
-      await openProject(await file.text());
+      if (file.size > bounds.bytes) throw new Error("it is too large for a project");
+      await openProject(await file.text(), stored);
     } else if (kind === ".vrm" || (asCharacter && [".glb", ".gltf"].includes(kind))) {
       await showOn(file);
     } else if ([".bvh", ".glb", ".gltf", ".vrma", ".npz", ".npy"].includes(kind)) {
@@ -1744,7 +1746,7 @@ element("folder").addEventListener("change", async ({ target }) => {
   target.value = "";
   try {
     const { bytes } = await engine.ask("open", { name });
-    await take(new File([unpackedBytes(bytes)], name), false);
+    await take(new File([unpackedBytes(bytes)], name), false, name);
   } catch (reason) {
     say(`${name}: ${reason.message}`, true);
   }
