@@ -25,7 +25,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct GuoMakingOptions {
   std::optional<Index> steps{};
   std::optional<double> guidance{};
-  AnyCommunicator communicator{};  // processes that share the motions of a batch
+  AnyCommunicator communicator{};  // processes that share the motions of a batch; never those that share replications
 };
 
 /// The rows of the motions, not normalised, each with at most the wanted number of frames.

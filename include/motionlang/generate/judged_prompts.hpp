@@ -99,7 +99,8 @@ struct Judgement {
 /// effect.
 /// Their progress counts the steps of all seeds. Throws option_error 101 unless seeds is 1 or more, and what
 /// generate_motions throws.
-/// all  processes that share the seeds: each calls this function, and gets the same judgement as one process alone
+/// all  processes that share the seeds: each calls this function, and gets the same judgement as one process alone. The
+///      communicator of the options counts only if this is one process; then it shares the motions of a seed
 Judgement judge(const MotionModel& model, std::vector<JudgedPrompt> prompts, const GenerateOptions& options, int seeds,
                 bool keep_motions = false, const AnyCommunicator& all = AnyCommunicator());
 

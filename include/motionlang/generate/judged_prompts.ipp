@@ -384,6 +384,7 @@ MOTIONLANG_BODY Judgement judge(const MotionModel& model, std::vector<JudgedProm
     const int together = std::min(processes, seeds - first);
     GenerateOptions how = options;
     how.seed = options.seed + static_cast<std::uint64_t>(first + rank);
+    if (processes > 1) how.communicator = AnyCommunicator();  // a process makes the motions of its seed alone
     auto of_round = [&](Index done, Index total) {
       return options.progress(first * (total / together) + done, seeds * (total / together)), true;
     };

@@ -225,7 +225,9 @@ struct GuoFigureOptions {
   Index replications = 20;
   Index repeats = 30;  // motions of a text for measuring multimodality; 0: it is not measured
   std::uint64_t seed = 0;
-  AnyCommunicator communicator{};  // processes that share the replications; all get the figures of all
+  /// The processes that share the replications; all get the figures of all. A maker must not share its own motions
+  /// then: the processes are not in the same replication.
+  AnyCommunicator communicator{};
 };
 
 namespace detail {

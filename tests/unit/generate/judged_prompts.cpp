@@ -205,6 +205,16 @@ TEST_CASE("several processes judge as one does, and the first one counts the ste
   }
 }
 
+TEST_CASE("processes share the seeds or the motions of a seed, never both") {
+  const SeededWalks model;
+  const std::string alone = ml::describe_judgement(ml::judge(model, ml::own_prompts(), {.seed = 3}, 5), true);
+  run_processes(2, [&](const ThreadProcess& process) {
+    const ml::AnyCommunicator all(process);
+    const ml::GenerateOptions shared{.seed = 3, .communicator = all};
+    CHECK(ml::describe_judgement(ml::judge(model, ml::own_prompts(), shared, 5, false, all), true) == alone);
+  });
+}
+
 TEST_CASE("what fewer steps cost: a row for each number, compared with the first") {
   fake::Model model;
   model.diffusion_steps = 10;
