@@ -25,8 +25,8 @@ using MotionMaker = std::function<std::vector<Motion>(std::span<const Timeline>,
 
 /// The motions of all timelines, in all processes; the notes of the options as well.
 /// make    is called once in each process that has a part, with `before` in its options
-/// Throws  config_error 102 if timelines, seed or kernels of a process are not those of rank 0; option_error 102 for
-///         files of noise and records; what `make` throws
+/// Throws  config_error 102 if the timelines, the kernels, or the options that decide bits are not those of rank 0 in
+///         some process; option_error 102 for files of noise and records; what `make` throws. Models are not compared
 std::vector<Motion> shared_motions(std::span<const Timeline> timelines, const GenerateOptions& options,
                                    const MotionMaker& make);
 

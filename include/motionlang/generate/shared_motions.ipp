@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>  // max
+#include <cstdint>    // sizes of lists
 #include <utility>    // move
 
 #include <motionlang/generate/detail/kept_clip.hpp>
@@ -22,14 +23,32 @@ inline Index work_of(std::span<const Timeline> timelines) {
   return out;
 }
 
-/// The input of the motions, which all processes need.
+/// All that decides the bits of the motions, apart from the model.
 inline std::string shared_input(std::span<const Timeline> timelines, const GenerateOptions& o) {
-  std::string out = concat_text(kernels_in_use(), ' ', o.seed);
-  for (const Timeline& t : timelines) {
-    for (const Interval& i : t.intervals) out += concat_text('\n', i.start, ' ', i.end, ' ', i.text);
-    out += '\n';
+  MessageWriter out;
+  const auto optional = [&](const auto& v) {
+    out.value(v.has_value());
+    if (v) out.value(*v);
+  };
+  out.text(kernels_in_use());
+  out.value(o.seed), out.value(o.mode), out.value(o.overlap);
+  for (const bool b : {o.cut_texts, o.smooth, o.fix_feet, o.fix_floor, o.overlay_arms}) out.value(b);
+  optional(o.steps), optional(o.sampler), optional(o.noise_scale), optional(o.guidance), optional(o.fact);
+  out.value(o.keep.has_value());
+  if (o.keep) {
+    put_motion(out, o.keep->motion);
+    out.value(o.keep->parts.bits), out.value(std::uint64_t{o.keep->seconds.size()});
+    for (const auto& [from, to] : o.keep->seconds) out.value(from), out.value(to);
   }
-  return out;
+  for (const std::span<const Timeline> list : {o.before, timelines}) {
+    out.value(std::uint64_t{list.size()});
+    for (const Timeline& t : list) {
+      out.text(to_string(t.body)), out.value(std::uint64_t{t.intervals.size()});
+      for (const Interval& i : t.intervals)
+        out.text(i.text), out.value(i.start), out.value(i.end), out.value(i.parts.bits);
+    }
+  }
+  return out.bytes();
 }
 
 }  // namespace detail
@@ -74,8 +93,8 @@ MOTIONLANG_BODY std::vector<Motion> shared_motions(std::span<const Timeline> tim
   detail::require_no_list_files(options);
   if (const Index other = first_other_text(all, detail::shared_input(timelines, options)); other > 0)
     raise<config_error>(102, "rank ", other, " of ", all.size(),
-                        " has other timelines, another seed or other kernels than rank 0, so that motions would differ "
-                        "from those of one process");
+                        " has other timelines, options or kernels than rank 0, so that motions would differ from those "
+                        "of one process");
   const std::vector<Index> begins = parts_of_timelines(timelines, all.size());
   const auto part_of = [&](Index rank) {
     const auto r = static_cast<std::size_t>(rank);

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <functional>
 
 #include <motionlang/generate/samples.hpp>
 
@@ -74,7 +75,7 @@ TEST_CASE("processes with other timelines, and files of a whole list, are refuse
     });
   };
   generate(-1);
-  CHECK_ERROR(generate(1), "[motionlang.config.102] rank 1 of 3 has other timelines, another seed or other kernels");
+  CHECK_ERROR(generate(1), "[motionlang.config.102] rank 1 of 3 has other timelines, options or kernels than rank 0");
   const auto with = [&](ml::GenerateOptions options) {
     fake::Model diffusion;
     diffusion.timelines = true;
@@ -86,6 +87,48 @@ TEST_CASE("processes with other timelines, and files of a whole list, are refuse
   CHECK_ERROR(with({.noise = "n"}), "[motionlang.config.102] `noise` is a file of all timelines");
   CHECK_ERROR(with({.record = "r"}), "`record` is a file of all timelines, which one process makes, not 2");
   CHECK_ERROR(with({.reuse = "r"}), "`reuse` is a file");
+}
+
+TEST_CASE("processes that differ in a body part, a body, the timelines before or an option are refused") {
+  fake::Model model;
+  model.diffusion_steps = 10, model.timelines = true;
+  struct Input {
+    std::vector<ml::Timeline> timelines = turns(4), before{};
+    ml::GenerateOptions options{.seed = 5, .keep = ml::KeptClip{synthetic::walk({.frames = 5}), {{0, 0.1}}}};
+  };
+  const auto generate = [&](const auto& change) {
+    run_processes(2, [&](const ThreadProcess& process) {
+      Input own;
+      if (process.rank() == 1) change(own);
+      own.options.before = own.before, own.options.communicator = ml::AnyCommunicator(process);
+      ml::generate_motions(model, own.timelines, own.options);
+    });
+  };
+  CHECK_NOTHROW(generate([](Input&) {}));
+  const ml::BodyPartition body({.names = {"a", "b"}, .path = "a"});
+  const std::function<void(Input&)> changes[] = {
+      [](Input& i) { i.timelines[2].intervals[0].parts = ml::BodyParts{}.with(ml::BodyPart::head); },
+      [&](Input& i) { i.timelines[3].body = body; },
+      [](Input& i) { i.before = turns(1); },
+      [](Input& i) { i.options.mode = ml::StmcMode::one_text, i.options.keep.reset(); },
+      [](Input& i) { i.options.steps = 9; },
+      [](Input& i) { i.options.steps = 0; },
+      [](Input& i) { i.options.sampler = ml::SamplingOptions::Sampler::ddpm; },
+      [](Input& i) { i.options.noise_scale = ml::NoiseScale::posterior_std; },
+      [](Input& i) { i.options.guidance = 2; },
+      [](Input& i) { i.options.overlap = 0.4; },
+      [](Input& i) { i.options.cut_texts = false; },
+      [](Input& i) { i.options.smooth = false; },
+      [](Input& i) { i.options.fix_feet = false; },
+      [](Input& i) { i.options.fix_floor = false; },
+      [](Input& i) { i.options.overlay_arms = true; },
+      [](Input& i) { i.options.keep.reset(); },
+      [](Input& i) { i.options.keep->seconds[0].second = 0.2; },
+      [](Input& i) { i.options.keep->parts = ml::BodyParts{}.with(ml::BodyPart::head); },
+      [](Input& i) { i.options.keep->motion.root[1].x += 0.5; },
+  };
+  for (const auto& change : changes)
+    CHECK_ERROR(generate(change), "[motionlang.config.102] rank 1 of 2 has other timelines, options or kernels");
 }
 
 TEST_CASE("parts follow each other and have about as much to make") {
