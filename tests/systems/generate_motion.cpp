@@ -233,7 +233,7 @@ TEST_CASE("options that contradict each other, or that the model cannot do, are 
   late.seconds = {{0.5, 0.51}};
   refused({.keep = late}, "0.5-0.51 is frames 10:10");
   refused({.noise = "n", .before = std::span(&timeline, 1)},
-          "[motionlang.config.102] `noise` is a file of all timelines");
+          "[motionlang.config.102] `noise` is a file of all timelines; with `before`, these are only a part of them");
   CHECK_ERROR(ml::generate_motion(stmc, timeline, {.noise = "nowhere"}), "[motionlang.io.401]");
   CHECK_ERROR(ml::generate_motion(stmc, timeline, {.reuse = "nowhere"}), "[motionlang.io.401]");
 }

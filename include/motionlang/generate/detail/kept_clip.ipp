@@ -33,9 +33,11 @@ MOTIONLANG_BODY void require_no_list_files(const GenerateOptions& o) {
   const std::pair<const FilePath*, const char*> files[] = {
       {&o.noise, "`noise`"}, {&o.record, "`record`"}, {&o.reuse, "`reuse`"}};
   for (const auto& [file, name] : files) {
-    if (!file->string().empty())
+    if (file->string().empty()) continue;
+    if (o.communicator.size() > 1)
       raise<option_error>(102, name, " is a file of all timelines, which one process makes, not ",
-                          std::max<Index>(2, o.communicator.size()));
+                          o.communicator.size());
+    raise<option_error>(102, name, " is a file of all timelines; with `before`, these are only a part of them");
   }
 }
 
