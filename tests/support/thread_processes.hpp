@@ -60,7 +60,9 @@ class ThreadProcess {
   }
   void receive(std::span<std::byte> bytes, motionlang::Index from) const {
     const auto message = post_->take(from, rank_);
-    if (message.size() != bytes.size()) throw std::runtime_error("a message has another size than the receiver wants");
+    if (message.size() != bytes.size())
+      motionlang::raise<motionlang::shape_error>(204, "a message of ", message.size(), " bytes from rank ", from,
+                                                 " where ", bytes.size(), " are wanted");
     std::copy(message.begin(), message.end(), bytes.begin());
   }
   void exchange(std::span<const std::byte> given, std::span<std::byte> taken, motionlang::Index with) const {

@@ -96,7 +96,7 @@ struct SumMessages {
 
 /// The sum of what compute(i) returns for the parts i = 0 ... parts - 1, vectors of one size. Rank 0 has it; others get
 /// a part of it or nothing. compute is called in each process for its own parts. Throws shape_error 204 if the sizes of
-/// vectors differ.
+/// vectors differ, in a process that adds them.
 template <Scalar S, class F>
 std::vector<S> sum_of_parts(const AnyCommunicator& c, Index parts, const F& compute, const SumMessages& how = {});
 /// The same sum, with the same bits, in all processes.

@@ -55,11 +55,11 @@ class MpiCommunicator {
       MPI_Send(piece.data(), count, MPI_BYTE, static_cast<int>(to), 0, MPI_COMM_WORLD);
     });
   }
+  /// Throws shape_error 204 for a message of another size.
   void receive(std::span<std::byte> bytes, Index from) const {
-    for_pieces(bytes, [&](auto piece, int count) {
-      MPI_Recv(piece.data(), count, MPI_BYTE, static_cast<int>(from), 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-    });
+    for_pieces(bytes, [&](auto piece, int count) { receive_piece(piece.data(), count, from); });
   }
+  /// Throws shape_error 204 for a message of another size.
   void exchange(std::span<const std::byte> given, std::span<std::byte> taken, Index with) const {
     const auto next = [](auto& bytes) {
       const auto piece = bytes.first(std::min(longest_piece, bytes.size()));
@@ -69,8 +69,10 @@ class MpiCommunicator {
     do {
       const auto out = next(given);
       const auto in = next(taken);
-      MPI_Sendrecv(out.data(), static_cast<int>(out.size()), MPI_BYTE, static_cast<int>(with), 0, in.data(),
-                   static_cast<int>(in.size()), MPI_BYTE, static_cast<int>(with), 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+      MPI_Request sent{};
+      MPI_Isend(out.data(), static_cast<int>(out.size()), MPI_BYTE, static_cast<int>(with), 0, MPI_COMM_WORLD, &sent);
+      receive_piece(in.data(), static_cast<int>(in.size()), with);
+      MPI_Wait(&sent, MPI_STATUS_IGNORE);
     } while (!given.empty() || !taken.empty());
   }
   void broadcast(std::span<std::byte> bytes, Index root) const {
@@ -87,6 +89,18 @@ class MpiCommunicator {
   }
 
  private:
+  /// The size is known before the message is taken: MPI itself would end the program for a longer one.
+  static void receive_piece(std::byte* piece, int count, Index from) {
+    MPI_Status status{};
+    int sent = 0;
+    MPI_Probe(static_cast<int>(from), 0, MPI_COMM_WORLD, &status);
+    MPI_Get_count(&status, MPI_BYTE, &sent);
+    if (sent != count)
+      raise<shape_error>(204, "a message of ", counted(sent, "byte"), " from rank ", from, " where ", count,
+                         " are wanted");
+    MPI_Recv(piece, count, MPI_BYTE, static_cast<int>(from), 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  }
+
   static constexpr std::size_t longest_piece = std::size_t{1} << 30;  // MPI counts bytes in an int
 
   template <class Byte, class F>

@@ -136,6 +136,32 @@ TEST_CASE("four ranks with eight parts send one sum each") {
       "[motionlang.shape.204]");
 }
 
+TEST_CASE("sums of other sizes in another process are refused, longer and shorter ones, in both ways of adding") {
+  for (const Index parts : {3, 4}) {  // without powers of two, and with
+    for (const Index more : {-1, 0, 1}) {
+      CAPTURE(parts);
+      CAPTURE(more);
+      const auto sum = [&](const auto& add) {
+        run_processes(2, [&](const ThreadProcess& process) {
+          const std::vector<float> own(static_cast<std::size_t>(process.rank() == 1 ? 5 + more : 5), 1.0f);
+          add(ml::AnyCommunicator(process), [&](Index) { return own; });
+        });
+      };
+      const auto parts_only = [&](const ml::AnyCommunicator& c, const auto& f) {
+        ml::sum_of_parts<float>(c, parts, f);
+      };
+      const auto for_all = [&](const ml::AnyCommunicator& c, const auto& f) { ml::sum_for_all<float>(c, parts, f); };
+      if (more == 0) {
+        CHECK_NOTHROW(sum(parts_only));
+        CHECK_NOTHROW(sum(for_all));
+      } else {
+        CHECK_ERROR(sum(parts_only), "[motionlang.shape.204]");
+        CHECK_ERROR(sum(for_all), "[motionlang.shape.204]");
+      }
+    }
+  }
+}
+
 TEST_CASE("all processes have the sum of parts, with the bits of one process") {
   for (const Index parts : {1, 4, 7, 8, 16}) {
     const auto alone = ml::sum_of_parts<float>({}, parts, part);
