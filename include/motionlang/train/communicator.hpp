@@ -24,8 +24,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///   exchange        sends bytes to a rank and takes those that it sends, at the same time; both ranks call it
 ///   broadcast       all have the bytes of `root` afterwards
 ///   barrier         returns once all have called it
-/// Laws    messages between two ranks arrive in their order; the receiver asks for as many bytes as were sent; all
-///         ranks call broadcast and barrier in one order, with one size and one root
+/// Laws    messages between two ranks arrive in their order; receive and exchange throw shape_error 204 for a message
+///         of another size than they ask for; all ranks call broadcast and barrier in one order, with one size and root
+/// Errors  an exception in a function that all ranks call leaves the others waiting for messages. A program that does
+///         not expect it in all ranks must then end all of them: MpiCommunicator::abort
 /// Models  OneProcess, AnyCommunicator, MpiCommunicator
 template <class C>
 concept Communicator = requires(const C& c, std::span<const std::byte> given, std::span<std::byte> taken, Index rank) {

@@ -5,8 +5,9 @@
 ///     use(generate_motions(*model, own_part, {.progress = progress}));  // in every process
 ///     progress.finish();
 ///
-/// The others send their counts and do not wait. Rank 0 waits for those that are behind it, so that the last motion of
-/// the slowest process is the end of the bar.
+/// The others send their counts and do not wait. Rank 0 waits, before it reports a step, until each other rank has done
+/// the share of its own work that rank 0 had done before the step. So rank 0 is at most a step ahead of the slowest
+/// one. The last motion of the slowest process is the end of the bar.
 #pragma once
 
 #include <vector>  // shares
