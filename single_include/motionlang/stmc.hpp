@@ -7903,8 +7903,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///   exchange        sends bytes to a rank and takes those that it sends, at the same time; both ranks call it
 ///   broadcast       all have the bytes of `root` afterwards
 ///   barrier         returns once all have called it
-/// Laws    messages between two ranks arrive in their order; the receiver asks for as many bytes as were sent; all
-///         ranks call broadcast and barrier in one order, with one size and one root
+/// Laws    messages between two ranks arrive in their order; receive and exchange throw shape_error 204 for a message
+///         of another size than they ask for; all ranks call broadcast and barrier in one order, with one size and root
+/// Errors  an exception in a function that all ranks call leaves the others waiting for messages. A program that does
+///         not expect it in all ranks must then end all of them: MpiCommunicator::abort
 /// Models  OneProcess, AnyCommunicator, MpiCommunicator
 template <class C>
 concept Communicator = requires(const C& c, std::span<const std::byte> given, std::span<std::byte> taken, Index rank) {
@@ -17973,9 +17975,11 @@ MOTIONLANG_BODY void require_no_list_files(const GenerateOptions& o) {
   const std::pair<const FilePath*, const char*> files[] = {
       {&o.noise, "`noise`"}, {&o.record, "`record`"}, {&o.reuse, "`reuse`"}};
   for (const auto& [file, name] : files) {
-    if (!file->string().empty())
+    if (file->string().empty()) continue;
+    if (o.communicator.size() > 1)
       raise<option_error>(102, name, " is a file of all timelines, which one process makes, not ",
-                          std::max<Index>(2, o.communicator.size()));
+                          o.communicator.size());
+    raise<option_error>(102, name, " is a file of all timelines; with `before`, these are only a part of them");
   }
 }
 
@@ -18280,8 +18284,8 @@ using MotionMaker = std::function<std::vector<Motion>(std::span<const Timeline>,
 
 /// The motions of all timelines, in all processes; the notes of the options as well.
 /// make    is called once in each process that has a part, with `before` in its options
-/// Throws  config_error 102 if timelines, seed or kernels of a process are not those of rank 0; option_error 102 for
-///         files of noise and records; what `make` throws
+/// Throws  config_error 102 if the timelines, the kernels, or the options that decide bits are not those of rank 0 in
+///         some process; option_error 102 for files of noise and records; what `make` throws. Models are not compared
 std::vector<Motion> shared_motions(std::span<const Timeline> timelines, const GenerateOptions& options,
                                    const MotionMaker& make);
 
@@ -18305,8 +18309,9 @@ MOTIONLANG_NAMESPACE_END
 ///     use(generate_motions(*model, own_part, {.progress = progress}));  // in every process
 ///     progress.finish();
 ///
-/// The others send their counts and do not wait. Rank 0 waits for those that are behind it, so that the last motion of
-/// the slowest process is the end of the bar.
+/// The others send their counts and do not wait. Rank 0 waits, before it reports a step, until each other rank has done
+/// the share of its own work that rank 0 had done before the step. So rank 0 is at most a step ahead of the slowest
+/// one. The last motion of the slowest process is the end of the bar.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -18416,7 +18421,7 @@ MOTIONLANG_BODY void SharedProgress::report() const {
     whole += work_[r];
   }
   constexpr Index parts = 1000;
-  if (whole > 0) caller_(static_cast<Index>(done * static_cast<double>(parts) + 0.5), whole * parts);
+  if (whole > 0) caller_(static_cast<Index>(std::llround(done * static_cast<double>(parts))), whole * parts);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -18436,14 +18441,32 @@ inline Index work_of(std::span<const Timeline> timelines) {
   return out;
 }
 
-/// The input of the motions, which all processes need.
+/// All that decides the bits of the motions, apart from the model.
 inline std::string shared_input(std::span<const Timeline> timelines, const GenerateOptions& o) {
-  std::string out = concat_text(kernels_in_use(), ' ', o.seed);
-  for (const Timeline& t : timelines) {
-    for (const Interval& i : t.intervals) out += concat_text('\n', i.start, ' ', i.end, ' ', i.text);
-    out += '\n';
+  MessageWriter out;
+  const auto optional = [&](const auto& v) {
+    out.value(v.has_value());
+    if (v) out.value(*v);
+  };
+  out.text(kernels_in_use());
+  out.value(o.seed), out.value(o.mode), out.value(o.overlap);
+  for (const bool b : {o.cut_texts, o.smooth, o.fix_feet, o.fix_floor, o.overlay_arms}) out.value(b);
+  optional(o.steps), optional(o.sampler), optional(o.noise_scale), optional(o.guidance), optional(o.fact);
+  out.value(o.keep.has_value());
+  if (o.keep) {
+    put_motion(out, o.keep->motion);
+    out.value(o.keep->parts.bits), out.value(std::uint64_t{o.keep->seconds.size()});
+    for (const auto& [from, to] : o.keep->seconds) out.value(from), out.value(to);
   }
-  return out;
+  for (const std::span<const Timeline> list : {o.before, timelines}) {
+    out.value(std::uint64_t{list.size()});
+    for (const Timeline& t : list) {
+      out.text(to_string(t.body)), out.value(std::uint64_t{t.intervals.size()});
+      for (const Interval& i : t.intervals)
+        out.text(i.text), out.value(i.start), out.value(i.end), out.value(i.parts.bits);
+    }
+  }
+  return out.bytes();
 }
 
 }  // namespace detail
@@ -18488,8 +18511,8 @@ MOTIONLANG_BODY std::vector<Motion> shared_motions(std::span<const Timeline> tim
   detail::require_no_list_files(options);
   if (const Index other = first_other_text(all, detail::shared_input(timelines, options)); other > 0)
     raise<config_error>(102, "rank ", other, " of ", all.size(),
-                        " has other timelines, another seed or other kernels than rank 0, so that motions would differ "
-                        "from those of one process");
+                        " has other timelines, options or kernels than rank 0, so that motions would differ from those "
+                        "of one process");
   const std::vector<Index> begins = parts_of_timelines(timelines, all.size());
   const auto part_of = [&](Index rank) {
     const auto r = static_cast<std::size_t>(rank);

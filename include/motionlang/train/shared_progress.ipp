@@ -2,6 +2,7 @@
 // Bodies of shared_progress.hpp.
 #pragma once
 
+#include <cmath>    // llround
 #include <cstdint>  // counts
 #include <utility>  // move
 
@@ -85,7 +86,7 @@ MOTIONLANG_BODY void SharedProgress::report() const {
     whole += work_[r];
   }
   constexpr Index parts = 1000;
-  if (whole > 0) caller_(static_cast<Index>(done * static_cast<double>(parts) + 0.5), whole * parts);
+  if (whole > 0) caller_(static_cast<Index>(std::llround(done * static_cast<double>(parts))), whole * parts);
 }
 
 MOTIONLANG_NAMESPACE_END
