@@ -134,6 +134,8 @@ IndexReport update_index(MotionIndex& index, const FilePath& folder, const Searc
 std::filesystem::path indexed_path(const FilePath& path);
 /// True if an absolute path is the folder or in it.
 bool is_below(const std::filesystem::path& path, const std::filesystem::path& folder);
+/// True for a link to a motion, and for an AMC file whose skeleton is one.
+bool is_linked_motion(const std::filesystem::path& path);
 /// Removes the clips of a file, or of all files below a folder, from an index. Returns the number of these clips.
 Index remove_below(ClipStore& index, const FilePath& path);
 inline Index remove_below(MotionIndex& index, const FilePath& path) {

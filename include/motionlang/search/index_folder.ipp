@@ -33,13 +33,6 @@ inline std::string checksum_of_lines(const std::vector<ClipLine>& lines) {
   return checksum_of(std::as_bytes(std::span(all)));
 }
 
-/// True for a link to a motion, and for an AMC file whose skeleton is one.
-inline bool is_linked_motion(const std::filesystem::path& path) {
-  std::error_code unknown;
-  return std::filesystem::is_symlink(path, unknown) ||
-         (file_kind(path) == ".amc" && std::filesystem::is_symlink(asf_beside(path).string(), unknown));
-}
-
 /// The first line of the file LICENSE (LICENCE, COPYING, with or without an extension) in a folder, as UTF-8.
 inline std::string license_in(const std::filesystem::path& folder, bool skip_links) {
   std::set<std::filesystem::path> found;
@@ -70,6 +63,12 @@ MOTIONLANG_BODY std::filesystem::path indexed_path(const FilePath& path) {
 MOTIONLANG_BODY bool is_below(const std::filesystem::path& path, const std::filesystem::path& folder) {
   const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
   return end == folder.end();
+}
+
+MOTIONLANG_BODY bool is_linked_motion(const std::filesystem::path& path) {
+  std::error_code unknown;
+  return std::filesystem::is_symlink(path, unknown) ||
+         (file_kind(path) == ".amc" && std::filesystem::is_symlink(asf_beside(path).string(), unknown));
 }
 
 MOTIONLANG_BODY Index remove_below(ClipStore& index, const FilePath& path) {
@@ -104,7 +103,7 @@ MOTIONLANG_BODY void IndexUpdate::look_at_files() {
   namespace fs = std::filesystem;
   for (const fs::path& path : motion_files_below(folder_, "", &report_.folder_notes)) {
     std::error_code gone;
-    if (options_.skip_links && detail::is_linked_motion(path)) continue;
+    if (options_.skip_links && is_linked_motion(path)) continue;
     const auto written = fs::last_write_time(path, gone);
     if (gone) continue;  // since it was listed
     const auto size = fs::file_size(path, gone);

@@ -92,7 +92,7 @@ MOTIONLANG_BODY FolderPiece SearchedFolder::piece(const FolderMoment& moment, do
   std::error_code failed;
   const auto path = (folder_ / moment.file).lexically_normal();
   if (moment.file.empty() || !is_below(path, folder_) || !detail::is_own_file(path) ||
-      std::filesystem::weakly_canonical(path, failed) != path || detail::is_linked_motion(path))
+      std::filesystem::weakly_canonical(path, failed) != path || is_linked_motion(path))
     raise<io_error>(401, moment.file, ": there is no such motion in the folder");
   for (Motion& whole : read_motions(path, options_for_file({}, path))) {
     if (!moment.animation.empty() && whole.name != moment.animation) continue;
