@@ -128,6 +128,20 @@ def files(server, folder, project, problems):
     expect(problems, "open", server.ask({"kind": "open", "name": "a.txt"}) == {"value": {"bytes": "aGk="}})
 
 
+def endless(server, begin, block):
+    """Sends a block again and again, up to 200 MiB. The bytes of the blocks that the server took."""
+    sent = 0
+    with server.connect() as s:
+        try:
+            s.sendall(begin)
+            while sent < 200 << 20:
+                s.sendall(block)
+                sent += len(block)
+        except OSError:
+            pass
+    return sent
+
+
 def bodies(server, problems):
     """Malformed, oversized, endless and slow bodies."""
     for body in (b"", b"{", b"[" * 100000, b"nul", b'{"kind":"load"', b"\xff\xfe", b'{"kind":"load","client":"x"}',
@@ -139,25 +153,9 @@ def bodies(server, problems):
     expect(problems, f"a large body: {large[:40]}", status(large) in (0, 413))
     head = (f"POST /ask HTTP/1.1\r\nHost: {server.host}\r\nContent-Type: application/json\r\n"
             f"X-Motionlang-Token: {server.token}\r\nTransfer-Encoding: chunked\r\n\r\n").encode()
-    with server.connect() as s:  # chunks without an end: it closes after 48 MiB
-        sent, block = 0, b"100000\r\n" + b"x" * 0x100000 + b"\r\n"
-        try:
-            s.sendall(head)
-            while sent < 200 << 20:
-                s.sendall(block)
-                sent += len(block)
-        except OSError:
-            pass
+    sent = endless(server, head, b"100000\r\n" + b"x" * 0x100000 + b"\r\n")  # chunks: it closes after 48 MiB
     expect(problems, f"it read {sent >> 20} MiB of an endless body", sent < 120 << 20)
-    with server.connect() as s:  # a head without an end: it closes after 64 KiB
-        sent, block = 0, b"x" * 0x10000
-        try:
-            s.sendall(b"GET / HTTP/1.1\r\nA: ")
-            while sent < 200 << 20:
-                s.sendall(block)
-                sent += len(block)
-        except OSError:
-            pass
+    sent = endless(server, b"GET / HTTP/1.1\r\nA: ", b"x" * 0x10000)  # a line: it closes after 64 KiB
     expect(problems, f"it read {sent >> 20} MiB of an endless head", sent < 20 << 20)
     for data in (b"\0" * 1000, b"GET " + b"/" * 100000 + b" HTTP/1.1\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n",
                  b"GET / HTTP/1.1\r\n" + b"A: " + b"b" * 100000 + b"\r\n\r\n", b"\r\n\r\n", b"POST /ask\r\n\r\n"):
@@ -310,7 +308,8 @@ def searching(browser, problems):
 
 
 def save_project(browser, name, problems):
-    """Saves the project and expects its name."""
+    """Saves the project and expects its name. A motion that is made would speak last."""
+    wait(browser, "!motionlang.state().making", MADE)
     browser.run("document.getElementById('status').textContent = ''")
     click(browser, "#saveProject")
     said = wait(browser, "/ is in/.test(document.getElementById('status').textContent)", 20)
