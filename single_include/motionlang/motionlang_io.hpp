@@ -3514,6 +3514,11 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// True for a file itself, not for a link to one.
+bool is_own_file(const std::filesystem::path& path);
+/// True if a write stays at this path: a file itself is there, or nothing.
+bool is_own_place(const std::filesystem::path& path);
+
 class ProjectFolder {
  public:
   using Rule = std::function<bool(std::string_view)>;
@@ -3544,6 +3549,16 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+MOTIONLANG_BODY bool is_own_file(const std::filesystem::path& path) {
+  std::error_code failed;
+  return std::filesystem::is_regular_file(std::filesystem::symlink_status(path, failed));
+}
+MOTIONLANG_BODY bool is_own_place(const std::filesystem::path& path) {
+  std::error_code failed;
+  const auto status = std::filesystem::symlink_status(path, failed);
+  return status.type() == std::filesystem::file_type::not_found || std::filesystem::is_regular_file(status);
+}
+
 MOTIONLANG_BODY ProjectFolder::ProjectFolder(const std::filesystem::path& folder, Rule is_allowed)
     : is_allowed_(std::move(is_allowed)) {
   std::error_code failed;
@@ -3558,9 +3573,7 @@ MOTIONLANG_BODY std::vector<std::string> ProjectFolder::names() const {
   std::error_code failed;
   for (std::filesystem::directory_iterator at(folder_, failed), end; !failed && at != end; at.increment(failed)) {
     const std::string name = at->path().filename().string();
-    std::error_code unknown;
-    if (is_allowed_(name) && std::filesystem::is_regular_file(at->symlink_status(unknown)) && out.size() < most)
-      out.push_back(name);
+    if (is_allowed_(name) && is_own_file(at->path()) && out.size() < most) out.push_back(name);
   }
   std::sort(out.begin(), out.end());
   return out;
@@ -3575,9 +3588,8 @@ MOTIONLANG_BODY std::filesystem::path ProjectFolder::path_of(const std::string& 
 
 MOTIONLANG_BODY std::string ProjectFolder::read(const std::string& name, std::size_t most) const {
   const auto path = path_of(name);
+  if (!is_own_file(path)) raise<io_error>(401, name, ": there is no such file in the project");
   std::error_code failed;
-  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(path, failed)))
-    raise<io_error>(401, name, ": there is no such file in the project");
   const auto size = std::filesystem::file_size(path, failed);
   if (failed || size > most) raise<io_error>(401, name, ": ", failed ? 0 : size, " bytes, at most ", most);
   return read_file(path);
@@ -3585,10 +3597,7 @@ MOTIONLANG_BODY std::string ProjectFolder::read(const std::string& name, std::si
 
 MOTIONLANG_BODY void ProjectFolder::write(const std::string& name, std::span<const std::byte> contents) const {
   const auto path = path_of(name);
-  std::error_code failed;
-  const auto status = std::filesystem::symlink_status(path, failed);
-  if (status.type() != std::filesystem::file_type::not_found && !std::filesystem::is_regular_file(status))
-    raise<io_error>(401, name, ": something else in the project has this name");
+  if (!is_own_place(path)) raise<io_error>(401, name, ": something else in the project has this name");
   write_file(path, contents);
 }
 
@@ -18269,11 +18278,6 @@ inline std::shared_ptr<const SearchEncoder> given_encoder(std::shared_ptr<const 
   if (!encoder) raise<config_error>(101, "SearchedFolder: no encoder");
   return encoder;
 }
-/// True for a file itself, not for a link to one.
-inline bool is_own_file(const std::filesystem::path& path) {
-  std::error_code failed;
-  return std::filesystem::is_regular_file(std::filesystem::symlink_status(path, failed));
-}
 
 }  // namespace detail
 
@@ -18286,7 +18290,7 @@ MOTIONLANG_BODY SearchedFolder::SearchedFolder(const FilePath& folder, std::shar
 
 MOTIONLANG_BODY MotionIndex SearchedFolder::taken_up() const {
   MotionIndex out(index_model(*encoder_, o_.moments));
-  if (o_.index.empty() || !detail::is_own_file(o_.index)) return out;
+  if (o_.index.empty() || !is_own_file(o_.index)) return out;
   const auto take = [&] {
     MotionIndex old = read_motion_index(o_.index);
     old.require_model(out.model().id, out.model().path);
@@ -18300,8 +18304,7 @@ MOTIONLANG_BODY MotionIndex SearchedFolder::taken_up() const {
 
 MOTIONLANG_BODY void SearchedFolder::keep(const IndexReport& report) const {
   if (o_.index.empty() || !report.changed()) return;
-  std::error_code failed;
-  if (std::filesystem::is_symlink(o_.index, failed)) return;  // a write would follow it
+  if (!is_own_place(o_.index)) return;  // a write would follow a link
   detail::guard<io_error>([&] { write_motion_index(o_.index, index_); }, [](const io_error&) { return true; });
 }
 
@@ -18335,7 +18338,7 @@ MOTIONLANG_BODY FolderAnswer SearchedFolder::find(const std::string& text, Index
 MOTIONLANG_BODY FolderPiece SearchedFolder::piece(const FolderMoment& moment, double margin) const {
   std::error_code failed;
   const auto path = (folder_ / moment.file).lexically_normal();
-  if (moment.file.empty() || !is_below(path, folder_) || !detail::is_own_file(path) ||
+  if (moment.file.empty() || !is_below(path, folder_) || !is_own_file(path) ||
       std::filesystem::weakly_canonical(path, failed) != path || is_linked_motion(path))
     raise<io_error>(401, moment.file, ": there is no such motion in the folder");
   for (Motion& whole : read_motions(path, options_for_file({}, path))) {
@@ -31785,19 +31788,20 @@ const saveVideo = () => work("Recording the video.", async () => {
   return `${name}${engine.folder ? " in the project's folder" : ""}: ${about}.`;
 });
 
-// ---- Examples to start from: a name, a seed, and texts with their times. The bundled model does all of them well.
+// ---- Examples to start from: a name, a seed, and texts with their times. Alone, the bundled model does each text in
+// at least 4 of 5 seeds (`motionlang judge`).
 
 const arms = ["left arm", "right arm"];
 const gallery = [
   ["Walk and raise both arms", 7, ["walk forward", 0, 6, "legs"], ["raise both arms", 2, 5, ...arms]],
   ["Sit down, stand up", 7, ["walk forward", 0, 3], ["sit down", 3, 5.5], ["stand up", 5.5, 8]],
   ["There and back", 7, ["walk forward", 0, 3], ["turn left", 3, 5], ["walk forward", 5, 8]],
-  ["Run and jump", 7, ["run forward", 0, 3], ["jump forward", 3, 5], ["run forward", 5, 8]],
+  ["Run and jump", 7, ["run forward", 0, 3], ["jump forward", 3, 6], ["run forward", 6, 9]],
   ["Bend and step back", 7, ["walk forward", 0, 3], ["bend forward", 3, 5.5], ["walk backwards", 5.5, 8.5]],
-  ["Morning exercise", 7, ["raise both arms", 0, 2], ["bend forward", 2, 4.5], ["jog in place", 4.5, 7.5]],
+  ["Morning exercise", 7, ["raise both arms", 0, 2], ["bend forward", 2, 4.5], ["jog forward", 4.5, 7.5]],
   ["Greet while walking", 7, ["walk slowly", 0, 7, "legs", "spine", "head"],
    ["raise the right arm", 1, 3.5, "right arm"], ["raise the left arm", 3.5, 6, "left arm"]],
-  ["Point the way", 7, ["walk forward", 0, 3], ["point at something", 3, 6], ["turn right", 6, 8]],
+  ["Bow and leave", 7, ["walk forward", 0, 3], ["bow", 3, 7], ["turn right", 7, 9]],
   ["Backflip", 7, ["stand still", 0, 2], ["backflip", 2, 5], ["raise both arms", 5, 7]],
   ["Jog and fall", 7, ["jog forward", 0, 4], ["fall down", 4, 7]]];
 const exampleOf = ([, seed, ...texts]) => tidied({

@@ -16,7 +16,7 @@
 #include <motionlang/generate/reuse_notes.hpp>
 #include <motionlang/generate/samples.hpp>
 #include <motionlang/generate/timeline_tracks.hpp>
-#include <motionlang/train/messages.hpp>
+#include <motionlang/train/shared_items.hpp>
 #include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/viewer.hpp>
 #include <motionlang/weights/model_system.hpp>
@@ -168,16 +168,15 @@ std::string written(const ml::ViewerMotion& made, const std::string& folder, con
 
 /// Writes the motions, which the processes share, and prints what was written in their order.
 void write(const std::vector<ml::ViewerMotion>& made, const std::string& folder, const ml::RigWriter& write_on_rig) {
-  const auto all = static_cast<std::size_t>(processes().size()), own = static_cast<std::size_t>(processes().rank());
-  ml::MessageWriter mine;
-  for (std::size_t i = own; i < made.size(); i += all) {
-    const std::string lines = written(made[i], folder, write_on_rig);
-    all == 1 ? print(lines) : mine.text(lines);
+  const bool alone = processes().size() == 1;
+  const auto write_one = [&](ml::Index i, const ml::Progress&) {
+    const std::string lines = written(made[static_cast<std::size_t>(i)], folder, write_on_rig);
+    if (alone) print(lines);
+    return lines;
+  };
+  for (const std::string& lines : ml::shared_items(processes(), std::ssize(made), write_one)) {
+    if (!alone) print(lines);
   }
-  if (all == 1) return;
-  const std::vector<std::string> messages = ml::messages_of_all(processes(), mine.bytes());
-  std::vector<ml::MessageReader> of_ranks(messages.begin(), messages.end());
-  for (std::size_t i = 0; i < made.size(); ++i) print(of_ranks[i % all].text());
 }
 
 /// Prints a line for each text with words that the model never learned, each text that is too long, and each that the

@@ -19,6 +19,11 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// True for a file itself, not for a link to one.
+bool is_own_file(const std::filesystem::path& path);
+/// True if a write stays at this path: a file itself is there, or nothing.
+bool is_own_place(const std::filesystem::path& path);
+
 class ProjectFolder {
  public:
   using Rule = std::function<bool(std::string_view)>;

@@ -11,6 +11,16 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+MOTIONLANG_BODY bool is_own_file(const std::filesystem::path& path) {
+  std::error_code failed;
+  return std::filesystem::is_regular_file(std::filesystem::symlink_status(path, failed));
+}
+MOTIONLANG_BODY bool is_own_place(const std::filesystem::path& path) {
+  std::error_code failed;
+  const auto status = std::filesystem::symlink_status(path, failed);
+  return status.type() == std::filesystem::file_type::not_found || std::filesystem::is_regular_file(status);
+}
+
 MOTIONLANG_BODY ProjectFolder::ProjectFolder(const std::filesystem::path& folder, Rule is_allowed)
     : is_allowed_(std::move(is_allowed)) {
   std::error_code failed;
@@ -25,9 +35,7 @@ MOTIONLANG_BODY std::vector<std::string> ProjectFolder::names() const {
   std::error_code failed;
   for (std::filesystem::directory_iterator at(folder_, failed), end; !failed && at != end; at.increment(failed)) {
     const std::string name = at->path().filename().string();
-    std::error_code unknown;
-    if (is_allowed_(name) && std::filesystem::is_regular_file(at->symlink_status(unknown)) && out.size() < most)
-      out.push_back(name);
+    if (is_allowed_(name) && is_own_file(at->path()) && out.size() < most) out.push_back(name);
   }
   std::sort(out.begin(), out.end());
   return out;
@@ -42,9 +50,8 @@ MOTIONLANG_BODY std::filesystem::path ProjectFolder::path_of(const std::string& 
 
 MOTIONLANG_BODY std::string ProjectFolder::read(const std::string& name, std::size_t most) const {
   const auto path = path_of(name);
+  if (!is_own_file(path)) raise<io_error>(401, name, ": there is no such file in the project");
   std::error_code failed;
-  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(path, failed)))
-    raise<io_error>(401, name, ": there is no such file in the project");
   const auto size = std::filesystem::file_size(path, failed);
   if (failed || size > most) raise<io_error>(401, name, ": ", failed ? 0 : size, " bytes, at most ", most);
   return read_file(path);
@@ -52,10 +59,7 @@ MOTIONLANG_BODY std::string ProjectFolder::read(const std::string& name, std::si
 
 MOTIONLANG_BODY void ProjectFolder::write(const std::string& name, std::span<const std::byte> contents) const {
   const auto path = path_of(name);
-  std::error_code failed;
-  const auto status = std::filesystem::symlink_status(path, failed);
-  if (status.type() != std::filesystem::file_type::not_found && !std::filesystem::is_regular_file(status))
-    raise<io_error>(401, name, ": something else in the project has this name");
+  if (!is_own_place(path)) raise<io_error>(401, name, ": something else in the project has this name");
   write_file(path, contents);
 }
 

@@ -30,9 +30,11 @@ MOTIONLANG_BODY std::vector<std::pair<Index, Index>> codes_to_show(std::span<con
     out.emplace_back(code, found == counts.end() ? 0 : found->second);
   }
   if (!named.empty()) return out;
-  for (Index code = 0; counts.empty() && code < std::min(most, known); ++code) out.emplace_back(code, 0);
+  if (counts.empty()) {
+    for (Index code = 0; code < known; ++code) counts.emplace_back(code, 0);
+  }
   if (std::ssize(counts) > most) counts.resize(static_cast<std::size_t>(most));
-  return counts.empty() ? out : counts;
+  return counts;
 }
 
 MOTIONLANG_BODY std::string token_page(std::span<const TokenClip> clips, const std::string& title) {

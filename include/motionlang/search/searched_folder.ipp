@@ -6,6 +6,7 @@
 #include <system_error>  // error_code
 #include <utility>       // move
 
+#include <motionlang/file/project_folder.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/search/motion_index_file.hpp>
 #include <motionlang/search/searched_folder.hpp>
@@ -25,11 +26,6 @@ inline std::shared_ptr<const SearchEncoder> given_encoder(std::shared_ptr<const 
   if (!encoder) raise<config_error>(101, "SearchedFolder: no encoder");
   return encoder;
 }
-/// True for a file itself, not for a link to one.
-inline bool is_own_file(const std::filesystem::path& path) {
-  std::error_code failed;
-  return std::filesystem::is_regular_file(std::filesystem::symlink_status(path, failed));
-}
 
 }  // namespace detail
 
@@ -42,7 +38,7 @@ MOTIONLANG_BODY SearchedFolder::SearchedFolder(const FilePath& folder, std::shar
 
 MOTIONLANG_BODY MotionIndex SearchedFolder::taken_up() const {
   MotionIndex out(index_model(*encoder_, o_.moments));
-  if (o_.index.empty() || !detail::is_own_file(o_.index)) return out;
+  if (o_.index.empty() || !is_own_file(o_.index)) return out;
   const auto take = [&] {
     MotionIndex old = read_motion_index(o_.index);
     old.require_model(out.model().id, out.model().path);
@@ -56,8 +52,7 @@ MOTIONLANG_BODY MotionIndex SearchedFolder::taken_up() const {
 
 MOTIONLANG_BODY void SearchedFolder::keep(const IndexReport& report) const {
   if (o_.index.empty() || !report.changed()) return;
-  std::error_code failed;
-  if (std::filesystem::is_symlink(o_.index, failed)) return;  // a write would follow it
+  if (!is_own_place(o_.index)) return;  // a write would follow a link
   detail::guard<io_error>([&] { write_motion_index(o_.index, index_); }, [](const io_error&) { return true; });
 }
 
@@ -91,7 +86,7 @@ MOTIONLANG_BODY FolderAnswer SearchedFolder::find(const std::string& text, Index
 MOTIONLANG_BODY FolderPiece SearchedFolder::piece(const FolderMoment& moment, double margin) const {
   std::error_code failed;
   const auto path = (folder_ / moment.file).lexically_normal();
-  if (moment.file.empty() || !is_below(path, folder_) || !detail::is_own_file(path) ||
+  if (moment.file.empty() || !is_below(path, folder_) || !is_own_file(path) ||
       std::filesystem::weakly_canonical(path, failed) != path || is_linked_motion(path))
     raise<io_error>(401, moment.file, ": there is no such motion in the folder");
   for (Motion& whole : read_motions(path, options_for_file({}, path))) {

@@ -203,10 +203,6 @@ bool is_variable(const ModuleTensor<A>& t) {
   return t.data->node != nullptr && t.data->node->variable;
 }
 
-}  // namespace detail
-
-namespace detail {
-
 /// The sum of rank 0 in all processes, which need not know its size.
 template <Scalar S>
 void sum_of_first(const AnyCommunicator& c, std::vector<S>& sum, const SumMessages& how) {

@@ -249,7 +249,7 @@ GuoFigures guo_figures(const GuoMaker<B>& make, const GuoJudge<B>& judge, const 
   constexpr char between = '\n';  // a row and a column
   const auto replication = [&](Index s, const Progress& of_replication) {
     std::map<std::string, double> figures;
-    double empty = 0;
+    double& empty = figures["empty"];
     Index steps = 0;
     const auto add = [&](const std::string& row, const std::string& column, double value) {
       figures[row + between + column] = value;
@@ -288,7 +288,6 @@ GuoFigures guo_figures(const GuoMaker<B>& make, const GuoJudge<B>& judge, const 
     measure("recorded, of other texts", others, false);
     measure("generated", made(real.wanted, noise.split("one")), true);
 
-    figures["empty"] = empty;
     if (repeats == 0) return named_numbers(figures);
     std::vector<Embedded<B>> of_repeat;
     for (Index k = 0; k < repeats; ++k)
@@ -304,7 +303,6 @@ GuoFigures guo_figures(const GuoMaker<B>& make, const GuoJudge<B>& judge, const 
     add("generated", "multimodality",
         multimodality(Rows(std::span<const typename B::scalar>(by_text), of_repeat.front().width), repeats,
                       disjoint_draws(repeats, detail::compared_repeats, numpy)));
-    figures["empty"] = empty;
     return named_numbers(figures);
   };
   std::map<std::string, std::vector<double>> lists;

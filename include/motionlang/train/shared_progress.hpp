@@ -29,7 +29,10 @@ class SharedProgress {
   void finish();
 
  private:
-  void receive(std::size_t rank);
+  /// The next share that a rank sends.
+  double received(std::size_t rank);
+  /// A rank has done this share of its work; reported if it is another one than before.
+  void note(std::size_t rank, double share);
   void report() const;
 
   AnyCommunicator all_;

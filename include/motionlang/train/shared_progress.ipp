@@ -4,7 +4,7 @@
 
 #include <cmath>    // llround
 #include <cstdint>  // counts
-#include <utility>  // move
+#include <utility>  // exchange, move
 
 #include <motionlang/train/shared_progress.hpp>
 
@@ -41,7 +41,7 @@ MOTIONLANG_BODY bool SharedProgress::operator()(Index done, Index total) {
     return true;
   }
   for (std::size_t r = 1; r < shares_.size(); ++r) {
-    while (!finished_[r] && shares_[r] < shares_[0]) receive(r);
+    while (!finished_[r] && shares_[r] < shares_[0]) shares_[r] = received(r);
   }
   shares_[0] = static_cast<double>(done) / static_cast<double>(std::max<Index>(1, total));
   report();
@@ -55,27 +55,26 @@ MOTIONLANG_BODY void SharedProgress::finish() {
     all_.send(std::as_bytes(std::span(&end, 1)), 0);
     return;
   }
-  const auto set_and_report = [&](double& share, const auto& change) {
-    const double before = share;
-    change();
-    if (share != before) report();
-  };
-  set_and_report(shares_[0], [&] { shares_[0] = 1; });
+  note(0, 1);
   while (true) {
     std::size_t last = 0;  // the rank that is farthest behind
     for (std::size_t r = 1; r < shares_.size(); ++r) {
       if (!finished_[r] && (last == 0 || shares_[r] < shares_[last])) last = r;
     }
     if (last == 0) break;
-    set_and_report(shares_[last], [&] { receive(last); });
+    note(last, received(last));
   }
 }
 
-MOTIONLANG_BODY void SharedProgress::receive(std::size_t rank) {
+MOTIONLANG_BODY double SharedProgress::received(std::size_t rank) {
   detail::ProgressCounts counts;
   all_.receive(std::as_writable_bytes(std::span(&counts, 1)), static_cast<Index>(rank));
   finished_[rank] = counts.total == 0;
-  shares_[rank] = counts.total == 0 ? 1 : static_cast<double>(counts.done) / static_cast<double>(counts.total);
+  return counts.total == 0 ? 1 : static_cast<double>(counts.done) / static_cast<double>(counts.total);
+}
+
+MOTIONLANG_BODY void SharedProgress::note(std::size_t rank, double share) {
+  if (std::exchange(shares_[rank], share) != share) report();
 }
 
 MOTIONLANG_BODY void SharedProgress::report() const {
