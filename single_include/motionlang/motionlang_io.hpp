@@ -31801,7 +31801,7 @@ const gallery = [
   ["Morning exercise", 7, ["raise both arms", 0, 2], ["bend forward", 2, 4.5], ["jog forward", 4.5, 7.5]],
   ["Greet while walking", 7, ["walk slowly", 0, 7, "legs", "spine", "head"],
    ["raise the right arm", 1, 3.5, "right arm"], ["raise the left arm", 3.5, 6, "left arm"]],
-  ["Bow and leave", 7, ["walk forward", 0, 3], ["bow", 3, 7], ["turn right", 7, 9]],
+  ["Signal and turn", 7, ["walk forward", 0, 3], ["raise the left arm", 3, 6], ["turn right", 6, 8]],
   ["Backflip", 7, ["stand still", 0, 2], ["backflip", 2, 5], ["raise both arms", 5, 7]],
   ["Jog and fall", 7, ["jog forward", 0, 4], ["fall down", 4, 7]]];
 const exampleOf = ([, seed, ...texts]) => tidied({
