@@ -56,6 +56,7 @@ struct SampleOptions {
   double no_text = 0.1;                // probability of the caption ""
   double compose = 0.35;               // probability that the arms come from another segment
   double still = 0.3;                  // share of these whose legs stand, sit or kneel still
+  double passing = 0.25;               // share of these whose arms do it for a while, and the caption does not say it
   double mirror = 0.5;
   double speed = 0.2;    // factors 1 - speed ... 1 + speed
   double stretch = 0.5;  // the slowest factor at which one whole action fills a longer sample
@@ -92,6 +93,8 @@ class TrainingSet {
   ///   - two segments one after the other, under both captions
   ///   - a segment about the legs with the arms of another one about the arms, under either caption or both (as SINC).
   ///     The legs may be those of a person who stands or sits still, under a caption that does not mention arms
+  ///   - the same for a while only, under the caption about the legs. In a timeline the model sees arms that another
+  ///     text moves. It should neither raise them before nor leave them there
   ///   - one of these with the caption "", sometimes
   TrainingSample draw(Philox rng, const SampleOptions& options) const;
 

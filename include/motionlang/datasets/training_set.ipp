@@ -385,15 +385,25 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
       if (left) parts = parts.with(BodyPart::right_arm);
       if (right) parts = parts.with(BodyPart::left_arm);
     }
-    motion = overlay_parts(variant(base, with.frames(), mirrored, 1, rng, options), with, parts);
-    const double which = rng.uniform();
     const std::string about_arms = one_of(overlay.captions), about_legs = one_of(detail::without_arms(base.captions));
-    if (which < 0.45 || about_legs.empty())
-      sample.caption = about_arms, sample.verb = overlay.verb;
-    else if (which < 0.7)
+    constexpr Index blend = 8;  // frames
+    const bool passing = !about_legs.empty() && rng.uniform() < options.passing;
+    const Index length = std::min(options.longest, (passing ? 2 : 1) * with.frames());
+    motion = variant(base, length, mirrored, 1, rng, options);
+    if (passing && motion.frames() > 4 * blend) {
+      const auto first = static_cast<Index>(rng.below(static_cast<std::uint32_t>(motion.frames() - 2 * blend)));
+      motion = overlay_parts_for_a_while(motion, with, parts, first, blend);
       sample.caption = about_legs, sample.verb = base.verb;
-    else
-      sample.caption = which < 0.85 ? about_legs + " while " + about_arms : about_arms + " and " + about_legs;
+    } else {
+      motion = overlay_parts(motion, with, parts);
+      const double which = rng.uniform();
+      if (which < 0.45 || about_legs.empty())
+        sample.caption = about_arms, sample.verb = overlay.verb;
+      else if (which < 0.7)
+        sample.caption = about_legs, sample.verb = base.verb;
+      else
+        sample.caption = which < 0.85 ? about_legs + " while " + about_arms : about_arms + " and " + about_legs;
+    }
   } else {
     const CaptionedSegment& s = pick(all_, rng);
     sample.caption = one_of(s.captions);

@@ -13,6 +13,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Source  the synthetic training data of SINC (thesis B.2.1), on rotations
 Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts);
 
+/// All of `base`, with `parts` as in `other` from frame `first` on, as long as both last. In the first and the last
+/// `blend` of these frames the parts turn from one motion to the other. The same errors, and config_error 101 for a
+/// negative number of frames.
+Motion overlay_parts_for_a_while(const Motion& base, const Motion& other, BodyParts parts, Index first, Index blend);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_INSTANTIATED

@@ -1,4 +1,5 @@
 // Two motions in one body.
+#include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/overlay.hpp>
 
@@ -21,6 +22,32 @@ TEST_CASE("the parts come from the other motion, the path and the rest from the 
     }
   }
   CHECK(ml::overlay_parts(base, other, {}).local.size() == both.local.size());
+}
+
+TEST_CASE("parts come from the other motion for a while, and turn there and back") {
+  const auto base = synthetic::walk({.frames = 40}), other = synthetic::walk({.frames = 20, .steps_per_second = 3});
+  const auto both = ml::overlay_parts_for_a_while(base, other, ml::BodyParts{}.with(left_arm), 10, 4);
+  REQUIRE(both.frames() == 40);
+  both.validate();
+  constexpr std::size_t shoulder = 16, knee = 4;
+  for (ml::Index f = 0; f < 40; ++f) {
+    CAPTURE(f);
+    CHECK(both.root_at(f) == base.root_at(f));
+    CHECK(both.rotations(f)[knee] == base.rotations(f)[knee]);
+    const auto arm = both.rotations(f)[shoulder], before = base.rotations(f)[shoulder];
+    if (f < 10 || f >= 30) {
+      CHECK(arm == before);
+      continue;
+    }
+    const auto after = other.rotations(f - 10)[shoulder];
+    if (f >= 14 && f < 26) CHECK(arm == after);
+    const double share = std::min({1.0, double(f - 9) / 5, double(30 - f) / 5});  // 1/5 ... 4/5, 1, ..., 1, 4/5 ... 1/5
+    CHECK(ml::distance(before, arm) == doctest::Approx(share * ml::distance(before, after)).epsilon(1e-6));
+  }
+  const auto cut = ml::overlay_parts_for_a_while(base, other, ml::BodyParts{}.with(left_arm), 39, 0);
+  CHECK(cut.rotations(39)[shoulder] == other.rotations(0)[shoulder]);
+  CHECK(ml::overlay_parts_for_a_while(base, other, ml::BodyParts::all(), 40, 0).local == base.local);
+  CHECK_ERROR(ml::overlay_parts_for_a_while(base, other, {}, -1, 0), "[motionlang.config.101]");
 }
 
 TEST_CASE("other skeletons are refused") {
