@@ -101,6 +101,7 @@
 #include <motionlang/kinematics/join_motions.hpp>
 #include <motionlang/kinematics/joint_sides.hpp>
 #include <motionlang/kinematics/known_skeletons.hpp>
+#include <motionlang/kinematics/leading_side.hpp>
 #include <motionlang/kinematics/limb_ik.hpp>
 #include <motionlang/kinematics/loops.hpp>
 #include <motionlang/kinematics/match_motion.hpp>

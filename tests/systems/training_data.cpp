@@ -1,6 +1,7 @@
 // The training data of the bundled model: captions change with the clip (mirrored, cut), and the loss on feet.
 #include <doctest/doctest.h>
 
+#include <map>
 #include <numbers>
 
 #include <motionlang/backend/autodiff.hpp>
@@ -112,7 +113,10 @@ TEST_CASE("a caption of walking played backwards says so, and one that says more
 }
 
 TEST_CASE("a caption of walking along a curve says which, by the angle and the side") {
-  CHECK(ml::curved_caption("a person walks forward", 5, 1) == "a person walks in a circle to the left");
+  CHECK(ml::curved_caption("a person walks forward", 5, 0) == "a person walks in a circle to the left");
+  CHECK(ml::curved_caption("a person walks forward", -5, 0) == "a person walks in a circle");
+  for (std::uint32_t wording = 0; wording < 20; ++wording)
+    CHECK(ml::curved_caption("walk forward", 5, wording) != "walk in a circle");  // no side means to the right
   CHECK(ml::curved_caption("walk straight ahead slowly", -5, 3) == "walk in a clockwise circle slowly");
   CHECK(ml::curved_caption("run forward", -1.5, 3) == "run in a quarter circle to the right");
   CHECK(ml::curved_caption("run forward", 3, 0) == "run in a half circle to the left");
@@ -310,6 +314,30 @@ TEST_CASE("what few segments show is drawn more often, and arms are laid over pe
   CHECK(set.draw(ml::Philox{.seed = 1}, options).verb == -1);
   options.no_text = options.still = 0;
   CHECK(std::abs(way_ahead(set.draw(ml::Philox{.seed = 1}, options))) > 0.5);
+}
+
+TEST_CASE("a text that names no side is shown to the right") {
+  const TemporaryFolder folder;
+  ml::write_bvh(folder / "turn.bvh", synthetic::walk({.frames = 60, .turn = 0.8}));
+  ml::write_file(folder / "captions.tsv", "turn\t0\t3\tlegs\tturn | turn to the left\n");
+  const ml::TrainingSet set(folder / "captions.tsv", folder.path, {});
+  CHECK(set.segments()[0].side == ml::Side::left);
+  auto options = plain();
+  options.mirror = 0.5;
+  std::map<std::string, int> seen;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const auto s = set.draw(ml::Philox{.seed = seed}, options);
+    double turned = 0;  // to the left
+    for (ml::Index f = 0; f < s.frames; ++f)
+      turned += static_cast<double>(s.features[static_cast<std::size_t>(f * ml::smplrifke_size) + 3]);
+    CHECK_MESSAGE((turned > 0.5) == (s.caption == "turn to the left"), s.caption, ": ", turned);
+    CHECK_MESSAGE((turned < -0.5) == (s.caption != "turn to the left"), s.caption, ": ", turned);
+    ++seen[s.caption];
+  }
+  CHECK(seen["turn"] > 15);
+  CHECK(seen["turn to the left"] > 5);
+  CHECK(seen["turn to the right"] > 5);
+  CHECK(seen.size() == 3);
 }
 
 TEST_CASE("the loss on feet: nothing for the truth, the speed squared for a path that slides") {

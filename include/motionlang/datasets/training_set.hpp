@@ -12,6 +12,7 @@
 #include <motionlang/core/progress.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/joint_sides.hpp>
 #include <motionlang/kinematics/loops.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
@@ -28,6 +29,7 @@ struct CaptionedSegment {
   bool grounded = true;        // never in the air, so it may be played slower or faster
   std::optional<Loop> rest{};  // at the end of the motion: continues an action for any time
   Index action = 0;            // frames before that; all frames if nothing follows
+  Side side = Side::middle;    // that it prefers (leading_side)
   Index verb = -1;             // in TrainingSet::verbs(): what most of its commands tell to do; -1: it has none
   double weight = 1;  // relative probability of drawing it; up to 4, if few segments show what its captions say
 
@@ -56,14 +58,14 @@ struct SampleOptions {
   double no_text = 0.1;                // probability of the caption ""
   double compose = 0.35;               // probability that the arms come from another segment
   double still = 0.3;                  // share of these whose legs stand, sit or kneel still
-  double passing = 0.25;               // share of these whose arms do it for a while, and the caption does not say it
-  double mirror = 0.5;
-  double speed = 0.2;    // factors 1 - speed ... 1 + speed
-  double stretch = 0.5;  // the slowest factor at which one whole action fills a longer sample
-  double tempo = 0.15;   // probability of half or nearly twice the speed; the caption says so
-  double reverse = 0.3;  // probability that steady walking ahead is played backwards; the caption says so
-  double curve = 0.6;    // probability that steady walking or running ahead is bent; the caption says so
-  double then = 0.12;    // probability that a second action follows; the caption has both
+  double passing = 0.4;                // share of these whose arms do it for a while, and the caption does not say it
+  double mirror = 0.5;                 // probability, where the caption names a side or the motion prefers none
+  double speed = 0.2;                  // factors 1 - speed ... 1 + speed
+  double stretch = 0.5;                // the slowest factor at which one whole action fills a longer sample
+  double tempo = 0.15;                 // probability of half or nearly twice the speed; the caption says so
+  double reverse = 0.3;                // probability that steady walking ahead is played backwards; the caption says so
+  double curve = 0.6;                  // probability that steady walking or running ahead is bent; the caption says so
+  double then = 0.12;                  // probability that a second action follows; the caption has both
 };
 
 class TrainingSet {
@@ -96,6 +98,8 @@ class TrainingSet {
   ///   - the same for a while only, under the caption about the legs. In a timeline the model sees arms that another
   ///     text moves. It should neither raise them before nor leave them there
   ///   - one of these with the caption "", sometimes
+  /// A motion that prefers a side, under a caption that names none, always prefers the right: the right hand waves.
+  /// With both sides the model would learn the mean of them, which waves with neither.
   TrainingSample draw(Philox rng, const SampleOptions& options) const;
 
  private:
@@ -131,7 +135,7 @@ std::optional<std::string> reversed_caption(const std::string& caption);
 
 /// The caption of steady walking or running along a curve: "forward" and "ahead" become "in a circle to the left", "to
 /// the right", ...  Nothing for captions that name no direction, or say more than that.
-/// turn     radians in all, above 0 to the left
+/// turn     radians in all, above 0 to the left. "in a circle" alone is to the right, as all that names no side
 /// wording  chooses among the words for that turn
 std::optional<std::string> curved_caption(const std::string& caption, double turn, std::uint32_t wording);
 

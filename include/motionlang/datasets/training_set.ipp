@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>  // pi
 #include <set>
+#include <tuple>    // tie
 #include <utility>  // move
 
 #include <motionlang/datasets/caption_card.hpp>
@@ -17,6 +18,7 @@
 #include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/curved_path.hpp>
+#include <motionlang/kinematics/leading_side.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/overlay.hpp>
 
@@ -137,6 +139,10 @@ inline bool goes_ahead_only(const std::string& caption) {
                              "lean", "without"});
 }
 
+inline bool names_a_side(const std::string& caption) {
+  return has_word(caption, {"left", "right", "clockwise", "counterclockwise"});
+}
+
 /// Captions that do not say what arms and hands do.
 inline std::vector<std::string> without_arms(const std::vector<std::string>& captions) {
   std::vector<std::string> out;
@@ -179,8 +185,10 @@ MOTIONLANG_BODY std::optional<std::string> curved_caption(const std::string& cap
   if (degrees < 150) words.push_back("to the " + side);
   if (degrees > 60 && degrees < 120) words.push_back("in a quarter circle to the " + side);
   if (degrees > 150 && degrees < 240) words = {"in a half circle to the " + side, "in a curve to the " + side};
-  if (degrees >= 240)
-    words = {"in a circle", "in a circle to the " + side, clock + " in a circle", "in a " + clock + " circle"};
+  if (degrees >= 240) {
+    words = {"in a circle to the " + side, clock + " in a circle", "in a " + clock + " circle"};
+    if (turn < 0) words.insert(words.begin(), "in a circle");
+  }
   bool said = false;
   const std::string out = detail::word_by_word(caption, [&](const std::string& word) -> std::string {
     const bool way = word.starts_with("forward") || word == "ahead" || word.starts_with("straight");
@@ -206,6 +214,7 @@ MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, 
     s.rest = found.rest, s.action = found.action;
     if (!s.loop && !s.rest) s.loop = detail::cycle_of(s.motion);
     s.grounded = detail::stays_on_the_ground(s.motion);
+    s.side = leading_side(s.motion, s.parts);
     segments_.push_back(std::move(s));
   }
   weigh();
@@ -360,23 +369,27 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
   const Index range = options.longest - options.shortest;
   // Short lengths are more frequent than long ones, because most texts of a timeline last a few seconds.
   const Index frames = options.shortest + static_cast<Index>(static_cast<double>(range) * std::pow(rng.uniform(), 3));
-  const bool mirrored = rng.uniform() < options.mirror;
-  auto one_of = [&](const std::vector<std::string>& captions) -> std::string {
-    if (captions.empty()) return "";
+  const bool drawn = rng.uniform() < options.mirror;
+  // A caption, and whether its motion is mirrored.
+  const auto one_of = [&](const CaptionedSegment& s, const std::vector<std::string>& captions) {
+    if (captions.empty()) return std::pair(std::string(), drawn);
     const auto& c = captions[rng.below(static_cast<std::uint32_t>(captions.size()))];
-    return mirrored ? mirrored_caption(c) : c;
+    if (s.side != Side::middle && !detail::names_a_side(c)) return std::pair(c, s.side == Side::left);
+    return std::pair(drawn ? mirrored_caption(c) : c, drawn);
   };
   TrainingSample sample;
   Motion motion;
   const auto bases = [&]() -> const Choice& {
     return !still_.empty() && rng.uniform() < options.still ? still_ : bases_;
   };
-  auto both = rng.uniform() < options.then ? two_actions(frames, mirrored, rng, options) : std::nullopt;
+  auto both = rng.uniform() < options.then ? two_actions(frames, drawn, rng, options) : std::nullopt;
   if (both) {
     motion = std::move(both->first);
     sample.caption = std::move(both->second);
   } else if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
     const CaptionedSegment &base = pick(bases(), rng), &overlay = pick(overlays_, rng);
+    const auto [about_arms, mirrored] = one_of(overlay, overlay.captions);
+    const auto [about_legs, other_way] = one_of(base, detail::without_arms(base.captions));
     const auto with = variant(overlay, frames, mirrored, 1, rng, options);
     BodyParts parts = overlay.parts;
     if (mirrored) {
@@ -385,11 +398,10 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
       if (left) parts = parts.with(BodyPart::right_arm);
       if (right) parts = parts.with(BodyPart::left_arm);
     }
-    const std::string about_arms = one_of(overlay.captions), about_legs = one_of(detail::without_arms(base.captions));
     constexpr Index blend = 8;  // frames
     const bool passing = !about_legs.empty() && rng.uniform() < options.passing;
     const Index length = std::min(options.longest, (passing ? 2 : 1) * with.frames());
-    motion = variant(base, length, mirrored, 1, rng, options);
+    motion = variant(base, length, other_way, 1, rng, options);
     if (passing && motion.frames() > 4 * blend) {
       const auto first = static_cast<Index>(rng.below(static_cast<std::uint32_t>(motion.frames() - 2 * blend)));
       motion = overlay_parts_for_a_while(motion, with, parts, first, blend);
@@ -406,7 +418,8 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
     }
   } else {
     const CaptionedSegment& s = pick(all_, rng);
-    sample.caption = one_of(s.captions);
+    bool mirrored = false;
+    std::tie(sample.caption, mirrored) = one_of(s, s.captions);
     sample.verb = s.verb;
     double tempo = 1;
     if (s.grounded && rng.uniform() < options.tempo &&

@@ -17,6 +17,7 @@
 #include <motionlang/kinematics/join_motions.ipp>
 #include <motionlang/kinematics/joint_sides.ipp>
 #include <motionlang/kinematics/known_skeletons.ipp>
+#include <motionlang/kinematics/leading_side.ipp>
 #include <motionlang/kinematics/limb_ik.ipp>
 #include <motionlang/kinematics/loops.ipp>
 #include <motionlang/kinematics/match_motion.ipp>

@@ -79,9 +79,10 @@ MOTIONLANG_BODY std::map<std::string, std::string> stmc_settings(const StmcTrain
   add("samples",
       concat_text(config.samples.shortest, " to ", counted(config.samples.longest, "frame"), ", no text ",
                   config.samples.no_text, ", composed ", config.samples.compose, ", still ", config.samples.still,
-                  ", mirrored ", config.samples.mirror, ", speed ", config.samples.speed, ", stretched ",
-                  config.samples.stretch, ", tempo ", config.samples.tempo, ", reversed ", config.samples.reverse,
-                  ", curved ", config.samples.curve, ", then ", config.samples.then));
+                  ", passing ", config.samples.passing, ", mirrored ", config.samples.mirror, ", speed ",
+                  config.samples.speed, ", stretched ", config.samples.stretch, ", tempo ", config.samples.tempo,
+                  ", reversed ", config.samples.reverse, ", curved ", config.samples.curve, ", then ",
+                  config.samples.then));
   return out;
 }
 

@@ -14,6 +14,7 @@
 #include <motionlang/kinematics/floor_fix.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/forward_batch.hpp>
+#include <motionlang/kinematics/leading_side.hpp>
 #include <motionlang/kinematics/motion_from_joints.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
@@ -55,6 +56,9 @@ void floor_(const Motion& motion) {
 }
 void feet(const Motion& motion) {
 #include "kinematics/foot_lock.1.inc"
+}
+void usual_side(Motion wave) {
+#include "kinematics/leading_side.1.inc"
 }
 void batch(const Skeleton& skeleton, const Tensor<B, 4>& rot6d, const Tensor<B, 3>& root) {
 #include "kinematics/forward_batch.1.inc"
