@@ -170,15 +170,25 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
     REQUIRE_MESSAGE(at != text.npos, text);
     return text.substr(at, text.find('\n', at) - at);
   };
-  const std::string of_sinc =
-                        evaluated("train-sinc", lists + std::vector<std::string>{"--temos", "train-sinc_whole/model"}),
+  const std::vector<std::string> temos{"--temos", "train-sinc_whole/model"}, parts{"--body-parts", "parts.json"};
+  const std::string of_sinc = evaluated("train-sinc", lists + temos + parts),
+                    without_parts = evaluated("train-sinc", lists + temos),
                     other_seed = evaluated("train-sinc", lists + std::vector<std::string>{"--seed", "1"}),
                     of_teach = evaluated("train-teach", lists + baselines);
   CHECK_MESSAGE(contains(of_sinc, "1 motion of the test part"), of_sinc);
   CHECK_MESSAGE(contains(of_teach, "2 motions of the test part"), of_teach);
   CHECK(row(of_sinc, "one sample") != row(other_seed, "one sample"));
   for (const char* name : {"mean pose", "mean of the latent"}) CHECK(row(of_sinc, name) == row(other_seed, name));
-  CHECK(contains(row(of_sinc, "another recorded one"), "1.000"));  // itself: there is one
+  const std::string scores = of_sinc.substr(of_sinc.find("TEMOS score"));
+  CHECK(contains(row(scores, "another recorded one"), "1.000"));  // itself: there is one
+  const auto score = [&](const std::string& name) {
+    const std::string line = row(scores, name);
+    return std::stod(line.substr(line.find_last_of(' ')));
+  };
+  for (const char* name : {"one sample", "labels alone, composed"})
+    CHECK_MESSAGE(std::abs(score(name) - 0.5) < 0.5, of_sinc);
+  CHECK(score("one sample") != score("labels alone, composed"));
+  CHECK_FALSE(contains(without_parts, "labels alone, composed"));
   for (const char* name :
        {"best of 2 samples", "worst of 2 samples", "independent", "joint", "random clip", "turned and moved", "moved",
         "independent, turned and moved", "independent, moved", "recorded"})

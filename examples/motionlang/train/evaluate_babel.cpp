@@ -120,9 +120,13 @@ void evaluate_sinc(const EvaluationOptions& o) {
                                       bar);
   bar.finish();
   print(ml::errors_table(errors));
-  if (likeness)
-    std::printf("\n  TEMOS score\n  %-22s   %7.3f\n  %-22s   %7.3f\n", "one sample", likeness->score(),
-                "another recorded one", likeness->score_of_others());
+  if (likeness) {
+    const auto row = [](const char* motions, double score) { std::printf("  %-22s   %7.3f\n", motions, score); };
+    std::printf("\n  TEMOS score\n");
+    row("one sample", likeness->score());
+    if (likeness->has_composed()) row("labels alone, composed", likeness->score_of_composed());
+    row("another recorded one", likeness->score_of_others());
+  }
 }
 
 void evaluate_teach(const EvaluationOptions& o) {

@@ -40,36 +40,46 @@ class MotionLikeness {
   /// made      is turned to face ahead again, as published
   /// recorded  rows of features, not normalised
   void add(const SmplVelpMotion<S>& made, const std::vector<float>& recorded) {
-    const auto rows = smplvelp_features(std::span<const Matrix3<S>>(made.rotations),
-                                        std::span<const Vec3<S>>(made.trans), {.exact_yaw = exact_yaw_});
-    made_.push_back(mean_of_(rows));
+    made_.push_back(mean_of(made));
     recorded_.push_back(mean_of_(std::vector<S>(recorded.begin(), recorded.end())));
+  }
+  /// composed  another motion for what was added last, such as one of its labels alone
+  void add_composed(const SmplVelpMotion<S>& composed) {
+    composed_.push_back(mean_of(composed));
+    recorded_of_composed_.push_back(recorded_.back());
   }
 
   /// The TEMOS score of the generated motions. Throws numeric_error 302 before anything was added.
-  double score() const { return score_of(made_); }
+  double score() const { return score_of(made_, recorded_); }
+  bool has_composed() const { return !composed_.empty(); }
+  /// The score of the composed motions. Throws numeric_error 302 if there are none.
+  double score_of_composed() const { return score_of(composed_, recorded_of_composed_); }
   /// The score of each recorded motion against the next one.
   double score_of_others() const {
     auto others = recorded_;
     if (!others.empty()) std::rotate(others.begin(), others.begin() + 1, others.end());
-    return score_of(others);
+    return score_of(others, recorded_);
   }
 
  private:
-  double score_of(const std::vector<std::vector<S>>& of) const {
+  std::vector<S> mean_of(const SmplVelpMotion<S>& made) const {
+    return mean_of_(smplvelp_features(std::span<const Matrix3<S>>(made.rotations), std::span<const Vec3<S>>(made.trans),
+                                      {.exact_yaw = exact_yaw_}));
+  }
+  static double score_of(const std::vector<std::vector<S>>& of, const std::vector<std::vector<S>>& recorded) {
     const auto rows = [](const std::vector<std::vector<S>>& means) {
       std::vector<S> all;
       for (const auto& m : means) all.insert(all.end(), m.begin(), m.end());
       return all;
     };
-    const Index width = recorded_.empty() ? 1 : std::ssize(recorded_.front());
-    const auto a = rows(of), b = rows(recorded_);
+    const Index width = recorded.empty() ? 1 : std::ssize(recorded.front());
+    const auto a = rows(of), b = rows(recorded);
     return temos_score(Rows<S>(a, width), Rows<S>(b, width));
   }
 
   bool exact_yaw_;
   std::function<std::vector<S>(const std::vector<S>&)> mean_of_;
-  std::vector<std::vector<S>> made_, recorded_;
+  std::vector<std::vector<S>> made_, recorded_, composed_, recorded_of_composed_;
 };
 
 MOTIONLANG_NAMESPACE_END

@@ -30,7 +30,7 @@ struct SincMeasures {
   const ComparedJoints<B>& joints;
   const LabelSentences& sentences;
   const BodyPartTable* parts = nullptr;   // of single labels, whose motions are composed; null: not composed
-  MotionLikeness<B>* likeness = nullptr;  // receives the first motion of each item; null: none
+  MotionLikeness<B>* likeness = nullptr;  // receives the first motion of each item and the composed one; null: none
   /// Receives the mean motion of each item and its sentence.
   std::function<void(const std::string& sentence, const SmplVelpMotion<typename B::scalar>& mean,
                      const DescribedMotion& recorded)>
@@ -87,9 +87,10 @@ std::vector<NamedErrors> sinc_errors(const SincCheckpoint<B>& model, const Measu
         const auto noise = rng.split("alone").split(static_cast<std::uint64_t>(label));
         return made({labels[label]}, noise, 1, {}, /*alone=*/true).front();
       };
-      composed.add(how.joints(sinc_composed(model.normalizer, single(0), how.parts->parts(labels[0]), single(1),
-                                            how.parts->parts(labels[1]))),
-                   truth);
+      const auto motion = sinc_composed(model.normalizer, single(0), how.parts->parts(labels[0]), single(1),
+                                        how.parts->parts(labels[1]));
+      if (how.likeness != nullptr) how.likeness->add_composed(motion);
+      composed.add(how.joints(motion), truth);
     }
     blind.add(truth, items.number_in_training(i));
     progress(++done, std::ssize(items.measured()));
