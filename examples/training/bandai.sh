@@ -4,9 +4,10 @@
 #
 #     examples/training/bandai.sh FOLDER [SET]      writes these tables into the current folder:
 #
-# captions.tsv: what is done and in which style, six wordings of it; labels.tsv: what is done; captions_four.tsv: four wordings that
-# differ in who does it; captions_one.tsv: one of these four for each clip, so that the same is said in different words of different clips. SET 2 (10 contents in 7 styles) unless
-# another is named. A clip goes from its beginning to its end, 10 s at most.
+# captions.tsv: what is done and in which style, six wordings of it; actions.tsv: what is done and by which parts of the body, four
+# wordings without the style; labels.tsv: what is done, as a label; captions_four.tsv: four wordings that differ in who does it;
+# captions_one.tsv: one of these four for each clip, so that the same is said in different words of different clips. SET 2
+# (10 contents in 7 styles) unless another is named. A clip goes from its beginning to its end, 10 s at most.
 set -e
 folder=$1 set=${2:-2}
 [ -d "$folder" ] || { echo "usage: bandai.sh FOLDER [SET]" >&2; exit 2; }
@@ -32,6 +33,18 @@ done | awk -F '\t' '
     for (i = 1; i in list2; i += 2) manner[list2[i]] = list2[i + 1]
     print "# clip\tstart\tend\tparts\tcaption | caption | ..." > "captions.tsv"
     print "# clip\tstart\tend\tlabel" > "labels.tsv"
+    print "# clip\tstart\tend\tparts\tcaption | caption | ..." > "actions.tsv"
+  }
+  function order(content) {  # walk-turn-left: walk and turn left; raise-up-left-hand: raise the left hand
+    gsub(/-/, " ", content)
+    sub(/^walk turn/, "walk and turn", content)
+    sub(/^raise up/, "raise", content)
+    sub(/left hand/, "the left hand", content)
+    sub(/right hand/, "the right hand", content)
+    return content
+  }
+  function parts(content) {
+    return content ~ /both-hands/ ? "left arm, right arm" : content ~ /left-hand/ ? "left arm" : content ~ /right-hand/ ? "right arm" : "legs"
   }
   {
     split($1, part, "_")
@@ -40,6 +53,7 @@ done | awk -F '\t' '
     printf "%s\t%s\t%s\tlegs\ta person %s %s | someone %s %s | %s, a person %s | a human %s %s | %s %s | somebody is %s %s\n", \
            $1, $2, $3, v, m, v, m, m, v, v, m, g, m, g, m > "captions.tsv"
     printf "%s\t%s\t%s\t%s\n", $1, $2, $3, part[2] > "labels.tsv"
+    printf "%s\t%s\t%s\t%s\t%s | a person %s | someone %s | %s\n", $1, $2, $3, parts(part[2]), order(part[2]), v, v, g > "actions.tsv"
     ++clips
   }
   END { printf "%d clips\n", clips }'
