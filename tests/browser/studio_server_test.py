@@ -5,6 +5,7 @@
 
 Exit status: 0 passed, 1 failed, 77 skipped because the program has no server.
 """
+import base64
 import json
 import os
 import pathlib
@@ -123,9 +124,13 @@ def files(server, folder, project, problems):
             expect(problems, f"{question}: {answer}", answer and "error" in answer)
     expect(problems, "the secret is lost", secret.read_text(encoding="utf-8") == "secret")
     expect(problems, "a file is somewhere else", sorted(p.name for p in project.iterdir()) == ["link.txt"])
-    expect(problems, "store", server.ask({"kind": "store", "name": "a.txt", "bytes": "aGk="}) == {"value": True})
+    mark = ((server.ask({"kind": "store", "name": "a.txt", "bytes": "aGk="}) or {}).get("value") or {}).get("mark")
+    expect(problems, f"store: {mark}", mark)
+    lost = server.ask({"kind": "store", "name": "a.txt", "bytes": "bG9zdA==", "over": "0" * 16})
+    expect(problems, f"contents that nobody read are overwritten: {lost}", lost == {"value": {"mark": None}})
     expect(problems, "files", server.ask({"kind": "files"}) == {"value": ["a.txt"]})
-    expect(problems, "open", server.ask({"kind": "open", "name": "a.txt"}) == {"value": {"bytes": "aGk="}})
+    expect(problems, "open", server.ask({"kind": "open", "name": "a.txt"}) ==
+           {"value": {"bytes": "aGk=", "mark": mark}})
 
 
 def endless(server, begin, block):
@@ -307,35 +312,71 @@ def searching(browser, problems):
            state(browser)["whole"]["timelines"] == whole["timelines"])
 
 
+def status_of(browser):
+    return browser.run("return document.getElementById('status').textContent")
+
+
 def save_project(browser, name, problems):
     """Saves the project and expects its name. A motion that is made would speak last."""
     wait(browser, "!motionlang.state().making", MADE)
     browser.run("document.getElementById('status').textContent = ''")
     click(browser, "#saveProject")
     said = wait(browser, "/ is in/.test(document.getElementById('status').textContent)", 20)
-    answer = browser.run("return document.getElementById('status').textContent")
+    answer = status_of(browser)
     expect(problems, f"{answer}, and not {name}", said and answer.startswith(f"{name} is in"))
 
 
-def names_of_projects(browser, project, problems):
-    """After a reload the page does not know whose the file is, and numbers the name; what it opened it overwrites."""
+def reload(browser):
+    browser.run("window.before = 1; setTimeout(() => location.reload(), 0)")
+    wait(browser, "!window.before && window.motionlang && motionlang.state().motions > 0 && "
+         "!motionlang.state().making", MADE)
+
+
+def set_seed(browser, seed):
+    write(browser, "#seed", f"{seed}" + ENTER)
+    wait(browser, f"motionlang.state().project.seed === {seed} && !motionlang.state().making", MADE)
+
+
+def names_of_projects(browser, server, project, problems):
+    """A project is saved where it was opened or saved before, also after a reload, unless somebody else wrote there."""
     first, second = (project / f"walk_backwards_project{n}.json" for n in ("", "_2"))
-    words = first.read_bytes()
+    seeds = lambda path: [p["seed"] for p in json.loads(path.read_text(encoding="utf-8"))["timelines"]]
+    set_seed(browser, 97)
+    save_project(browser, first.name, problems)
+    expect(problems, "after a reload it is not saved where it was", seeds(first) == [97])
+    expect(problems, "it does not say where it saves", first.name in browser.run(
+        "return document.getElementById('saveProject').title"))
+    words = first.read_bytes().replace(b": 97", b": 55")
+    answer = server.ask({"kind": "store", "name": first.name, "bytes": base64.b64encode(words).decode()})
+    expect(problems, f"another client cannot write: {answer}", answer["value"]["mark"])
+    reload(browser)
     save_project(browser, second.name, problems)
+    expect(problems, "it does not say why it is another file", first.name in status_of(browser))
     save_project(browser, second.name, problems)
-    expect(problems, "the file of another project is overwritten", first.read_bytes() == words)
+    expect(problems, "the file of another client is overwritten", first.read_bytes() == words)
     browser.run(f"const list = document.getElementById('folder'); list.value = {json.dumps(first.name)};"
                 "list.dispatchEvent(new Event('change'))")
     expect(problems, "a project of the folder is not opened", wait(
         browser, "/Undo brings back/.test(document.getElementById('status').textContent)", 20))
     wait(browser, "!motionlang.state().making", MADE)
-    write(browser, "#seed", "99" + ENTER)
+    set_seed(browser, 99)
     save_project(browser, first.name, problems)
-    expect(problems, "it is not saved where it was opened", b'"seed": 99' in first.read_bytes())
+    expect(problems, "it is not saved where it was opened", seeds(first) == [99])
     while state(browser)["undos"]:
         press(browser, CONTROL, "z")
     save_project(browser, second.name, problems)
-    expect(problems, "undo of opening overwrites what was opened", b'"seed": 99' in first.read_bytes())
+    expect(problems, "undo of opening overwrites what was opened", seeds(first) == [99] and seeds(second) == [97])
+    wait(browser, "!motionlang.state().making", MADE)
+    click(browser, ".bar[data-bar='0']")
+    write(browser, "#words", "sit down")
+    reload(browser)
+    save_project(browser, second.name, problems)
+    expect(problems, "with another first text it has another file", json.loads(second.read_text(encoding="utf-8"))[
+        "timelines"][0]["bars"][0]["text"] == "sit down" and not list(project.glob("sit*")))
+    click(browser, ".bar[data-bar='0']")
+    write(browser, "#words", "walk backwards")
+    second.unlink()
+    save_project(browser, second.name, problems)  # nothing is lost by that
     wait(browser, "!motionlang.state().making", MADE)
 
 
@@ -394,7 +435,7 @@ def in_browser(server, driver_port, project, problems):
         first.post("/url", {"url": f"http://127.0.0.1:{server.port}/"})
         expect(problems, "a reload loses the token or the project",
                made(first, 1) and state(first)["project"]["bars"][0]["text"] == "walk backwards")
-        names_of_projects(first, project, problems)
+        names_of_projects(first, server, project, problems)
         refused_video(first, project.parent, problems)
         click(first, "#whole")
         wait(first, "document.getElementById('progress').value > 0", MADE)

@@ -39,6 +39,13 @@ class ProjectFolder {
   /// Throws config_error 103 and io_error 401, also for a name that a link or a folder has.
   void write(const std::string& name, std::span<const std::byte> contents) const;
 
+  /// The mark of contents: 16 digits. They change with every accident, but do not protect against forgery.
+  static std::string mark(std::span<const std::byte> contents);
+  /// Writes if there is no such file, or if its contents have this mark. False: there are others, or more than `most`
+  /// bytes, and nothing is written. Throws as write does. Two calls at the same time need a lock of the caller.
+  bool write_over(const std::string& name, std::span<const std::byte> contents, std::string_view mark,
+                  std::size_t most) const;
+
  private:
   std::filesystem::path path_of(const std::string& name) const;
 

@@ -6,6 +6,7 @@
 #include <system_error>  // error_code
 #include <utility>       // move
 
+#include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/file/project_folder.hpp>
 
@@ -61,6 +62,23 @@ MOTIONLANG_BODY void ProjectFolder::write(const std::string& name, std::span<con
   const auto path = path_of(name);
   if (!is_own_place(path)) raise<io_error>(401, name, ": something else in the project has this name");
   write_file(path, contents);
+}
+
+MOTIONLANG_BODY std::string ProjectFolder::mark(std::span<const std::byte> contents) {
+  return detail::hexadecimal(detail::content_hash(contents));
+}
+
+MOTIONLANG_BODY bool ProjectFolder::write_over(const std::string& name, std::span<const std::byte> contents,
+                                               std::string_view mark, std::size_t most) const {
+  const auto path = path_of(name);
+  if (is_own_file(path)) {
+    std::error_code failed;
+    if (std::filesystem::file_size(path, failed) > most || failed) return false;
+    const std::string there = read_file(path);
+    if (this->mark(std::as_bytes(std::span(there))) != mark) return false;
+  }
+  write(name, contents);
+  return true;
 }
 
 MOTIONLANG_NAMESPACE_END

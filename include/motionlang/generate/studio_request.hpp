@@ -77,6 +77,7 @@ struct StudioQuestion {
   double beyond = 0;
   std::optional<Index> record{};
   std::optional<StudioClip> clip{};
+  std::optional<std::string> over{};  // the mark of the contents that `store` may overwrite; without: all
 };
 
 /// Throws io_error 403 for anything but JSON, config_error 107 for a value of the wrong kind, 103 for an unknown kind

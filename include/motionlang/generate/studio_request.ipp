@@ -154,6 +154,7 @@ MOTIONLANG_BODY StudioQuestion parse_studio_question(std::string_view json, cons
     if (given(part) && !view[part].is_object()) raise<config_error>(107, "question.", part, ": not an object");
   }
   if (given("record")) out.record = fields.index("record", many);
+  if (given("over")) out.over = fields.text("over");
   if (given("character")) {
     const JsonView character = view["character"];
     const detail::StudioFields of(character, limits);

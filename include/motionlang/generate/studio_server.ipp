@@ -110,7 +110,7 @@ class StudioServer::Body {
     if (q.kind == "known") return known_texts_report(known_texts(model_->captions(), q.begun, q.count));
     if (q.kind == "files") return text_of(nlohmann::ordered_json(folder().names()));
     if (q.kind == "open") return opened(q.name);
-    if (q.kind == "store") return folder().write(q.name, q.bytes), "true";
+    if (q.kind == "store") return stored(q);
     const auto client = client_of(q.client);
     if (q.kind == "generate") return generated(q, *client, write);
     if (q.kind == "search") return found(q, *client, write);
@@ -148,7 +148,17 @@ class StudioServer::Body {
   }
   std::string opened(const std::string& name) const {
     const std::string contents = folder().read(name, o_.limits.file);
-    return text_of({{"bytes", packed(std::as_bytes(std::span(contents)))}});
+    const auto bytes = std::as_bytes(std::span(contents));
+    return text_of({{"bytes", packed(bytes)}, {"mark", ProjectFolder::mark(bytes)}});
+  }
+  /// Says the mark of what is stored; null if somebody else's contents are there.
+  std::string stored(const StudioQuestion& q) {
+    const std::lock_guard lock(writes_);
+    if (!q.over)
+      folder().write(q.name, q.bytes);
+    else if (!folder().write_over(q.name, q.bytes, *q.over, o_.limits.file))
+      return "{\"mark\":null}";
+    return text_of({{"mark", ProjectFolder::mark(q.bytes)}});
   }
 
   std::string loaded() const {
@@ -269,7 +279,7 @@ class StudioServer::Body {
   }
 
   /// The file of a motion; on a character, if the question has one. With a name it is written to the project.
-  std::string saved(const StudioQuestion& q, detail::StudioClient& client) const {
+  std::string saved(const StudioQuestion& q, detail::StudioClient& client) {
     const auto made = motion_of(client, q.motion);
     if (!is_studio_file("motion" + q.format)) raise<config_error>(103, "question.format: '", q.format, "'");
     const auto bytes = [&]() -> std::vector<std::byte> {
@@ -282,6 +292,7 @@ class StudioServer::Body {
       return {view.begin(), view.end()};
     }();
     if (q.id.empty()) return text_of(packed(bytes));
+    const std::lock_guard lock(writes_);
     folder().write(q.id, bytes);
     return "true";
   }
@@ -337,7 +348,7 @@ class StudioServer::Body {
   std::optional<ProjectFolder> folder_;
   std::optional<SearchedFolder> searched_;  // who has the turn of searches makes it
   std::string page_;
-  std::mutex mutex_;
+  std::mutex mutex_, writes_;
   std::map<std::string, std::shared_ptr<detail::StudioClient>> clients_;
   std::uint64_t questions_ = 0;
   Index made_ = 0;

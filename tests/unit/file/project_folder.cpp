@@ -36,6 +36,25 @@ TEST_CASE("files are written, listed and read by their names") {
   CHECK_THROWS_AS(ml::ProjectFolder(place / "nowhere", ends_well), ml::io_error);
 }
 
+TEST_CASE("a file is overwritten only by somebody who knows its contents") {
+  const TemporaryFolder place;
+  const ml::ProjectFolder folder(place.path, ends_well);
+  const std::string one = ml::ProjectFolder::mark(bytes("one")), two = ml::ProjectFolder::mark(bytes("two"));
+  CHECK(one.size() == 16);
+  CHECK(one != two);
+  CHECK(folder.write_over("a.txt", bytes("one"), "", 100));  // there is none
+  for (const std::string& wrong : {two, std::string()}) CHECK_FALSE(folder.write_over("a.txt", bytes("x"), wrong, 100));
+  CHECK_FALSE(folder.write_over("a.txt", bytes("x"), one, 2));
+  CHECK(folder.read("a.txt", 100) == "one");
+  CHECK(folder.write_over("a.txt", bytes("two"), one, 100));
+  CHECK(folder.read("a.txt", 100) == "two");
+  std::filesystem::remove(place / "a.txt");
+  CHECK(folder.write_over("a.txt", bytes("one"), two, 100));  // nothing is lost
+  std::filesystem::create_directory(place / "d.txt");
+  CHECK_THROWS_AS(folder.write_over("d.txt", bytes("x"), "", 100), ml::io_error);
+  CHECK_THROWS_AS(folder.write_over("c.exe", bytes("x"), "", 100), ml::config_error);
+}
+
 TEST_CASE("nothing outside is reached, by names or by links") {
   const TemporaryFolder place;
   std::filesystem::create_directory(place / "in");

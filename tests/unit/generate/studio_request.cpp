@@ -119,6 +119,9 @@ TEST_CASE("a question has its fields") {
   CHECK_FALSE(plain.record);
   CHECK_FALSE(plain.clip);
   CHECK_FALSE(plain.has_character);
+  CHECK_FALSE(plain.over);
+  CHECK(parsed(R"("kind":"store","name":"x.json","over":"")").over == "");
+  CHECK(parsed(R"("kind":"store","name":"x.json","over":"0123")").over == "0123");
   const auto file = parsed(R"("kind":"save","motion":1,"character":{"name":"me.vrm","bytes":"AAEC"})");
   CHECK(file.has_character);
   CHECK(file.name == "me.vrm");
@@ -144,6 +147,7 @@ TEST_CASE("anything else is an error") {
                               R"("kind":"moment","motion":-1)",
                               R"("kind":"save","motion":1.5)",
                               R"("kind":"generate","record":-1)",
+                              R"("kind":"store","over":1)",
                               R"("kind":"generate","clip":[])",
                               R"("kind":"generate","clip":{"start":2,"end":1})",
                               R"("kind":"generate","clip":{"start":200})",

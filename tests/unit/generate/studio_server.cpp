@@ -148,9 +148,19 @@ TEST_CASE("the project's folder is the only one") {
   };
   CHECK(save("walk.bvh")["value"] == true);
   for (const char* name : {"../walk.bvh", "/tmp/walk.bvh", ".bvh", "walk.sh"}) CHECK(save(name).contains("error"));
-  CHECK(answer(server, {{"kind", "store"}, {"name", "t.txt"}, {"bytes", "aGk="}})["value"] == true);
+  const auto store = [&](const char* bytes, json over = nullptr) -> json {
+    return answer(server, {{"kind", "store"}, {"name", "t.txt"}, {"bytes", bytes}, {"over", over}})["value"]["mark"];
+  };
+  const json lost = store("bG9zdA=="), mark = store("aGk=");  // without a condition it overwrites
+  CHECK(lost != mark);
   CHECK(answer(server, {{"kind", "files"}})["value"] == json{"t.txt", "walk.bvh"});
+  CHECK(answer(server, {{"kind", "open"}, {"name", "t.txt"}})["value"] == json{{"bytes", "aGk="}, {"mark", mark}});
+  for (const json& over : {lost, json("")}) CHECK(store("bG9zdA==", over).is_null());  // other contents are there
   CHECK(answer(server, {{"kind", "open"}, {"name", "t.txt"}})["value"]["bytes"] == "aGk=");
+  CHECK(store("aGkh", mark) != mark);
+  CHECK(answer(server, {{"kind", "open"}, {"name", "t.txt"}})["value"]["bytes"] == "aGkh");
+  std::filesystem::remove(place / "t.txt");
+  CHECK(store("aGk=", "") == mark);  // nothing is there
   CHECK(is_error(answer(server, {{"kind", "open"}, {"name", "../t.txt"}}), "../t.txt"));
   CHECK_THROWS_AS(ml::StudioServer(std::make_shared<Walker>(), {.project = place / "none"}), ml::io_error);
 }

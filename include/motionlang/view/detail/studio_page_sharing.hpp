@@ -85,7 +85,7 @@ function takeProject({ timelines, number, settings }) {
   ({ keep: keeping, live, snap: snapping } = settings);
 }
 /** The project of a file takes the place of the one that is here; undo brings that back.
-    stored: the file's name in the folder of the server, if it is there */
+    stored: the file's name and mark in the folder of the server, if it is there */
 async function openProject(words, stored) {
   let found;
   try {
@@ -103,7 +103,7 @@ async function openProject(words, stored) {
     if (id && !clips.has(id) && !await shelf.get(id)) lacks.push(nameOfClip(id));
   }
   edit(() => takeProject(read));
-  if (stored) ownFiles.set(stored, book.map((p) => p.id));
+  if (stored) ownFile(stored, idsOf(book));
   const count = read.timelines.length;
   say(`${count === 1 ? "A timeline is" : `${count} timelines are`} open. Undo brings back what was here.` +
     (lacks.length ? ` Also drop ${[...new Set(lacks)].join(", ")}, whose motion is kept.` : ""));
@@ -114,29 +114,52 @@ async function openProject(words, stored) {
 inline constexpr std::string_view studio_script_sharing = R"page(
 // ---- The project as a file.
 
-/** The files of the folder from which this project was opened, or to which it was saved: for each the ids of its
-    timelines, which no other project has. */
+/** The files of the folder from which this project was opened, or to which it was saved, the latest last: for each name
+    the mark of the contents that it had, and the ids of its timelines, which no other project has. */
 const ownFiles = new Map();
-/** A name that overwrites no file of another project. */
-async function projectName() {
-  const start = `${fileName()}_project`, ids = book.map((p) => p.id);
-  const isOwn = (name) => ownFiles.get(name)?.some((id) => ids.includes(id));
-  const taken = engine.folder ? (await engine.ask("files")).map((name) => name.toLowerCase()) : [];
+const idsOf = (timelines) => timelines.map((p) => p.id);
+function ownFile({ name, mark }, ids) {
+  ownFiles.delete(name);
+  ownFiles.set(name, { mark, ids });
+}
+/** The name and the mark of the file that has this project. */
+function fileOfProject() {
+  const found = [...ownFiles].reverse().find(([, { ids }]) => book.some((p) => ids.includes(p.id)));
+  return found && { name: found[0], mark: found[1].mark };
+}
+/** Stores the project in its file of the folder. If somebody else has changed that, it gets another one. */
+async function storeProject(bytes) {
+  const ids = idsOf(book), own = fileOfProject();
+  const stores = async (name, over) => {  // only over contents that this page knows
+    const { mark } = await engine.ask("store", { name, bytes, over });
+    if (!mark) return false;
+    ownFile({ name, mark }, ids);
+    store();  // a reload finds it
+    return true;
+  };
+  if (own && await stores(own.name, own.mark)) return `${own.name} is in the project's folder.`;
+  const start = own ? own.name.replace(/(_\d+)?\.json$/, "").slice(0, 85) : `${fileName()}_project`;
+  const taken = (await engine.ask("files")).map((name) => name.toLowerCase());
   for (let i = 1;; ++i) {
     const name = start + (i > 1 ? `_${i}` : "") + ".json";
-    if (isOwn(name) || !taken.includes(name.toLowerCase())) return name;
+    if (!taken.includes(name.toLowerCase()) && await stores(name, ""))
+      return `${name} is in the project's folder` + (own ? `. Somebody else has changed ${own.name}.` : ".");
   }
 }
 press("saveProject", async () => {
+  const button = element("saveProject");
   try {
     const bytes = new TextEncoder().encode(JSON.stringify(wholeProject(), null, 1));
     if (bytes.length > bounds.bytes) throw new Error(`the project has more than ${bounds.bytes / 1e6} MB of texts`);
-    const name = await projectName();
-    await keepFile(name, bytes, "application/json");
-    if (engine.folder) ownFiles.set(name, book.map((p) => p.id));
+    if (!engine.folder) return offer(`${fileName()}_project.json`, bytes, "application/json");
+    button.disabled = true;
+    say(await storeProject(bytes));
+    await listFolder();
   } catch (reason) {
     say(reason.message, true);
   }
+  button.disabled = false;
+  drawFields();
 });
 
 // ---- Pictures and videos of the view.

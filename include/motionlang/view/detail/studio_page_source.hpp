@@ -517,7 +517,7 @@ function store(leaving = false) {
   if (leaving) links.push(location.hash);  // a reload comes with the address before the latest edit
   try {
     history.replaceState(null, "", link);
-    localStorage.setItem(place, JSON.stringify({ ...wholeProject(), links }));
+    localStorage.setItem(place, JSON.stringify({ ...wholeProject(), links, file: fileOfProject() }));
   } catch (reason) {
     console.info("the browser keeps no project:", reason.message);
   }
@@ -534,6 +534,7 @@ function restore() {
       const read = checkedProject(all ? { ...marks, timelines: all, shown: number } : kept);
       lastId = 0;
       takeProject(read);
+      if (kept.file) ownFile(kept.file, idsOf(book));
       return kept.links || [kept.link];
     } catch (reason) {
       localStorage.setItem(place + ", not read", words);
@@ -828,6 +829,8 @@ function drawFields() {
     : shownTake && isStale() ? "The timeline has changed." : "";
   element("save").disabled = !shownTake;
   element("plain").hidden = !character;
+  const file = fileOfProject(), where = file ? `Save all timelines and settings to ${file.name}` : "";
+  element("saveProject").title = where || "All timelines and settings in one file";
 }
 function drawWarnings() {
   const list = element("warnings");
@@ -1707,7 +1710,7 @@ press("plain", () => {
   show(shownTake);
 });
 /** A GLB file without an animation and a VRM file are characters; with Shift every GLB file is one.
-    stored: the file's name in the folder of the server, if it is there */
+    stored: the file's name and mark in the folder of the server, if it is there */
 async function take(file, asCharacter, stored = null) {
   try {
     const kind = file.name.slice(file.name.lastIndexOf(".")).toLowerCase();
@@ -1745,8 +1748,8 @@ element("folder").addEventListener("change", async ({ target }) => {
   const name = target.value;
   target.value = "";
   try {
-    const { bytes } = await engine.ask("open", { name });
-    await take(new File([unpackedBytes(bytes)], name), false, name);
+    const { bytes, mark } = await engine.ask("open", { name });
+    await take(new File([unpackedBytes(bytes)], name), false, { name, mark });
   } catch (reason) {
     say(`${name}: ${reason.message}`, true);
   }
