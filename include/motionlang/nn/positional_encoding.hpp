@@ -14,7 +14,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
 /// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
-///         whose last digits depend on it. Throws config_error 101 for an odd width.
+///         whose last digits depend on it. Sines are rounded from double, because the float functions of C
+///         libraries differ in the last bit. Throws config_error 101 for an odd width.
 template <Backend B>
 Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
@@ -28,8 +29,8 @@ Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
       for (Index p = first; p < last; ++p) {
         for (const float w : frequencies) {
           const float angle = static_cast<float>(p) * w;
-          *at++ = static_cast<S>(std::sin(angle));
-          *at++ = static_cast<S>(std::cos(angle));
+          *at++ = static_cast<S>(static_cast<float>(std::sin(static_cast<double>(angle))));
+          *at++ = static_cast<S>(static_cast<float>(std::cos(static_cast<double>(angle))));
         }
       }
     });
