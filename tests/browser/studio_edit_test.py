@@ -222,6 +222,76 @@ def looking(browser, problems):
     expect(problems, "the aids stay", wait(browser, f"motionlang.state().cones === {plain}", 5))
 
 
+def command(browser, name, **about):
+    browser.post("/goog/cdp/execute", {"cmd": name, "params": about})
+
+
+SEEN = """const hidden = [], seen = (e) => {
+  const r = e.getBoundingClientRect(), x = r.x + r.width / 2, y = r.y + r.height / 2;
+  return r.left >= 0 && r.top >= 0 && r.right <= innerWidth && r.bottom <= innerHeight &&
+    e.contains(document.elementFromPoint(x, y));
+};
+for (const e of document.querySelectorAll(arguments[0]))
+  if (e.checkVisibility() && !seen(e)) hidden.push(e.id || e.textContent);
+return hidden"""
+
+
+def sized(browser, width, height, mobile, problems):
+    """A page of this size has all that is needed on one screen."""
+    what = f"{width} x {height}"
+    command(browser, "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1,
+            mobile=mobile)
+    wait(browser, f"innerWidth === {width}", 5)
+    size = browser.run("const e = document.scrollingElement; return [e.scrollWidth, e.scrollHeight]")
+    expect(problems, f"{what}: the page has {size}", size[0] <= width and size[1] <= height)
+    rows = browser.run("return document.querySelector('header').offsetHeight")
+    expect(problems, f"{what}: the header has {rows} pixels", rows <= 50)
+    needed = "header button, header select, #aids button, #play, #scrub, #add, .lane, #words, #generate, #status"
+    hidden = browser.post("/execute/sync", {"script": SEEN, "args": [needed]})
+    expect(problems, f"{what}: nobody sees {hidden}", hidden == [])
+    return what
+
+
+def sizes(browser, problems):
+    """One screen without scrolling, on a laptop and on a phone, where a menu and two groups of fields save room."""
+    set_timeline(browser, "walk forward # 0 # 4\n")
+    generate(browser)
+    sized(browser, 1280, 720, False, problems)
+    sized(browser, 1280, 580, False, problems)  # of a small laptop the browser leaves that
+    picture(browser, "laptop")
+    what = sized(browser, 390, 844, True, problems)
+    picture(browser, "phone")
+    click(browser, "#menu")
+    inside = "#more button, #more select"
+    hidden = browser.post("/execute/sync", {"script": SEEN, "args": [inside]})
+    expect(problems, f"{what}: the menu hides {hidden}", hidden == [] and browser.run(
+        f"return [...document.querySelectorAll('{inside}')].filter((e) => e.checkVisibility()).length") > 6)
+    picture(browser, "menu")
+    click(browser, "#fresh")
+    expect(problems, f"{what}: the menu stays open", not browser.run(
+        "return document.getElementById('fresh').checkVisibility()"))
+    made(browser, state(browser)["motions"])
+    press(browser, CONTROL, "z")
+    click(browser, "#showMotion")
+    expect(problems, f"{what}: no fields of the motion", browser.post("/execute/sync", {
+        "script": SEEN, "args": ["#seed, #length, #vary, #live, #generate"]}) == [] and browser.run(
+            "return document.getElementById('seed').checkVisibility() && "
+            "!document.getElementById('words').checkVisibility()"))
+    picture(browser, "phone_motion")
+    click(browser, "#showText")
+    end = browser.run("const r = document.querySelector(\".bar[data-bar='0'] .grip.to\").getBoundingClientRect();"
+                      "return [r.x + r.width / 2, r.y + r.height / 2]")
+    command(browser, "Emulation.setTouchEmulationEnabled", enabled=True)
+    for kind, way in (("touchStart", 0), ("touchMove", -20), ("touchMove", -60), ("touchEnd", None)):
+        points = [] if way is None else [{"x": end[0] + way, "y": end[1]}]
+        command(browser, "Input.dispatchTouchEvent", type=kind, touchPoints=points)
+    expect(problems, f"{what}: a finger does not pull the end of a bar: {bars_of(browser)}",
+           2.5 < bars_of(browser)[0][2] < 3.6)
+    command(browser, "Emulation.setTouchEmulationEnabled", enabled=False)
+    press(browser, CONTROL, "z")
+    command(browser, "Emulation.clearDeviceMetricsOverride")
+
+
 def completion(browser, problems):
     click(browser, ".bar[data-bar='0']")
     write(browser, "#words", "jump o")
@@ -318,7 +388,7 @@ def main(driver_path, page, program, folder):
         expect(problems, "no first motion", made(browser, 1))
         click(browser, "#steps option[value='fast']")
         keeping(browser, problems)
-        for steps in (cancelling, several, timelines, variations, looking, completion):
+        for steps in (cancelling, several, timelines, variations, looking, sizes, completion):
             steps(browser, problems)
         dropped(browser, folder, problems)
         again(browser, page, problems)

@@ -27,12 +27,14 @@ input, textarea {
 }
 #work { flex: 1 1 auto; display: grid; grid-template-columns: minmax(0, 1fr) 372px; min-height: 0; }
 #stage { min-height: 0; }
-#says { position: absolute; left: 14px; top: 10px; right: 14px; pointer-events: none; font-weight: 600; }
+#says { position: absolute; left: 14px; top: 10px; right: 150px; pointer-events: none; font-weight: 600; }
 #panel { background: var(--panel); border-left: 1px solid var(--line); padding: 4px 14px 10px; overflow-y: auto; }
 h2 { font-size: 14px; margin: 2px 0; flex: 1; }
 .line { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; margin: 5px 0; }
 .line input[type=number] { width: 78px; }
 #words { width: 100%; }
+#panel > section { display: contents; }
+#go { position: sticky; bottom: -10px; margin: 0; padding: 4px 0 5px; background: var(--panel); }
 fieldset { border: 0; padding: 0; margin: 5px 0; display: flex; flex-wrap: wrap; gap: 0 12px; }
 legend { padding: 0; color: var(--faint); }
 fieldset label { white-space: nowrap; min-height: 24px; display: inline-flex; align-items: center; gap: 4px; }
@@ -41,7 +43,8 @@ fieldset input { min-height: 0; width: 16px; height: 16px; accent-color: var(--a
 @media (prefers-color-scheme: dark) { .main { color: #10141a; } }
 #generate { min-width: 110px; }
 progress { width: 100%; height: 10px; accent-color: var(--accent); }
-#status { margin: 2px 0; color: var(--faint); }
+#left:not(:empty), #status { flex-basis: 100%; }
+#status { margin: 0; color: var(--faint); }
 #status.wrong { color: var(--warn); }
 #warnings { margin: 2px 0 0; padding-left: 18px; color: var(--warn); font-size: 13px; }
 :root { --warn: #9a4a00; }
@@ -110,34 +113,71 @@ dialog {
 }
 dialog textarea { width: 100%; height: 220px; font: 13px/1.5 ui-monospace, monospace; }
 dialog::backdrop { background: rgb(0 0 0 / 0.4); }
+#menu, #tabs { display: none; }
+#more { display: contents; }
+@media (max-width: 1180px) {
+  header { position: relative; z-index: 2; }
+  #menu { display: block; }
+  #more { display: none; }
+  #more.open {
+    position: absolute; left: 8px; right: 8px; top: 100%; display: flex; flex-wrap: wrap; gap: 8px; padding: 10px;
+    background: var(--panel); border: 1px solid var(--line); border-radius: 0 0 10px 10px;
+    box-shadow: 0 8px 20px rgb(0 0 0 / 0.25);
+  }
+}
 @media (max-width: 760px) {
-  html, body { height: auto; }
-  body { overflow: auto; }
+  body { overflow: hidden auto; }
+  header { padding: 6px 8px; }
+  header h1 { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
+  nav { margin: 0; width: 100%; justify-content: space-between; gap: 3px; font-size: 13px; }
+  nav button, nav select { padding: 3px 6px; }
+  #examples { width: 98px; }
+  #kind { width: 68px; }
+  #keysHelp { display: none; }
   #work { display: contents; }
-  #stage { flex: none; height: 40vh; }
-  #panel { order: 1; border-left: 0; border-top: 1px solid var(--line); }
-  #timeline { grid-template-columns: 112px minmax(0, 1fr); max-height: none; }
+  #stage { flex: 1 0 130px; }
+  #says { right: 14px; font-size: 13px; white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
+  #aids { flex-flow: row wrap-reverse; justify-content: center; left: 4px; right: 4px; top: auto; bottom: 6px; }
+  #aids button { padding: 2px 6px; white-space: nowrap; }
+  #takes { bottom: 40px; }
+  #takes canvas { width: 50px; height: 56px; }
+  #hint, #clock { display: none; }
+  footer { padding: 4px 8px; flex: none; }
+  #controls { gap: 4px; }
+  #controls label { font-size: 0; }  /* there is room for the fields */
+  #controls :is(button, select) { padding: 3px 7px; font-size: 13px; }
+  #play { min-width: 66px; }
+  #timeline { grid-template-columns: 112px minmax(0, 1fr); max-height: 30vh; }
   #tools { flex-wrap: wrap; height: 56px; }
   #axis { height: 56px; padding-top: 36px; }
   #scroller { padding-right: 6px; }
-  #takes canvas { width: 62px; height: 76px; }
-  #aids { flex-flow: row wrap; justify-content: end; left: 12px; top: 34px; }
   #names { font-size: 13px; }
   #names button { padding: 0 5px; }
-  #hint { display: none; }
-  nav { margin-left: 0; }
+  #panel {
+    order: 1; flex: 0 1 252px; min-height: 120px; display: flex; flex-direction: column; padding: 2px 10px 6px;
+    border-left: 0; border-top: 1px solid var(--line);
+  }
+  #panel > section > * { flex: none; }
+  #tabs { display: flex; gap: 4px; }
+  #go { top: -2px; bottom: auto; z-index: 1; }
+  #go, #plain { order: -1; }
+  #panel .line { margin: 3px 0; }
+  #panel[data-shown="text"] .setting, #panel[data-shown="motion"] > section:first-child { display: none; }
+  #generate { min-width: 96px; margin-left: auto; }
 }
 )page";
 
 inline constexpr std::string_view studio_header = R"page(
 <header><h1 id="title"></h1><span id="info"></span>
   <nav aria-label="Project">
+    <button id="menu" type="button" aria-expanded="false" aria-controls="more">Menu</button>
     <select id="examples" aria-label="Examples to start from"><option value="">Examples</option></select>
+    <button id="undo" type="button" title="Ctrl+Z">Undo</button>
+    <button id="redo" type="button" title="Ctrl+Shift+Z">Redo</button>
+    <div id="more">
     <select id="sheet" aria-label="Timeline of the project"></select>
     <button id="fresh" type="button">New</button>
     <button id="drop" type="button" aria-label="Remove this timeline">Remove</button>
-    <button id="undo" type="button" title="Ctrl+Z">Undo</button>
-    <button id="redo" type="button" title="Ctrl+Shift+Z">Redo</button>
     <button id="open" type="button" title="A project, a timeline, a motion to keep or a character">Open</button>
     <select id="folder" aria-label="File in the project's folder" hidden></select>
     <input id="file" type="file" accept=".txt,.json,.bvh,.glb,.gltf,.vrm,.vrma,.npz,.npy" hidden>
@@ -145,6 +185,7 @@ inline constexpr std::string_view studio_header = R"page(
     <button id="write" type="button">Text</button>
     <button id="link" type="button" title="Copy a link to this timeline">Link</button>
     <button id="saveProject" type="button" title="All timelines and settings in one file">Save project</button>
+    </div>
     <select id="kind" aria-label="Kind of file">
       <option value=".bvh">BVH</option><option value=".glb">GLB</option><option value=".vrma">VRMA</option>
       <option value=".npz">AMASS .npz</option><option value=".npy">joints .npy</option>
@@ -158,7 +199,7 @@ inline constexpr std::string_view studio_header = R"page(
 )page";
 
 inline constexpr std::string_view studio_panel = R"page(
-<aside id="panel" aria-label="Text and motion">
+<aside id="panel" aria-label="Text and motion" data-shown="text">
   <section aria-labelledby="aboutText">
     <div class="line"><h2 id="aboutText">Text</h2>
       <button id="split" type="button" title="X">Split</button>
@@ -175,22 +216,26 @@ inline constexpr std::string_view studio_panel = R"page(
     </div>
   </section>
   <section aria-labelledby="aboutMotion">
-    <div class="line"><h2 id="aboutMotion">Motion</h2>
+    <div class="line setting"><h2 id="aboutMotion">Motion</h2>
       <label>Steps <select id="steps"><option value="usual">20</option><option value="fast">10, fast</option></select>
       </label></div>
-    <div class="line"><label>Length <input id="length" type="number" min="0.5" max="60" step="0.5"></label> s
+    <div class="line setting"><label>Length <input id="length" type="number" min="0.5" max="60" step="0.5"></label> s
       <label>Seed <input id="seed" type="number" min="0" max="9007199254740991" step="1"></label></div>
-    <div class="line"><button id="generate" class="main" type="button" title="Ctrl+Enter">Generate</button>
+    <div class="line" id="go">
+      <span id="tabs" role="group" aria-label="What is below">
+        <button id="showText" type="button" aria-pressed="true">Text</button>
+        <button id="showMotion" type="button" aria-pressed="false">Motion</button></span>
+      <button id="generate" class="main" type="button" title="Ctrl+Enter">Generate</button>
       <button id="cancel" type="button" hidden>Cancel</button>
-      <button id="dice" type="button">Next seed</button>
-      <button id="vary" type="button" title="V">Variations</button></div>
-    <div class="line">
+      <button id="dice" class="setting" type="button">Next seed</button>
+      <button id="vary" class="setting" type="button" title="V">Variations</button>
+      <span id="left"></span>
+      <progress id="progress" max="1" value="0" aria-label="Steps that are done" hidden></progress>
+      <p id="status" role="status"></p></div>
+    <div class="line setting">
       <button id="keep" type="button" title="An edit changes only what is within a second of it">Keep the rest</button>
       <button id="whole" type="button" title="Ctrl+Shift+Enter">Make all anew</button>
       <button id="live" type="button" title="Generate after every edit">Live</button></div>
-    <span id="left"></span>
-    <progress id="progress" max="1" value="0" aria-label="Steps that are done" hidden></progress>
-    <p id="status" role="status"></p>
     <button id="plain" type="button" hidden>Without the character</button>
     <ul id="warnings" aria-label="Warnings"></ul>
   </section>
@@ -224,7 +269,7 @@ inline constexpr std::string_view studio_dialog = R"page(
   <div class="line"><button id="apply" class="main" type="button">Apply</button>
     <button id="saveText" type="button">Save file</button><button id="close" type="button">Close</button></div>
 </dialog>
-<dialog id="findDialog" aria-labelledby="aboutFind">
+<dialog id="findDialog" closedby="any" aria-labelledby="aboutFind">
   <h2 id="aboutFind">Find a motion</h2>
   <p id="findHelp">Searching needs the program: its model does not fit into this file. Start
     <code>motionlang studio --project FOLDER</code> and open its link. Then words find moments in the motions of that
@@ -236,7 +281,7 @@ inline constexpr std::string_view studio_dialog = R"page(
   <ol id="found" aria-label="What was found"></ol>
   <button id="findClose" type="button">Close</button>
 </dialog>
-<dialog id="keysDialog" aria-labelledby="aboutKeys">
+<dialog id="keysDialog" closedby="any" aria-labelledby="aboutKeys">
   <h2 id="aboutKeys">Keys</h2>
   <dl>
     <dt>Left, right</dt><dd>move the chosen bars; with Shift the end of one, with Ctrl its start</dd>
@@ -1665,6 +1710,26 @@ press("saveText", async () => {
     element("fault").textContent = reason.message;
   }
 });
+
+// A narrow page has a menu, and shows the fields of the text or those of the motion.
+function openMenu(on) {
+  const menu = element("menu"), more = element("more");
+  if (!on && menu.offsetWidth > 0 && more.contains(document.activeElement)) menu.focus();
+  more.classList.toggle("open", on);
+  menu.setAttribute("aria-expanded", on);
+}
+press("menu", () => openMenu(!element("more").classList.contains("open")));
+element("more").addEventListener("change", () => openMenu(false));
+element("more").addEventListener("click", ({ target }) => { if (target.closest("button")) openMenu(false); });
+addEventListener("pointerdown", ({ target }) => { if (!target.closest("nav")) openMenu(false); });
+function showFields(name) {
+  element("panel").dataset.shown = name;
+  showPressed("showText", name === "text");
+  showPressed("showMotion", name === "motion");
+}
+press("showText", () => showFields("text"));
+press("showMotion", () => showFields("motion"));
+
 press("keysHelp", () => element("keysDialog").showModal());
 press("keysClose", () => element("keysDialog").close());
 
@@ -1777,7 +1842,7 @@ addEventListener("keydown", (event) => {
     ? { z: event.shiftKey ? redo : undo, y: redo, d: duplicateBars, enter: () => generate(event.shiftKey),
         ...(!writes && { a: chooseAll }) }[key]
     : writes || event.altKey || event.target.tagName === "SELECT" ? null
-    : { escape: chooseOne, n: addNext, g: () => element("snap").click(), v: vary,
+    : { escape: () => { openMenu(false); chooseOne(); }, n: addNext, g: () => element("snap").click(), v: vary,
         k: () => lockTake(shownTake), x: event.defaultPrevented ? null : splitBars,
         "?": () => element("keysHelp").click(), 0: () => setZoom(1),
         ...(event.target !== view && { "+": () => setZoom(2 * zoom), "-": () => setZoom(zoom / 2) }),
