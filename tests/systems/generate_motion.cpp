@@ -189,11 +189,11 @@ TEST_CASE("parts of a list, and several processes, make the motions of the whole
   }
 }
 
-TEST_CASE("a model whose motions depend on each other makes no part of a list") {
+namespace {
+
+/// A model whose recurrent network goes over the motions of a batch, as published.
+auto mixing_model() {
   auto stmc = small::model_of<ml::MdmDenoiser<small::B>>();
-  const std::vector<Timeline> two{small::one_text(20), small::one_text(20)};
-  const ml::GenerateOptions second{.seed = 3, .before = std::span<const Timeline>(two).first(1)};
-  CHECK_NOTHROW(ml::generate_motion(stmc, two[1], second));
   ml::Philox rng{.seed = 4};
   stmc.denoiser = ml::MdmDenoiser<small::B>({.nfeats = 205,
                                              .arch = ml::MdmArch::gru,
@@ -205,11 +205,78 @@ TEST_CASE("a model whose motions depend on each other makes no part of a list") 
                                              .gru_over_batch = true,
                                              .crop_frames = small::crop_frames},
                                             rng);
+  return stmc;
+}
+
+/// As many tokens as a text has words. Texts of a batch are padded to the longest one.
+struct WordTokens {
+  ml::CaptionEncoder<small::B> captions;
+
+  template <ml::Backend C>
+  ml::TextFeatures<C> encode(std::span<const std::string> texts) const {
+    std::vector<ml::Index> which, lengths;
+    for (const std::string& text : texts) {
+      lengths.push_back(1 + static_cast<ml::Index>(std::count(text.begin(), text.end(), ' ')));
+      which.insert(which.end(), static_cast<std::size_t>(lengths.back()), static_cast<ml::Index>(lengths.size()) - 1);
+    }
+    return {{ml::gather(captions(texts), which), ml::Offsets(lengths)}};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a model whose motions depend on each other makes no part of a list") {
+  auto stmc = small::model_of<ml::MdmDenoiser<small::B>>();
+  const std::vector<Timeline> two{small::one_text(20), small::one_text(20)};
+  const ml::GenerateOptions second{.seed = 3, .before = std::span<const Timeline>(two).first(1)};
+  CHECK_NOTHROW(ml::generate_motion(stmc, two[1], second));
+  stmc = mixing_model();
   CHECK_NOTHROW(ml::generate_motion(stmc, two[1], {.seed = 3}));
   CHECK_THROWS_WITH_AS(
       ml::generate_motion(stmc, two[1], second),
       doctest::Contains("[motionlang.config.102] a motion of this model depends on the other timelines"),
       ml::option_error);
+}
+
+TEST_CASE("every process refuses a list whose motions depend on each other, also one without a part") {
+  const auto check = [&](const auto& stmc, const std::vector<Timeline>& list, bool refused) {
+    const auto boxed = ml::stmc_motion_model(stmc);
+    for (const ml::Index processes : {2, 3}) {
+      CAPTURE(processes);
+      run_processes(processes, [&](const ThreadProcess& process) {
+        const ml::GenerateOptions shared{.seed = 3, .communicator = ml::AnyCommunicator(process)};
+        const auto generate = [&] { ml::generate_motions(stmc, list, shared); };
+        const auto generate_boxed = [&] { ml::generate_motions(*boxed, list, shared); };
+        if (!refused) {
+          CHECK_NOTHROW(generate());
+          CHECK_NOTHROW(generate_boxed());
+          return;
+        }
+        const doctest::Contains why("[motionlang.config.102] a motion of this model depends on the other timelines");
+        CHECK_THROWS_WITH_AS(generate(), why, ml::option_error);
+        CHECK_THROWS_WITH_AS(generate_boxed(), why, ml::option_error);
+        CHECK(process.messages() == 0);  // so nobody waits for another
+      });
+    }
+  };
+  const auto list = [](const std::vector<std::string>& texts) {
+    std::vector<Timeline> out;
+    for (const std::string& text : texts) out.push_back(ml::whole_body_timeline(text, 20));
+    return out;
+  };
+  check(mixing_model(), list({"walk", "walk"}), true);
+  check(mixing_model(), list({"walk"}), false);
+  // The part of rank 0 has texts of one token, which another part makes longer.
+  const auto plain = small::model_of<ml::MdmSmplDenoiser<small::B>>();
+  const ml::Stmc<small::B, ml::MdmSmplDenoiser<small::B>, WordTokens> words{
+      .denoiser = plain.denoiser,
+      .text_encoder = {plain.text_encoder.captions},
+      .motion_normalizer = plain.motion_normalizer,
+      .text_normalizer = plain.text_normalizer,
+      .diffusion = plain.diffusion};
+  check(words, list({"walk", "walk", "turn left"}), true);
+  check(words, list({"walk", "walk", "turn"}), false);
+  check(plain, list({"walk", "walk", "turn left"}), false);
 }
 
 TEST_CASE("options that contradict each other, or that the model cannot do, are option errors") {

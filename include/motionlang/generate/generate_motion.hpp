@@ -30,6 +30,12 @@ std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 Motion generate_motion(const Stmc<B, D, E>& stmc, const Timeline& timeline, const GenerateOptions& options = {});
 
+/// Throws option_error 102 if motions of these timelines depend on each other, so that several processes cannot share
+/// them (BatchMates). generate_motions calls it in each of them, before the work.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+void require_own_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                         const GenerateOptions& options = {});
+
 #ifdef MOTIONLANG_INSTANTIATED
 template <>
 inline constexpr bool detail::is_compiled_stmc<Stmc<EigenBackend<float>>> = true;
@@ -37,6 +43,8 @@ inline constexpr bool detail::is_compiled_stmc<Stmc<EigenBackend<float>>> = true
 extern template std::vector<Motion> generate_motions(const Stmc<EigenBackend<float>>&, std::span<const Timeline>,
                                                      const GenerateOptions&);
 extern template Motion generate_motion(const Stmc<EigenBackend<float>>&, const Timeline&, const GenerateOptions&);
+extern template void require_own_motions(const Stmc<EigenBackend<float>>&, std::span<const Timeline>,
+                                         const GenerateOptions&);
 #endif
 
 MOTIONLANG_NAMESPACE_END

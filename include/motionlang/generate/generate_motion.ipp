@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>  // max
+#include <set>        // texts
 
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/features/feature_rows.hpp>
@@ -46,6 +47,22 @@ class GenerateRun {
     if (o_.sampler) how_.sampling->sampler = *o_.sampler;
     if (o_.noise_scale) how_.sampling->noise_scale = *o_.noise_scale;
     if (o_.keep) keep_on_model();
+  }
+
+  /// Throws option_error 102 if a motion depends on others of the list, so that no part of the list can be made alone.
+  void require_own_motions(std::span<const Timeline> timelines) const {
+    if (timelines.size() + o_.before.size() < 2) return;
+    const BatchMates mates = model_.denoiser.traits().mates;
+    bool one_token = mates != BatchMates::longest_text;
+    if (!one_token) {
+      std::set<std::string> texts{""};
+      for (const Timeline& t : cut(timelines, o_.cut_texts)) {
+        for (const Interval& i : t.intervals) texts.insert(i.text);
+      }
+      const std::vector<std::string> all(texts.begin(), texts.end());
+      one_token = model_.text_encoder.template encode<B>(std::span(all)).tokens.offsets.longest() <= 1;
+    }
+    detail::require_own_motions(mates, one_token);
   }
 
   std::vector<Motion> operator()(std::span<const Timeline> timelines) const {
@@ -210,12 +227,20 @@ class GenerateRun {
 }  // namespace detail
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+void require_own_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                         const GenerateOptions& options) {
+  detail::GenerateRun<B, D, E>(stmc, options).require_own_motions(timelines);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                      const GenerateOptions& options) {
   const auto make = [&](std::span<const Timeline> part, const GenerateOptions& how) {
     return detail::GenerateRun<B, D, E>(stmc, how)(part);
   };
-  return options.communicator.size() == 1 ? make(timelines, options) : shared_motions(timelines, options, make);
+  if (options.communicator.size() == 1) return make(timelines, options);
+  require_own_motions(stmc, timelines, options);
+  return shared_motions(timelines, options, make);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>

@@ -59,6 +59,8 @@ class MotionModel {
 
  private:
   virtual std::vector<Motion> make(std::span<const Timeline> timelines, const GenerateOptions& options) const = 0;
+  /// Throws option_error 102 if several processes cannot share the timelines.
+  virtual void require_shareable(std::span<const Timeline>, const GenerateOptions&) const {}
 };
 
 /// Throws option_error 102 for options that a model does not take, and 105 for more steps than it has.

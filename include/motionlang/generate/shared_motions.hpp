@@ -6,7 +6,8 @@
 ///     const std::vector<Motion> motions = generate_motions(*model, timelines, {.seed = 7, .communicator = all});
 ///
 /// The parts follow each other. They have about as much to make: the frames of all texts count.
-/// Differs  a model whose motions depend on each other is refused (BatchMates), and so are files of noise and records
+/// Differs  a model whose motions depend on each other is refused (BatchMates), in all processes and before the work,
+///          and so are files of noise and records
 #pragma once
 
 #include <functional>  // makers

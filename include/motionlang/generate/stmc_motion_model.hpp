@@ -34,6 +34,9 @@ class StmcMotionModel final : public MotionModel {
   std::vector<Motion> make(std::span<const Timeline> timelines, const GenerateOptions& options) const override {
     return generate_motions(model_, timelines, options);
   }
+  void require_shareable(std::span<const Timeline> timelines, const GenerateOptions& options) const override {
+    require_own_motions(model_, timelines, options);
+  }
   /// The encoder of ours, which reads as far as it has positions. Null: another one.
   const CaptionEncoder<B>* encoder() const {
     if constexpr (std::same_as<E, CaptionEncoder<B>>)

@@ -15,3 +15,4 @@ using Model = ml::Stmc<B>;
 template std::vector<ml::Motion> ml::generate_motions(const Model&, std::span<const ml::Timeline>,
                                                       const ml::GenerateOptions&);
 template ml::Motion ml::generate_motion(const Model&, const ml::Timeline&, const ml::GenerateOptions&);
+template void ml::require_own_motions(const Model&, std::span<const ml::Timeline>, const ml::GenerateOptions&);
