@@ -42,6 +42,7 @@ class Measured {
     sent += static_cast<double>(given.size());
     timed([&] { communicator_.exchange(given, taken, with); });
   }
+  bool arrived(Index from) const { return communicator_.arrived(from); }
   void broadcast(std::span<std::byte> bytes, Index root) const {
     if (rank() == root && size() > 1) sent += static_cast<double>(bytes.size());
     timed([&] { communicator_.broadcast(bytes, root); });

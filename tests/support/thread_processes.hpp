@@ -2,12 +2,15 @@
 /// Processes that train together, played by threads of one process.
 #pragma once
 
+#include <algorithm>
+#include <compare>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <exception>
 #include <map>
 #include <mutex>
+#include <span>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -15,22 +18,33 @@
 
 #include <motionlang/train/communicator.hpp>
 
+/// The way of a message: from a rank to a rank, for one or in a broadcast.
+struct ThreadRoute {
+  motionlang::Index from, to;
+  bool broadcast = false;
+  auto operator<=>(const ThreadRoute&) const = default;
+};
+
 /// The messages on their way.
 class ThreadPost {
  public:
-  void put(motionlang::Index from, motionlang::Index to, std::vector<std::byte> message) {
+  void put(const ThreadRoute& route, std::vector<std::byte> message) {
     const std::scoped_lock lock(mutex_);
-    boxes_[{from, to}].push_back(std::move(message));
+    boxes_[route].push_back(std::move(message));
     changed_.notify_all();
   }
-  std::vector<std::byte> take(motionlang::Index from, motionlang::Index to) {
+  std::vector<std::byte> take(const ThreadRoute& route) {
     std::unique_lock lock(mutex_);
-    auto& box = boxes_[{from, to}];
+    auto& box = boxes_[route];
     changed_.wait(lock, [&] { return closed_ || !box.empty(); });
     if (box.empty()) throw std::runtime_error("another rank has failed");
     auto out = std::move(box.front());
     box.pop_front();
     return out;
+  }
+  bool has(const ThreadRoute& route) {
+    const std::scoped_lock lock(mutex_);
+    return !boxes_[route].empty();
   }
   /// A rank has failed, so that others do not wait for it.
   void close() {
@@ -42,7 +56,7 @@ class ThreadPost {
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::map<std::pair<motionlang::Index, motionlang::Index>, std::deque<std::vector<std::byte>>> boxes_;
+  std::map<ThreadRoute, std::deque<std::vector<std::byte>>> boxes_;
   bool closed_ = false;
 };
 
@@ -54,36 +68,40 @@ class ThreadProcess {
 
   motionlang::Index rank() const { return rank_; }
   motionlang::Index size() const { return size_; }
-  void send(std::span<const std::byte> bytes, motionlang::Index to) const {
-    ++messages_, bytes_ += std::ssize(bytes);
-    post_->put(rank_, to, {bytes.begin(), bytes.end()});
-  }
-  void receive(std::span<std::byte> bytes, motionlang::Index from) const {
-    const auto message = post_->take(from, rank_);
-    if (message.size() != bytes.size())
-      motionlang::raise<motionlang::shape_error>(204, "a message of ", message.size(), " bytes from rank ", from,
-                                                 " where ", bytes.size(), " are wanted");
-    std::copy(message.begin(), message.end(), bytes.begin());
-  }
+  void send(std::span<const std::byte> bytes, motionlang::Index to) const { put(bytes, {rank_, to}); }
+  void receive(std::span<std::byte> bytes, motionlang::Index from) const { take(bytes, {from, rank_}); }
   void exchange(std::span<const std::byte> given, std::span<std::byte> taken, motionlang::Index with) const {
     send(given, with);  // does not wait
     receive(taken, with);
   }
+  bool arrived(motionlang::Index from) const { return post_->has({from, rank_}); }
   void broadcast(std::span<std::byte> bytes, motionlang::Index root) const {
-    if (rank_ != root) return receive(bytes, root);
+    if (rank_ != root) return take(bytes, {root, rank_, true});
     for (motionlang::Index r = 0; r < size_; ++r) {
-      if (r != root) send(bytes, r);
+      if (r != root) put(bytes, {rank_, r, true});
     }
   }
   void barrier() const {
-    for (motionlang::Index r = 1; rank_ == 0 && r < size_; ++r) receive({}, r);
-    if (rank_ > 0) send({}, 0);
+    for (motionlang::Index r = 1; rank_ == 0 && r < size_; ++r) take({}, {r, 0, true});
+    if (rank_ > 0) put({}, {rank_, 0, true});
     broadcast({}, 0);
   }
   motionlang::Index messages() const { return messages_; }
   motionlang::Index bytes() const { return bytes_; }
 
  private:
+  void put(std::span<const std::byte> bytes, const ThreadRoute& route) const {
+    ++messages_, bytes_ += std::ssize(bytes);
+    post_->put(route, {bytes.begin(), bytes.end()});
+  }
+  void take(std::span<std::byte> bytes, const ThreadRoute& route) const {
+    const auto message = post_->take(route);
+    if (message.size() != bytes.size())
+      motionlang::raise<motionlang::shape_error>(204, "a message of ", message.size(), " bytes from rank ", route.from,
+                                                 " where ", bytes.size(), " are wanted");
+    std::copy(message.begin(), message.end(), bytes.begin());
+  }
+
   ThreadPost* post_;
   motionlang::Index rank_, size_;
   mutable motionlang::Index messages_ = 0, bytes_ = 0;

@@ -22,10 +22,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Processes with the numbers (ranks) 0 ... size - 1. Each process has an object of its own.
 ///   send, receive   bytes for one rank, bytes from one rank; either may wait for the other
 ///   exchange        sends bytes to a rank and takes those that it sends, at the same time; both ranks call it
+///   arrived         true if a message of a rank is there, so that receive does not wait. It never waits itself
 ///   broadcast       all have the bytes of `root` afterwards
 ///   barrier         returns once all have called it
 /// Laws    messages between two ranks arrive in their order; receive and exchange throw shape_error 204 for a message
-///         of another size than they ask for; all ranks call broadcast and barrier in one order, with one size and root
+///         of another size than they ask for, which they take and drop, so that its sender does not wait; all ranks
+///         call broadcast and barrier in one order, with one size and root
 /// Errors  an exception in a function that all ranks call leaves the others waiting for messages. A program that does
 ///         not expect it in all ranks must then end all of them: MpiCommunicator::abort
 /// Models  OneProcess, AnyCommunicator, MpiCommunicator
@@ -36,6 +38,7 @@ concept Communicator = requires(const C& c, std::span<const std::byte> given, st
   c.send(given, rank);
   c.receive(taken, rank);
   c.exchange(given, taken, rank);
+  { c.arrived(rank) } -> std::convertible_to<bool>;
   c.broadcast(taken, rank);
   c.barrier();
 };
@@ -47,6 +50,7 @@ struct OneProcess {
   [[noreturn]] static void send(std::span<const std::byte>, Index to) { refuse(to); }
   [[noreturn]] static void receive(std::span<std::byte>, Index from) { refuse(from); }
   [[noreturn]] static void exchange(std::span<const std::byte>, std::span<std::byte>, Index with) { refuse(with); }
+  static bool arrived(Index) { return false; }
   static void broadcast(std::span<std::byte>, Index) {}
   static void barrier() {}
 
@@ -73,6 +77,7 @@ class AnyCommunicator {
   void exchange(std::span<const std::byte> given, std::span<std::byte> taken, Index with) const {
     functions_->exchange(communicator_, given, taken, with);
   }
+  bool arrived(Index from) const { return functions_->arrived(communicator_, from); }
   void broadcast(std::span<std::byte> bytes, Index root) const { functions_->broadcast(communicator_, bytes, root); }
   void barrier() const { functions_->barrier(communicator_); }
 
@@ -81,6 +86,7 @@ class AnyCommunicator {
     void (*send)(const void*, std::span<const std::byte>, Index);
     void (*receive)(const void*, std::span<std::byte>, Index);
     void (*exchange)(const void*, std::span<const std::byte>, std::span<std::byte>, Index);
+    bool (*arrived)(const void*, Index);
     void (*broadcast)(const void*, std::span<std::byte>, Index);
     void (*barrier)(const void*);
   };
@@ -94,6 +100,7 @@ class AnyCommunicator {
       .receive = [](const void* c, std::span<std::byte> bytes, Index from) { of<C>(c).receive(bytes, from); },
       .exchange = [](const void* c, std::span<const std::byte> given, std::span<std::byte> taken,
                      Index with) { of<C>(c).exchange(given, taken, with); },
+      .arrived = [](const void* c, Index from) { return static_cast<bool>(of<C>(c).arrived(from)); },
       .broadcast = [](const void* c, std::span<std::byte> bytes, Index root) { of<C>(c).broadcast(bytes, root); },
       .barrier = [](const void* c) { of<C>(c).barrier(); }};
   static const OneProcess& one_process() {

@@ -8,6 +8,7 @@
 #include <algorithm>  // max, min
 #include <cstdlib>    // getenv, strtol
 #include <span>       // messages
+#include <vector>     // messages of another size
 
 #include <motionlang/train/communicator.hpp>
 
@@ -57,7 +58,8 @@ class MpiCommunicator {
   }
   /// Throws shape_error 204 for a message of another size.
   void receive(std::span<std::byte> bytes, Index from) const {
-    for_pieces(bytes, [&](auto piece, int count) { receive_piece(piece.data(), count, from); });
+    for_pieces(bytes,
+               [&](auto piece, int count) { require_size(receive_piece(piece.data(), count, from), count, from); });
   }
   /// Throws shape_error 204 for a message of another size.
   void exchange(std::span<const std::byte> given, std::span<std::byte> taken, Index with) const {
@@ -71,9 +73,15 @@ class MpiCommunicator {
       const auto in = next(taken);
       MPI_Request sent{};
       MPI_Isend(out.data(), static_cast<int>(out.size()), MPI_BYTE, static_cast<int>(with), 0, MPI_COMM_WORLD, &sent);
-      receive_piece(in.data(), static_cast<int>(in.size()), with);
+      const int came = receive_piece(in.data(), static_cast<int>(in.size()), with);
       MPI_Wait(&sent, MPI_STATUS_IGNORE);
+      require_size(came, static_cast<int>(in.size()), with);
     } while (!given.empty() || !taken.empty());
+  }
+  bool arrived(Index from) const {
+    int there = 0;
+    MPI_Iprobe(static_cast<int>(from), 0, MPI_COMM_WORLD, &there, MPI_STATUS_IGNORE);
+    return there != 0;
   }
   void broadcast(std::span<std::byte> bytes, Index root) const {
     for_pieces(bytes, [&](auto piece, int count) {
@@ -89,16 +97,22 @@ class MpiCommunicator {
   }
 
  private:
-  /// The size is known before the message is taken: MPI itself would end the program for a longer one.
-  static void receive_piece(std::byte* piece, int count, Index from) {
+  /// Takes a message and returns its size. One of another size is taken, too, but not kept: its sender may wait until
+  /// it is taken, and MPI itself would end the program for one that is too long.
+  static int receive_piece(std::byte* piece, int count, Index from) {
     MPI_Status status{};
     int sent = 0;
     MPI_Probe(static_cast<int>(from), 0, MPI_COMM_WORLD, &status);
     MPI_Get_count(&status, MPI_BYTE, &sent);
-    if (sent != count)
-      raise<shape_error>(204, "a message of ", counted(sent, "byte"), " from rank ", from, " where ", count,
+    std::vector<std::byte> other(static_cast<std::size_t>(sent == count ? 0 : sent));
+    MPI_Recv(sent == count ? piece : other.data(), sent, MPI_BYTE, static_cast<int>(from), 0, MPI_COMM_WORLD,
+             MPI_STATUS_IGNORE);
+    return sent;
+  }
+  static void require_size(int sent, int wanted, Index from) {
+    if (sent != wanted)
+      raise<shape_error>(204, "a message of ", counted(sent, "byte"), " from rank ", from, " where ", wanted,
                          " are wanted");
-    MPI_Recv(piece, count, MPI_BYTE, static_cast<int>(from), 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
   }
 
   static constexpr std::size_t longest_piece = std::size_t{1} << 30;  // MPI counts bytes in an int

@@ -5,9 +5,8 @@
 ///     use(generate_motions(*model, own_part, {.progress = progress}));  // in every process
 ///     progress.finish();
 ///
-/// The others send their counts and do not wait. Rank 0 waits, before it reports a step, until each other rank has done
-/// the share of its own work that rank 0 had done before the step. So rank 0 is at most a step ahead of the slowest
-/// one. The last motion of the slowest process is the end of the bar.
+/// The others send their counts and do not wait. With each step of its own, rank 0 reports what has arrived from the
+/// others until then, and does not wait for more. It waits for them at the end only, and reports their last steps.
 #pragma once
 
 #include <vector>  // shares
@@ -29,17 +28,19 @@ class SharedProgress {
   void finish();
 
  private:
-  /// The next share that a rank sends.
-  double received(std::size_t rank);
-  /// A rank has done this share of its work; reported if it is another one than before.
-  void note(std::size_t rank, double share);
-  void report() const;
+  /// Takes the next message of a rank, which it waits for.
+  void receive(std::size_t rank);
+  /// Takes the messages that have arrived.
+  void receive_arrived();
+  /// Calls the caller, unless it knows the counts.
+  void report();
 
   AnyCommunicator all_;
   std::vector<Index> work_;
   Progress caller_;
   std::vector<double> shares_;  // of the work of each rank that is done, as far as rank 0 knows
   std::vector<bool> finished_;
+  Index reported_ = -1;
 };
 
 MOTIONLANG_NAMESPACE_END

@@ -2,9 +2,10 @@
 // Bodies of shared_progress.hpp.
 #pragma once
 
-#include <cmath>    // llround
-#include <cstdint>  // counts
-#include <utility>  // exchange, move
+#include <algorithm>  // max
+#include <cmath>      // llround
+#include <cstdint>    // counts
+#include <utility>    // exchange, move
 
 #include <motionlang/train/shared_progress.hpp>
 
@@ -40,10 +41,8 @@ MOTIONLANG_BODY bool SharedProgress::operator()(Index done, Index total) {
     all_.send(std::as_bytes(std::span(&own, 1)), 0);
     return true;
   }
-  for (std::size_t r = 1; r < shares_.size(); ++r) {
-    while (!finished_[r] && shares_[r] < shares_[0]) shares_[r] = received(r);
-  }
   shares_[0] = static_cast<double>(done) / static_cast<double>(std::max<Index>(1, total));
+  receive_arrived();
   report();
   return true;
 }
@@ -55,29 +54,33 @@ MOTIONLANG_BODY void SharedProgress::finish() {
     all_.send(std::as_bytes(std::span(&end, 1)), 0);
     return;
   }
-  note(0, 1);
+  shares_[0] = 1;
   while (true) {
+    receive_arrived();
+    report();
     std::size_t last = 0;  // the rank that is farthest behind
     for (std::size_t r = 1; r < shares_.size(); ++r) {
       if (!finished_[r] && (last == 0 || shares_[r] < shares_[last])) last = r;
     }
     if (last == 0) break;
-    note(last, received(last));
+    receive(last);
   }
 }
 
-MOTIONLANG_BODY double SharedProgress::received(std::size_t rank) {
+MOTIONLANG_BODY void SharedProgress::receive(std::size_t rank) {
   detail::ProgressCounts counts;
   all_.receive(std::as_writable_bytes(std::span(&counts, 1)), static_cast<Index>(rank));
   finished_[rank] = counts.total == 0;
-  return counts.total == 0 ? 1 : static_cast<double>(counts.done) / static_cast<double>(counts.total);
+  shares_[rank] = counts.total == 0 ? 1 : static_cast<double>(counts.done) / static_cast<double>(counts.total);
 }
 
-MOTIONLANG_BODY void SharedProgress::note(std::size_t rank, double share) {
-  if (std::exchange(shares_[rank], share) != share) report();
+MOTIONLANG_BODY void SharedProgress::receive_arrived() {
+  for (std::size_t r = 1; r < shares_.size(); ++r) {
+    while (!finished_[r] && all_.arrived(static_cast<Index>(r))) receive(r);
+  }
 }
 
-MOTIONLANG_BODY void SharedProgress::report() const {
+MOTIONLANG_BODY void SharedProgress::report() {
   double done = 0;
   Index whole = 0;
   for (std::size_t r = 0; r < shares_.size(); ++r) {
@@ -85,7 +88,8 @@ MOTIONLANG_BODY void SharedProgress::report() const {
     whole += work_[r];
   }
   constexpr Index parts = 1000;
-  if (whole > 0) caller_(static_cast<Index>(std::llround(done * static_cast<double>(parts))), whole * parts);
+  const auto now = static_cast<Index>(std::llround(done * static_cast<double>(parts)));
+  if (whole > 0 && std::exchange(reported_, now) != now) caller_(now, whole * parts);
 }
 
 MOTIONLANG_NAMESPACE_END

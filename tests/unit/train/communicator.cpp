@@ -34,6 +34,23 @@ TEST_CASE("one process has nobody to send to, and answers itself") {
   CHECK_ERROR(alone.send(message, 1), "[motionlang.config.101] OneProcess: there is no rank 1");
   CHECK_ERROR(alone.receive(message, 2), "there is no rank 2");
   CHECK_ERROR(alone.exchange(message, message, 3), "there is no rank 3");
+  CHECK_FALSE(alone.arrived(1));
+}
+
+TEST_CASE("a message has arrived once it is sent, until it is received") {
+  run_processes(2, [&](const ThreadProcess& process) {
+    const ml::AnyCommunicator c(process);
+    std::byte message[3]{};
+    CHECK_FALSE(c.arrived(1 - c.rank()));
+    c.barrier();
+    if (c.rank() == 1) c.send(message, 0);
+    c.barrier();  // behind the message
+    if (c.rank() == 1) return;
+    CHECK(c.arrived(1));
+    CHECK(c.arrived(1));
+    c.receive(message, 1);
+    CHECK_FALSE(c.arrived(1));
+  });
 }
 
 TEST_CASE("all have the text and the answer of the first, and find the first who differs") {
