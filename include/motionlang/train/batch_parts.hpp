@@ -130,6 +130,21 @@ class SumPart {
       : first_(first), last_(last), whole_(how.bf16 ? std::clamp(how.exact, first, last) : last) {}
 
   std::size_t bytes() const { return (whole_ - first_) * sizeof(S) + (last_ - whole_) * sizeof(std::uint16_t); }
+  bool exact() const { return whole_ == last_; }
+  /// The bytes to send: these numbers of the sum themselves if none is rounded, else a message that `room` holds.
+  std::span<const std::byte> given(std::span<const S> sum, std::vector<std::byte>& room) const {
+    if (exact()) return std::as_bytes(own(sum));
+    return room = message(sum);
+  }
+  /// The place where they arrive: the sum itself if none is rounded, else `room`. Then call `store`.
+  std::span<std::byte> place(std::span<S> sum, std::vector<std::byte>& room) const {
+    if (exact()) return std::as_writable_bytes(own(sum));
+    room.resize(bytes());
+    return room;
+  }
+  void store(std::span<S> sum, std::span<const std::byte> room) const {
+    if (!exact()) read(room, [&](std::size_t i, S number) { sum[i] = number; });
+  }
   std::vector<std::byte> message(std::span<const S> sum) const {
     std::vector<std::byte> out(bytes());
     std::byte* at = out.data();
@@ -163,6 +178,11 @@ class SumPart {
   }
 
  private:
+  template <class T>
+  std::span<T> own(std::span<T> sum) const {
+    return sum.subspan(first_, last_ - first_);
+  }
+
   std::size_t first_, last_, whole_;
 };
 
@@ -182,14 +202,14 @@ struct PartSums {
     if (middle >= parts) return sum;
     std::vector<S> other = (*this)(middle, width / 2);
     const Index from = rank_of_part(middle, parts, communicator.size());
-    if (here == from && from != to) communicator.send(SumPart<S>(how, 0, other.size()).message(other), to);
+    std::vector<std::byte> room;
+    if (here == from && from != to) communicator.send(SumPart<S>(how, 0, other.size()).given(other, room), to);
     if (here != to) return {};
     if (from != to) {
       const SumPart<S> part(how, 0, sum.size());
-      std::vector<std::byte> message(part.bytes());
-      communicator.receive(message, from);
       other.resize(sum.size());
-      part.read(message, [&](std::size_t i, S number) { other[i] = number; });
+      communicator.receive(part.place(other, room), from);
+      part.store(other, room);
     }
     if (other.size() != sum.size())
       raise<shape_error>(204, "sum_of_parts: ", sum.size(), " values beside ", other.size());
@@ -210,11 +230,11 @@ void sum_of_first(const AnyCommunicator& c, std::vector<S>& sum, const SumMessag
   c.broadcast(std::as_writable_bytes(std::span(sizes)), 0);
   const auto size = static_cast<std::size_t>(sizes[0]);
   const SumPart<S> whole({.bf16 = how.bf16, .exact = static_cast<std::size_t>(sizes[1])}, 0, size);
-  std::vector<std::byte> message(whole.bytes());
-  if (c.rank() == 0) message = whole.message(sum);
-  c.broadcast(message, 0);
   sum.resize(size);
-  whole.read(message, [&](std::size_t i, S number) { sum[i] = number; });
+  std::vector<std::byte> room;
+  if (c.rank() == 0) whole.given(sum, room);
+  c.broadcast(whole.place(sum, room), 0);
+  whole.store(sum, room);
 }
 
 /// Adds the sums of all ranks, whose number is a power of two. In round d = 1, 2, 4, ... the ranks r and r ^ d have the
@@ -232,8 +252,8 @@ void add_halves(const AnyCommunicator& c, std::vector<S>& sum, const SumMessages
     own.last = middle;
     if ((c.rank() & d) != 0) std::swap(own, other);
     const SumPart<S> given(how, other.first, other.last), taken(how, own.first, own.last);
-    std::vector<std::byte> message(taken.bytes());
-    c.exchange(given.message(sum), message, c.rank() ^ d);
+    std::vector<std::byte> room, message(taken.bytes());
+    c.exchange(given.given(sum, room), message, c.rank() ^ d);
     taken.read(message, [&](std::size_t i, S number) { sum[i] += number; });
     others.push_back(other);
   }
@@ -242,9 +262,9 @@ void add_halves(const AnyCommunicator& c, std::vector<S>& sum, const SumMessages
     const Block other = others.back();
     others.pop_back();
     const SumPart<S> given(how, own.first, own.last), taken(how, other.first, other.last);
-    std::vector<std::byte> message(taken.bytes());
-    c.exchange(given.message(sum), message, c.rank() ^ d);
-    taken.read(message, [&](std::size_t i, S number) { sum[i] = number; });
+    std::vector<std::byte> out, in;
+    c.exchange(given.given(sum, out), taken.place(sum, in), c.rank() ^ d);
+    taken.store(sum, in);
     own = {std::min(own.first, other.first), std::max(own.last, other.last)};
   }
 }
