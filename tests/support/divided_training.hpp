@@ -54,17 +54,28 @@ Config tiny_with_texts(Config c) {
 }
 
 /// Every term of the loss, and every gradient, of a batch is the sum over its parts.
+/// update  of a step that has several
 template <class Task>
-void check_parts(Task task) {
+void check_parts(Task task, Index update = 0) {
   for (const Index step : {0, 1}) {
     const auto rng = ml::Philox{.seed = 11}.split(static_cast<std::uint64_t>(step));
     const auto parameters = task.parameters();
-    const auto whole = task.loss(rng, step, {});
+    const auto whole = [&] {
+      if constexpr (ml::SeveralUpdatesTask<Task>)
+        return task.part_loss(rng, step, {0, task.samples(step)}, {}, update);
+      else
+        return task.loss(rng, step, {});
+    }();
     std::vector<float> expected;
     ml::append_gradients<A>(expected, parameters, ml::backward(whole.total()));
     const ml::AnyCommunicator alone;
-    ml::detail::StepParts<Task> parts{
-        .task = task, .communicator = alone, .rng = rng, .step = step, .micro_batch = 2, .recompute = false};
+    ml::detail::StepParts<Task> parts{.task = task,
+                                      .communicator = alone,
+                                      .rng = rng,
+                                      .step = step,
+                                      .micro_batch = 2,
+                                      .recompute = false,
+                                      .update = update};
     parts.dropout.reset();
     if (step == 0) REQUIRE(parts.parts > 1);
     const std::vector<float> sum = parts.sum();

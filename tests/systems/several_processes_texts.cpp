@@ -222,6 +222,29 @@ TEST_CASE("TM2T: from motions to texts, and from texts to motions") {
     check_parts(make());
     check_processes(make);
   }
+  {  // two updates in a step, from the second epoch on
+    config.text_to_motion.alignment = true, config.text_to_motion.alignment_from = 1;
+    config.motion_to_text.tokens = true, config.motion_to_text.dropout = 0;
+    tokens.model.m2t_transformer = ml::Seq2SeqTransformer<B>(
+        ml::describer_sizes(config.motion_to_text, tokens.model.vocabulary(), tokens.words, data.width), rng);
+    const auto make = [&] { return ml::Tm2tWriterTraining<A>(config, data, tokens); };
+    CHECK((make().updates(1) == 1 && make().updates(2) == 2));
+    check_processes(make);
+    // One part with the whole batch makes both updates of an undivided step, with the same bits.
+    const TemporaryFolder folder;
+    const auto losses = [&](const char* out, Index micro_batch) {
+      trained(make, folder / out, 1, micro_batch);
+      return ml::SafetensorsFile::open(folder / out / "checkpoint.safetensors");
+    };
+    const auto whole = losses("whole", 0), part = losses("part", 5);
+    for (const ml::TensorView& t : whole.tensors())
+      CHECK_MESSAGE(ml::values_of<float>(part.tensor(t.name)) == ml::values_of<float>(t), t.name);
+    CHECK(part.metadata().at("training.terms") == whole.metadata().at("training.terms"));
+    // The terms of each update are sums over the parts.
+    config.text_to_motion.alignment_from = 0;
+    for (const Index update : {0, 1}) check_parts(make(), update);
+    config.text_to_motion.alignment = false;
+  }
   config.text_to_motion.network = "transformer";
   check_parts(ml::Tm2tTransformerTraining<A>(config, data, tokens));
 }

@@ -220,6 +220,7 @@ struct GumbelOptions {
   Index begin = 1024, end = 1025;
   Index max_steps = 55, top_k = 0;
   double tau = 1;
+  Index longest = 0;  // pads the words as if the longest text had this many; 0: does not
 };
 
 /// g = -log(-log u) for uniform values u: the arg max of logits + g is distributed by their softmax. (rows, symbols)
@@ -233,6 +234,23 @@ Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
   return Tensor<B, 2>::from(g, {rows, symbols});
 }
 
+/// The numbers that gumbel_noise draws for a batch in one step after the other. A part of the batch needs some rows.
+struct GumbelNoise {
+  Philox rng;
+  Index sequences = 0, symbols = 0;  // of the batch, of a row
+
+  template <Backend B>
+  Tensor<B, 2> rows(Index step, Index first, Index count) const {
+    constexpr Index block = 4;  // numbers that Philox draws at once
+    const Index of_step = (sequences * symbols + block - 1) / block, before = first * symbols;
+    Philox own = rng;
+    own.position += static_cast<std::uint64_t>(step * of_step + before / block);
+    const Index skipped = before % block;
+    const auto drawn = gumbel_noise<B>(1, skipped + count * symbols, own);
+    return reshape<2>(slice(drawn, 1, skipped, skipped + count * symbols), {count, symbols});
+  }
+};
+
 ///     y = softmax((logits + g) / tau),   row = onehot(arg max y) - sg(y) + y
 /// The next token is the arg max, and no gradient flows through that choice. Start and end marks are never written. A
 /// sequence ends if the end is the most probable symbol, and continues until the last one has ended.
@@ -244,7 +262,7 @@ template <Backend B, class Noise>
 GumbelSample<B> gumbel_sample(const Seq2SeqGru<B>& m, const Sequences<B>& words, const GumbelOptions& o,
                               Noise&& noise) {
   const Index n = words.count(), symbols = m.motion_decoder_step.input_emb.weight.size(0);
-  auto state = m.start(words);
+  auto state = m.start(words, o.longest);
   std::vector<Index> previous(static_cast<std::size_t>(n), o.begin);
   GumbelSample<B> out{{}, std::vector<Index>(previous.size(), o.max_steps)};
   std::vector<Tensor<B, 2>> steps{one_hot<B>(previous, symbols)};

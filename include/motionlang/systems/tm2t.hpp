@@ -9,6 +9,8 @@
 ///         motions and texts" (ECCV 2022), section 3
 #pragma once
 
+#include <concepts>  // noise
+
 #include <motionlang/datasets/tm2t_data.hpp>
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/loss/cross_entropy.hpp>
@@ -224,21 +226,28 @@ struct Tm2t {
 /// "Inverse alignment": the motion that the recurrent model writes for a text must be described by that text again.
 /// Returns the loss of the description. Its gradient reaches the recurrent model through a Gumbel sample; the model
 /// from motion to text must not change.
-///    text: word vectors; described: ids of the words with their marks
+///    text: word vectors; described: ids of the words with their marks; noise(step): as for gumbel_sample
 /// Source   TM2T, section 3.3: the second sum of TM2T eq. 7; TM2T networks/trainers.py Seq2SeqT2MJointTrainer
 ///          forward_cycle
 /// Differs  from TM2T eq. 7, which adds both sums. As published, this is a separate step after that of the tokens (the
 ///          first sum, `next_symbol_loss`). Each step clips its gradients at norm 0.5
+template <AutodiffBackend A, class Noise>
+requires std::invocable<const Noise&, Index> Tensor<A, 0> inverse_alignment_loss(
+    const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t, const Sequences<A>& text, const IdSequences& described,
+    const GumbelOptions& options, const Noise& noise, const Context& context = {}) {
+  const auto sample = gumbel_sample(t2m, text, options, noise);
+  const auto memory = m2t.encode_shares(sample.rows(), context);
+  // The second sum of TM2T eq. 7.
+  return next_symbol_loss(m2t.logits(described.without_ends(0, 1), memory, context), described);
+}
+/// The same with noise that a generator draws.
 template <AutodiffBackend A>
 Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t,
                                     const Sequences<A>& text, const IdSequences& described,
                                     const GumbelOptions& options, Philox& rng, const Context& context = {}) {
   const Index symbols = t2m.motion_decoder_step.input_emb.weight.size(0);
-  const auto sample =
-      gumbel_sample(t2m, text, options, [&](Index) { return gumbel_noise<A>(text.count(), symbols, rng); });
-  const auto memory = m2t.encode_shares(sample.rows(), context);
-  // The second sum of TM2T eq. 7.
-  return next_symbol_loss(m2t.logits(described.without_ends(0, 1), memory, context), described);
+  return inverse_alignment_loss(
+      t2m, m2t, text, described, options, [&](Index) { return gumbel_noise<A>(text.count(), symbols, rng); }, context);
 }
 
 MOTIONLANG_NAMESPACE_END

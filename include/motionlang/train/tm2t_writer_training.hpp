@@ -29,18 +29,13 @@ class Tm2tWriterTraining : public TokenTask<Seq2SeqGru<A>, Seq2SeqGru<typename A
   /// For inverse alignment, `tokens` holds the transformer from motions to texts.
   Tm2tWriterTraining(const Tm2tTrainingConfig& config, const DescribedMotions& data, const TokenizedData<B>& tokens);
 
-  /// As published, a step has two updates. The first, made here, uses the true tokens. The second uses the describer's
-  /// loss on the tokens that the writer predicts. The terms are those of both; the gradient is that of the second. The
-  /// describer has dropout and is not trained.
-  LossTerms<A> loss(const Philox& rng, Index step, const Context& context) {
-    return part_loss(rng, step, {0, this->samples(step)}, context);
-  }
-  LossTerms<A> part_loss(const Philox& rng, Index step, const BatchPart& part, const Context& context);
-  /// Throws option_error 102 with inverse alignment.
-  void require_parts() const {
-    if (describer_)
-      raise<option_error>(102, "text_to_motion.alignment makes two updates in a step, so there is no `micro_batch`");
-  }
+  /// As published, a step has two updates. The first uses the true tokens. The second uses the describer's loss on the
+  /// tokens that the writer predicts with the weights of the first. The describer has dropout and is not trained.
+  Index updates(Index step) const { return step < first_alignment() ? 1 : 2; }
+  /// Makes the first of two updates. The terms are those of both; the gradient is that of the last.
+  LossTerms<A> loss(const Philox& rng, Index step, const Context& context);
+  LossTerms<A> part_loss(const Philox& rng, Index step, const BatchPart& part, const Context& context,
+                         Index update = 0);
   /// The model reads its own output.
   std::vector<Measure> validate() {
     return this->measured("loss of a token", [&](const TokenizedBatch& b) {
@@ -90,27 +85,37 @@ Tm2tWriterTraining<A>::Tm2tWriterTraining(const Tm2tTrainingConfig& config, cons
 }
 
 template <AutodiffBackend A>
+LossTerms<A> Tm2tWriterTraining<A>::loss(const Philox& rng, Index step, const Context& context) {
+  const BatchPart all{0, this->samples(step)};
+  LossTerms<A> out = part_loss(rng, step, all, context);
+  if (updates(step) == 1) return out;
+  this->update(backward(out.total()), step);
+  for (auto& term : out.terms) term.value = Tensor<A, 0>(static_cast<double>(term.value.item()));
+  out.append(part_loss(rng, step, all, context, 1));
+  return out;
+}
+
+template <AutodiffBackend A>
 LossTerms<A> Tm2tWriterTraining<A>::part_loss(const Philox& rng, Index step, const BatchPart& part,
-                                              const Context& context) {
+                                              const Context& context, Index update) {
   const auto& c = config_.text_to_motion;
   const auto b = this->batch(rng, step, part);
-  const TeacherForcing forcing{c.forced_first, c.forced_last, c.forced_epochs};
-  const bool forced = rng.split("forced").uniform() < forcing(step / batches_.per_epoch());
   const auto words = vectors_of<A>(b.words);
-  const auto tokens =
-      next_symbol_loss(learner_.model.logits(words, b.tokens.without_ends(0, 1), forced, b.longest), b.tokens);
+  const MotionVocabulary vocabulary = tokens_->model.vocabulary();
   LossTerms<A> out;
-  if (step < first_alignment()) {
-    out.add("tokens", 1, tokens);
+  if (update == 0) {
+    const TeacherForcing forcing{c.forced_first, c.forced_last, c.forced_epochs};
+    const bool forced = rng.split("forced").uniform() < forcing(step / batches_.per_epoch());
+    const auto logits = learner_.model.logits(words, b.tokens.without_ends(0, 1), forced, b.longest);
+    out.add("tokens", 1, next_symbol_loss(logits, b.tokens));
     return out;
   }
-  out.add("tokens", 1, Tensor<A, 0>(static_cast<double>(tokens.item())));
-  this->update(backward(tokens), step);
-  auto noise = rng.split("noise");
-  const MotionVocabulary vocabulary = tokens_->model.vocabulary();
+  const GumbelNoise noise{rng.split("noise"), this->samples(step), vocabulary.size()};
   out.add("words", 1,
-          inverse_alignment_loss(learner_.model, *describer_, words, b.words,
-                                 {.begin = vocabulary.begin(), .end = vocabulary.end()}, noise, context));
+          inverse_alignment_loss(
+              learner_.model, *describer_, words, b.words,
+              {.begin = vocabulary.begin(), .end = vocabulary.end(), .longest = b.longest},
+              [&](Index t) { return noise.template rows<A>(t, part.first, part.count()); }, context));
   return out;
 }
 

@@ -81,6 +81,18 @@ concept DividedTask = TrainingTask<T> &&
   { task.part_loss(rng, step, part, context) } -> std::same_as<LossTerms<typename T::A>>;
   { task.parameters() } -> std::same_as<std::vector<ModuleTensor<typename T::A>>>;
 };
+/// Trainings that make several updates in a step, each with a loss of its own by the weights that the one before has
+/// changed. `loss` makes all but the last one itself.
+///   updates    the number in a step
+///   part_loss  the terms of some samples for one of these updates
+/// Laws    those of DividedTask, for each update
+/// Models  Tm2tWriterTraining
+template <class T>
+concept SeveralUpdatesTask = DividedTask<T> && requires(T& task, const T& same, Philox rng, const Context& context,
+                                                        const BatchPart& part, Index step, Index update) {
+  { same.updates(step) } -> std::convertible_to<Index>;
+  { task.part_loss(rng, step, part, context, update) } -> std::same_as<LossTerms<typename T::A>>;
+};
 /// Trainings whose loss compares all samples of a batch (train/compared_parts.hpp).
 ///   compared_part  the terms of some samples, and their rows that the others see
 ///   compared_loss  the terms of the rows of all parts
@@ -297,6 +309,7 @@ struct StepParts {
   const Philox& rng;
   Index step, micro_batch;
   bool recompute;
+  Index update = 0;        // of the step
   SumMessages messages{};  // of the gradients
   Index samples = task.samples(step), parts = part_count(samples, micro_batch);
   std::vector<ModuleTensor<A>> parameters = task.parameters();
@@ -321,9 +334,15 @@ struct StepParts {
     messages.exact = out.size() + static_cast<std::size_t>(reached);
     return out;
   }
+  LossTerms<A> loss_of(Index i) {
+    if constexpr (SeveralUpdatesTask<Task>)
+      return task.part_loss(rng, step, part(i), context(i), update);
+    else
+      return task.part_loss(rng, step, part(i), context(i));
+  }
   std::vector<Number> sum() requires DividedTask<Task> {
     const auto of_part = [&](Index i) {
-      const LossTerms<A> terms = task.part_loss(rng, step, part(i), context(i));
+      const LossTerms<A> terms = loss_of(i);
       auto out = heads(terms);
       append_gradients<A>(out, parameters, backward(terms.total()));
       return out;
@@ -365,21 +384,33 @@ template <TrainingTask Task>
 double Trainer<Task>::divided_step(const Philox& rng, Index k) {
   if constexpr (divisible) {
     using A = typename Task::A;
-    detail::StepParts<Task> parts{.task = task_,
-                                  .communicator = communicator_,
-                                  .rng = rng,
-                                  .step = k,
-                                  .micro_batch = micro_batch_,
-                                  .recompute = recompute_,
-                                  .messages = {.bf16 = wire_ == GradientWire::bf16}};
-    const auto sum = parts.sum();
-    // A rank without parts does not know the terms.
-    const auto names = lines_of_first(communicator_, parts.names);
-    const std::size_t heads = 1 + names.size();
-    const auto value = static_cast<double>(sum.front());
-    require_finite(value, k);
-    task_.update(listed_gradients<A>(std::span<const Number>(sum).subspan(heads), parts.parameters), k);
-    return keep_loss(value, names, std::vector<float>(sum.begin() + 1, sum.begin() + static_cast<Index>(heads)));
+    double value = 0;
+    std::vector<std::string> names;
+    std::vector<float> values;
+    Index updates = 1;
+    if constexpr (SeveralUpdatesTask<Task>) updates = task_.updates(k);
+    for (Index update = 0; update < updates; ++update) {
+      detail::StepParts<Task> parts{.task = task_,
+                                    .communicator = communicator_,
+                                    .rng = rng,
+                                    .step = k,
+                                    .micro_batch = micro_batch_,
+                                    .recompute = recompute_,
+                                    .update = update,
+                                    .messages = {.bf16 = wire_ == GradientWire::bf16}};
+      const auto sum = parts.sum();
+      // A rank without parts does not know the terms.
+      const auto own = lines_of_first(communicator_, parts.names);
+      const auto heads = static_cast<Index>(1 + own.size());
+      value += static_cast<double>(sum.front());
+      require_finite(value, k);
+      task_.update(
+          listed_gradients<A>(std::span<const Number>(sum).subspan(static_cast<std::size_t>(heads)), parts.parameters),
+          k);
+      names.insert(names.end(), own.begin(), own.end());
+      values.insert(values.end(), sum.begin() + 1, sum.begin() + heads);
+    }
+    return keep_loss(value, names, values);
   } else {
     return 0;  // `divide` has refused it
   }

@@ -219,6 +219,24 @@ TEST_CASE("recurrent model: forced by its own choices it says what it says free;
   CHECK_ERROR(m.logits(words, IdSequences::from({{6}}), true), "[motionlang.shape.204]");
 }
 
+TEST_CASE("Gumbel noise of a part of a batch: the rows that the whole batch draws, in each step") {
+  for (const Index symbols : {5, 8}) {
+    ml::Philox rng{.seed = 6};
+    const ml::GumbelNoise noise{rng, 3, symbols};
+    for (Index step = 0; step < 3; ++step) {
+      const auto whole = ml::gumbel_noise<B>(3, symbols, rng).to_vector();
+      for (Index first = 0; first < 3; ++first) {
+        for (Index count = 1; first + count <= 3; ++count) {
+          const std::vector<double> rows(whole.begin() + first * symbols, whole.begin() + (first + count) * symbols);
+          const auto part = noise.rows<B>(step, first, count);
+          CHECK(part.shape() == ml::Shape{count, symbols});
+          CHECK(std::vector<double>(part.span().begin(), part.span().end()) == rows);
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE("gumbel_sample: rows are one-hot, no marks but the first, gradients reach the model") {
   const auto m = ml::convert<A>(small_gru());
   const ml::Sequences<A> words(normal<A, 2>({5, 4}, 4), Offsets{3, 2});
