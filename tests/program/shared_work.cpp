@@ -4,31 +4,14 @@
 
 #include <motionlang/backend/eigen.hpp>
 
+#include "../support/official_folders.hpp"
 #include "../support/small_model.hpp"
+#include "mpirun.hpp"
 #include "training_clips.hpp"
 
 namespace {
 
-struct Shared : Clips {
-  /// A command line of motionlang under so many processes, 0: without mpirun. The variables make Open MPI accept the
-  /// user root, and more processes than processors.
-  Outcome call(int processes, const std::string& arguments) const {
-    const std::string mpirun = processes == 0 ? "" : MOTIONLANG_MPIRUN " -n " + std::to_string(processes) + " ";
-    return run({"-c",
-                "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
-                "OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe\n" +
-                    mpirun + MOTIONLANG_TRAINED_PROGRAM " " + arguments},
-               path);
-  }
-  /// Its standard output.
-  std::string printed(int processes, const std::string& arguments) const {
-    const Outcome o = call(processes, arguments + " > printed.txt");
-    CAPTURE(arguments);
-    CAPTURE(processes);
-    REQUIRE_MESSAGE(o.code == 0, o.text);
-    return ml::read_file(*this / "printed.txt");
-  }
-};
+using Shared = UnderMpirun<Clips>;
 
 }  // namespace
 
@@ -111,6 +94,24 @@ TEST_CASE("several processes generate: the files and the output of one process, 
   CHECK_MESSAGE(contains(record.text, "[motionlang.config.102] --record is a file of all timelines"), record.text);
 }
 
+TEST_CASE("a list whose motions depend on each other is refused, and no process waits") {
+  const Shared w;
+  const auto sizes = official::small();
+  official::write_stmc_run(w / "stmc", sizes);  // published MDM-SMPL: texts are padded to the longest one
+  official::write_clip(w / "clip", sizes);
+  ml::write_file(w / "list.txt", std::string_view("walk # 0 # 1\n\nwalk # 0 # 1\n"));
+  const std::string generate = "generate --model stmc --steps 2 --threads 1 --timeline list.txt";
+  CHECK(w.call(0, generate + " --out alone").code == 0);
+  for (const int processes : {2, 3}) {
+    const Outcome refused = w.call(processes, generate + " --out out");
+    CHECK(refused.code == 2);
+    CHECK_MESSAGE(contains(refused.text, "[motionlang.config.102] a motion of this model depends on the other"),
+                  refused.text);
+    CHECK_FALSE(std::filesystem::exists(w / "out/list.html"));
+  }
+  CHECK(w.call(2, "generate --model stmc --steps 2 --threads 1 --text walk").code == 0);  // one motion has no others
+}
+
 TEST_CASE("several processes evaluate: the table of one process") {
   const Shared w;
   const auto trained = [&](const std::string& command, const std::string& out, std::vector<std::string> more = {}) {
@@ -131,22 +132,11 @@ TEST_CASE("several processes evaluate: the table of one process") {
   trained("train-actor", "actor", actor);
   trained("train-classifier", "classifier", {"hidden_size=8", "clips.num_frames=12"});
   trained("train-temos", "temos", temos);
-  // Without the last line, which is the time.
-  const auto table = [&](int processes, const std::string& arguments) {
-    const std::string all = w.printed(processes, "evaluate " + arguments + " --threads 1 --part training");
-    return all.substr(0, all.rfind('\n', all.size() - 2));
-  };
   const std::string of_actor = "actor/model --data . --labels labels.tsv --classifier classifier/model --seeds 3";
   for (const std::string& arguments : {of_actor, of_actor + " --durations 8,12",
                                        std::string("temos/model --data . --captions captions.tsv --samples 3")}) {
-    CAPTURE(arguments);
-    const std::string alone = table(0, arguments);
-    CHECK(alone.size() > 100);
-    for (const int processes : {2, 4}) CHECK(table(processes, arguments) == alone);
+    CHECK(w.same_table({2, 4}, arguments + " --part training").size() > 100);
   }
-  const Outcome refused = w.call(2, "evaluate classifier/model --data . --labels labels.tsv");
-  CHECK(refused.code == 2);
-  CHECK_MESSAGE(contains(refused.text, "evaluate of classifier runs in one process, not in 2"), refused.text);
 }
 
 TEST_CASE("several processes evaluate STMC: the tables of one process") {
@@ -156,13 +146,8 @@ TEST_CASE("several processes evaluate STMC: the tables of one process") {
   ml::write_file(w / "texts.txt",
                  std::string_view("walk forward # legs\nraise both arms # left arm # right arm\nturn # legs\n"
                                   "wave # right arm\n"));
-  const std::string evaluate =
-      "evaluate model.safetensors --texts texts.txt --first 5 --steps 2 --batch 2 --modes stmc,sinc --threads 1";
-  const auto table = [&](int processes) {
-    const std::string all = w.printed(processes, evaluate);
-    return all.substr(0, all.rfind('\n', all.size() - 2));
-  };
-  const std::string alone = table(0);
-  CHECK(contains(alone, "SINC without lerp"));
-  for (const int processes : {2, 3}) CHECK(table(processes) == alone);
+  CHECK(contains(w.same_table({2, 3},
+                              "model.safetensors --texts texts.txt --first 5 --steps 2 --batch 2 "
+                              "--modes stmc,sinc"),
+                 "SINC without lerp"));
 }

@@ -2,32 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/file/id_list.hpp>
 #include <motionlang/weights/guo_evaluator_file.hpp>
 
-#include "training_clips.hpp"
-
-namespace {
-
-constexpr const char* ways[] = {"slowly", "quickly", "left", "right", "forward", "backward"};
-
-/// Six walks that differ by speed and turn, and their texts by a word, in the form of HumanML3D.
-void write_walks(const std::string& set) {
-  std::vector<std::string> ids;
-  for (int i = 0; i < 6; ++i) {
-    const std::string id = "00000" + std::to_string(i);
-    add_walk(set, id, 60, "guoh3d", ml::humanml3d_form,
-             {.steps_per_second = 0.8 + 0.3 * (i % 3), .turn = i < 3 ? 0.9 : -0.9});
-    auto clip = ml::HumanMl3dFolder(set).load(id);
-    clip.captions.at(0).text = std::string("a person walks ") + ways[i];
-    clip.captions.at(0).words = {{"person", "NOUN"}, {"walk", "VERB"}, {ways[i], "ADV"}};
-    ml::write_humanml3d_clip(set, clip);
-    ids.push_back(id);
-  }
-  for (const char* list : {"train", "val", "test"}) ml::write_ids(set + "/" + list + ".txt", ids);
-}
-
-}  // namespace
+#include "described_walks.hpp"
 
 TEST_CASE("train-evaluator: both stages learn and go on with the same numbers; the networks judge, and retrieve") {
   const TemporaryFolder place;

@@ -69,10 +69,6 @@ void run(const EvaluationOptions& o) {
     ml::raise<ml::config_error>(103, o.model.string(), ": a model of '", system,
                                 "'; evaluate measures stmc, mdm, motiondiffuse, tmr, temos, actor, sinc, teach and "
                                 "tm2t, also as published, and classifier");
-  if (!by_guo && (system == "sinc" || system == "teach" || system == "classifier"))
-    require_one_process("evaluate of " + system);
-  if (o.moments > 0 || (system == "tmr" && !o.babel.empty())) require_one_process("evaluate of moments");
-  if (!o.strips.empty()) require_one_process("evaluate --strips");
   if (by_guo)
     evaluate_by_guo(o);
   else

@@ -76,7 +76,7 @@ void evaluate_actor(const EvaluationOptions& o) {
   const auto results = ml::recognition_results(model, who, part, how, bar);
   bar.finish();
   print(ml::recognition_table(results));
-  if (o.strips.empty()) return;
+  if (o.strips.empty() || processes().rank() > 0) return;
   std::set<std::string> taken;
   for (const ml::Motion& motion : ml::action_examples(model, o.count, o.seed))
     write_motion(o.strips / (unique_name(safe_file_name(motion.name), taken) + ".svg"), motion);
@@ -85,7 +85,7 @@ void evaluate_actor(const EvaluationOptions& o) {
 void evaluate_classifier(const EvaluationOptions& o) {
   const ml::ActionJudge<B> who(o.model);
   const Measured measured(o, who.file.config.data, who.file.config.clips, who.file.labels);
-  const auto accuracies = ml::recorded_accuracies(who, *measured.part, o.seeds, o.seed);
+  const auto accuracies = ml::recorded_accuracies(who, *measured.part, o.seeds, o.seed, processes());
   std::printf("  accuracy %%  %s\n", ml::recognition_cell("accuracy_gt", accuracies).c_str());
 }
 

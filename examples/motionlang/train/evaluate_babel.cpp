@@ -13,6 +13,7 @@
 #include "../usage_error.hpp"
 #include "evaluate.hpp"
 #include "film_strips.hpp"
+#include "processes.hpp"
 
 namespace program {
 
@@ -60,9 +61,13 @@ void print(const ml::LabelSentences& sentences) {
               ml::join_labels(std::vector<std::string>{"walk", "wave"}, sentences.conjunction()).c_str(), verbs);
 }
 
-/// Film strips of generated and of recorded motions.
-auto shown_in(FilmStrips& strips) {
-  return [&strips](const std::string& text, const ml::SmplVelpMotion<float>& made, const ml::DescribedMotion& truth) {
+/// Film strips of generated and of recorded motions, if they are wanted.
+template <class Measures>
+void show_in(FilmStrips& strips, Measures& how) {
+  if (!strips.wanted()) return;
+  how.shows = [&strips](const std::string& text) { return strips.shows(text); };
+  how.made = [&strips](const std::string& text, const ml::SmplVelpMotion<float>& made,
+                       const ml::DescribedMotion& truth) {
     strips.add(
         text, [&] { return ml::motion_of_smplvelp(made, ml::babel_fps); },
         [&] {
@@ -109,15 +114,15 @@ void evaluate_sinc(const EvaluationOptions& o) {
   print(joints);
 
   ProgressBar bar("generating");
-  const auto errors = ml::sinc_errors(model, items,
-                                      {.joints = joints,
-                                       .sentences = sentences,
-                                       .parts = parts ? &*parts : nullptr,
-                                       .likeness = likeness ? &*likeness : nullptr,
-                                       .made = shown_in(strips),
-                                       .samples = o.samples,
-                                       .seed = o.seed},
-                                      bar);
+  ml::SincMeasures<B> how{.joints = joints,
+                          .sentences = sentences,
+                          .parts = parts ? &*parts : nullptr,
+                          .likeness = likeness ? &*likeness : nullptr,
+                          .samples = o.samples,
+                          .seed = o.seed,
+                          .communicator = processes()};
+  show_in(strips, how);
+  const auto errors = ml::sinc_errors(model, items, how, bar);
   bar.finish();
   print(ml::errors_table(errors));
   if (likeness) {
@@ -150,15 +155,15 @@ void evaluate_teach(const EvaluationOptions& o) {
   print(joints);
 
   ProgressBar bar("generating");
-  const auto figures = ml::teach_figures(model, items,
-                                         {.joints = joints,
-                                          .baselines = std::move(baselines),
-                                          .made = shown_in(strips),
-                                          .samples = o.samples,
-                                          .window = o.slerp_window,
-                                          .alignment = o.alignment,
-                                          .seed = o.seed},
-                                         bar);
+  ml::TeachMeasures<B> how{.joints = joints,
+                           .baselines = std::move(baselines),
+                           .samples = o.samples,
+                           .window = o.slerp_window,
+                           .alignment = o.alignment,
+                           .seed = o.seed,
+                           .communicator = processes()};
+  show_in(strips, how);
+  const auto figures = ml::teach_figures(model, items, how, bar);
   bar.finish();
   print(ml::errors_table(figures.errors));
   std::printf("\n  transition distance (m), nothing interpolated\n");

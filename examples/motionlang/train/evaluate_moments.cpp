@@ -10,6 +10,7 @@
 #include "../search/search_model.hpp"
 #include "../usage_error.hpp"
 #include "evaluate.hpp"
+#include "processes.hpp"
 #include "training_command.hpp"
 
 namespace program {
@@ -32,7 +33,8 @@ void evaluate_babel_moments(const EvaluationOptions& o, const ml::TextMotionFile
       ml::sequence_moment_figures(model, sequences,
                                   {.windows = o.windows.empty() ? std::vector<double>{1, 2, 3} : o.windows,
                                    .stride = o.stride > 0 ? o.stride : 1 / file.fps,
-                                   .seed = o.seed},
+                                   .seed = o.seed,
+                                   .communicator = processes()},
                                   bar);
   bar.finish();
   std::printf("%s in %s of BABEL; %% found with intersection over union from\n%s",
@@ -54,7 +56,8 @@ void evaluate_moments(const EvaluationOptions& o) {
   if (part.empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
 
   ProgressBar bar("looking for moments");
-  ml::MomentEvaluationOptions options{.motions = o.moments, .joined = o.joined, .seed = o.seed};
+  ml::MomentEvaluationOptions options{
+      .motions = o.moments, .joined = o.joined, .seed = o.seed, .communicator = processes()};
   if (!o.windows.empty()) options.windows = o.windows;
   if (o.stride > 0) options.stride = o.stride;
   const auto figures = ml::moment_figures(model, data.width, part, options, bar);

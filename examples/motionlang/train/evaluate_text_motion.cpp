@@ -172,23 +172,24 @@ void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, c
   }
   ProgressBar bar("generating");
   std::string best;  // by the number of samples
-  auto errors = ml::temos_errors<B>(
-      model.system, model.motion_normalizer, features, m.data, *m.part,
-      {.tokens = [&](std::span<const std::string> texts) { return model.tokens(texts, m.token_cache()); },
-       .made =
-           [&](const std::string& text, std::span<const float> mean, std::span<const float> recorded) {
-             strips.add(
-                 text, [&] { return ml::motion_of_features(features, mean, file.fps); },
-                 [&] { return ml::motion_of_features(features, recorded, file.fps); });
-           },
-       .sampled = [&](const ml::SampledErrors& e) { best = ml::best_of_table(e); },
-       .samples = o.samples,
-       .seed = o.seed,
-       .joints = joints,
-       .rate = rate,
-       .recorded = at_rate,
-       .communicator = processes()},
-      bar);
+  ml::TemosMeasures<B> how{
+      .tokens = [&](std::span<const std::string> texts) { return model.tokens(texts, m.token_cache()); },
+      .sampled = [&](const ml::SampledErrors& e) { best = ml::best_of_table(e); },
+      .samples = o.samples,
+      .seed = o.seed,
+      .joints = joints,
+      .rate = rate,
+      .recorded = at_rate,
+      .communicator = processes()};
+  if (strips.wanted()) {
+    how.shows = [&](const std::string& text) { return strips.shows(text); };
+    how.made = [&](const std::string& text, std::span<const float> mean, std::span<const float> recorded) {
+      strips.add(
+          text, [&] { return ml::motion_of_features(features, mean, file.fps); },
+          [&] { return ml::motion_of_features(features, recorded, file.fps); });
+    };
+  }
+  auto errors = ml::temos_errors<B>(model.system, model.motion_normalizer, features, m.data, *m.part, how, bar);
   bar.finish();
   if (!o.joints.empty())
     std::printf("MMM's joints of %s\n", o.body.empty() ? "our own skeleton, whose ankles replace the heels; --body "

@@ -34,7 +34,6 @@ std::string baseline_text(ml::BertBaseline baseline, const ml::BertScore& score)
 }
 
 void evaluate_descriptions(const EvaluationOptions& o, const ml::RunFolder& found) {
-  require_one_process("evaluate of descriptions");
   const auto run =
       ml::load_tm2t_describer<B>(found, {.tokenizer = o.tokenizer.string(), .words = o.text_encoder.string()});
   std::optional<ml::BertJudge<B>> bert;
@@ -52,7 +51,7 @@ void evaluate_descriptions(const EvaluationOptions& o, const ml::RunFolder& foun
   ProgressBar bar("describing");
   const auto figures =
       ml::description_figures<B>(run, data, entries, {.bert = bert ? &*bert : nullptr, .guo = guo ? &*guo : nullptr},
-                                 {.baseline = baseline, .seed = o.seed, .progress = bar});
+                                 {.baseline = baseline, .seed = o.seed, .progress = bar, .communicator = processes()});
   bar.finish();
   if (bert)
     std::printf("BERTScore by layer %td of %td of %s, %s\n", bert->layers(), bert->all_layers(),

@@ -6,6 +6,7 @@
 
 #include "../files/motion_files.hpp"
 #include "evaluate.hpp"
+#include "processes.hpp"
 
 namespace program {
 
@@ -16,10 +17,14 @@ class FilmStrips {
     if (!folder_.empty()) make_output_folder("--strips", folder_);
   }
 
-  /// Writes 1.svg from made() and 1_recorded.svg from recorded(), 2.svg, ..., for the first different texts.
+  bool wanted() const { return !folder_.empty(); }
+  /// True for the first different texts, in the order of the calls. It is ml::ShownTexts.
+  bool shows(const std::string& text) { return std::ssize(shown_) < count_ && shown_.insert(text).second; }
+  /// Writes 1.svg from made() and 1_recorded.svg from recorded(), 2.svg, ... Of several processes the first one writes.
   template <class Made, class Recorded>
   void add(const std::string& text, Made made, Recorded recorded) {
-    if (folder_.empty() || std::ssize(shown_) >= count_ || !shown_.insert(text).second) return;
+    if (processes().rank() > 0) return;
+    ++written_;
     write(".svg", text, made());
     write("_recorded.svg", text + " (recorded)", recorded());
   }
@@ -27,11 +32,11 @@ class FilmStrips {
  private:
   void write(const char* end, const std::string& title, ml::Motion motion) const {
     motion.name = title;
-    write_motion(folder_ / ml::concat_text(shown_.size(), end), motion);
+    write_motion(folder_ / ml::concat_text(written_, end), motion);
   }
 
   std::filesystem::path folder_;
-  ml::Index count_;
+  ml::Index count_, written_ = 0;
   std::set<std::string> shown_;
 };
 

@@ -27,6 +27,7 @@
 #include <motionlang/train/ranked_queries.ipp>
 #include <motionlang/train/recognition.ipp>
 #include <motionlang/train/retrieval_evaluation.ipp>
+#include <motionlang/train/shared_errors.ipp>
 #include <motionlang/train/shared_index.ipp>
 #include <motionlang/train/shared_search.ipp>
 #include <motionlang/train/sinc_training.ipp>

@@ -16,6 +16,7 @@
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/metrics/bert_score.hpp>
 #include <motionlang/metrics/captions.hpp>
+#include <motionlang/train/shared_items.hpp>
 #include <motionlang/weights/text_encoder_folder.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -47,20 +48,29 @@ class BertJudge {
   Index all_layers() const { return all_layers_; }
 
   /// The mean of F, rescaled by a baseline: tm2t_bert_baseline, or what `mean` finds for random pairs.
-  double operator()(const std::vector<CaptionPair>& pairs, const BertScore& baseline = {}) {
-    return mean(pairs, baseline).f;
+  /// all  processes that share the pairs; all get the mean
+  double operator()(const std::vector<CaptionPair>& pairs, const BertScore& baseline = {},
+                    const AnyCommunicator& all = {}) {
+    return mean(pairs, baseline, all).f;
   }
-  BertScore mean(const std::vector<CaptionPair>& pairs, const BertScore& baseline = {}) {
+  BertScore mean(const std::vector<CaptionPair>& pairs, const BertScore& baseline = {},
+                 const AnyCommunicator& all = {}) {
     BertWeights weights;
     for (const CaptionPair& pair : pairs) {
-      for (const std::string& r : pair.references) weights.add(encoded(r).ids);
+      for (const std::string& r : pair.references) weights.add(tokens_of(r).ids);
     }
-    BertScore sum;
-    for (const CaptionPair& pair : pairs) {
+    const auto score = [&](Index i, const Progress&) {
+      const CaptionPair& pair = pairs[static_cast<std::size_t>(i)];
       std::vector<BertSentence<typename B::scalar>> references;
       for (const std::string& r : pair.references) references.push_back(encoded(r).sentence());
-      const BertScore s = bert_score(encoded(pair.candidate).sentence(),
-                                     std::span<const BertSentence<typename B::scalar>>(references), weights, baseline);
+      MessageWriter out;
+      out.value(bert_score(encoded(pair.candidate).sentence(),
+                           std::span<const BertSentence<typename B::scalar>>(references), weights, baseline));
+      return out.bytes();
+    };
+    BertScore sum;
+    for (const std::string& message : shared_items(all, std::ssize(pairs), score)) {
+      const auto s = MessageReader(message).template value<BertScore>();
       sum = {sum.precision + s.precision, sum.recall + s.recall, sum.f + s.f};
     }
     const auto count = static_cast<double>(pairs.size());
@@ -74,11 +84,14 @@ class BertJudge {
     BertSentence<typename B::scalar> sentence() const { return {ids, {states.span(), states.size(1)}}; }
   };
   /// Stripped and after a blank, as in the published program.
+  auto tokens_of(const std::string& text) const {
+    const std::vector<std::string> sentence{" " + std::string(detail::trim(text))};
+    return tokenize(encoder_.tokenizer, std::span(sentence));
+  }
   const Encoded& encoded(const std::string& text) {
     auto found = known_.find(text);
     if (found == known_.end()) {
-      const std::vector<std::string> sentence{" " + std::string(detail::trim(text))};
-      auto batch = tokenize(encoder_.tokenizer, std::span(sentence));
+      auto batch = tokens_of(text);
       auto states = encoder_.network(batch).tokens.rows;
       found = known_.emplace(text, Encoded{std::move(batch.ids), std::move(states)}).first;
     }

@@ -25,6 +25,7 @@
 #include <motionlang/core/progress.hpp>
 #include <motionlang/train/bert_judge.hpp>
 #include <motionlang/train/guo_evaluation.hpp>
+#include <motionlang/train/shared_items.hpp>
 #include <motionlang/train/text_entries.hpp>
 #include <motionlang/weights/tm2t_run.hpp>
 
@@ -47,22 +48,24 @@ class CommonTags {
 
 /// The entries in random batches of 32; an incomplete last one is left out, unless it is the only one.
 /// texts   one for each entry, as GloVe::encode reads them
+/// all     processes that share the batches; all get the match of all
 /// Throws  shape_error 204 for another number of texts
 template <Backend B>
 MatchingMetric description_match(const GuoJudge<B>& judge, std::span<const TextEntry> entries,
-                                 std::span<const std::string> texts, Index width, Philox rng) {
+                                 std::span<const std::string> texts, Index width, Philox rng,
+                                 const AnyCommunicator& all = {}) {
   detail::require_same_count("description_match: texts against motions", std::ssize(texts), std::ssize(entries));
   std::vector<Index> order(entries.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
   for (std::size_t i = order.size(); i > 1; --i)
     std::swap(order[i - 1], order[rng.below(static_cast<std::uint32_t>(i))]);
   const Index batch = std::min<Index>(32, std::ssize(entries));
-  MatchingMetric out;
-  for (Index at = 0; at + batch <= std::ssize(entries) && batch > 0; at += batch) {
-    std::vector<typename B::scalar> values;
+  using S = typename B::scalar;
+  const auto latents = [&](Index b, const Progress&) {
+    std::vector<S> values;
     std::vector<Index> frames;
     std::vector<std::string> said;
-    for (Index i = at; i < at + batch; ++i) {
+    for (Index i = b * batch; i < (b + 1) * batch; ++i) {
       const auto which = static_cast<std::size_t>(order[static_cast<std::size_t>(i)]);
       const TextEntry& e = entries[which];
       const auto rows = entry_rows(e, 0, e.frames.length, width);
@@ -72,8 +75,19 @@ MatchingMetric description_match(const GuoJudge<B>& judge, std::span<const TextE
     }
     const Offsets offsets(frames);
     const auto motions = judge.motions({Tensor<B, 2>::from(values, {offsets.rows(), width}), offsets});
-    const auto words = judge.texts(said);
-    out.add(Rows(motions.span(), motions.size(1)), Rows(words.span(), words.size(1)));
+    MessageWriter message;
+    for (const Tensor<B, 2>& rows : {motions, judge.texts(said)})
+      message.value(rows.size(1)), message.list(std::span<const S>(rows.span()));
+    return message.bytes();
+  };
+  MatchingMetric out;
+  for (const std::string& message : shared_items(all, batch > 0 ? std::ssize(entries) / batch : 0, latents)) {
+    MessageReader in(message);
+    const auto motion_width = in.value<Index>();
+    const auto motions = in.list<S>();
+    const auto text_width = in.value<Index>();
+    const auto words = in.list<S>();
+    out.add(Rows(std::span<const S>(motions), motion_width), Rows(std::span<const S>(words), text_width));
   }
   return out;
 }
@@ -94,7 +108,8 @@ BertBaseline parse_bert_baseline(std::string_view name);
 struct DescriptionOptions {
   BertBaseline baseline = BertBaseline::none;
   std::uint64_t seed = 0;
-  Progress progress{};  // of the descriptions
+  Progress progress{};             // of the descriptions
+  AnyCommunicator communicator{};  // processes that share descriptions and judgements; all get the figures of all
 };
 
 /// A row of the table. Scores are from 0 to 1.
@@ -130,12 +145,13 @@ Descriptions random_descriptions(std::span<const CaptionPair> references, const 
 template <Backend B>
 DescriptionScores description_scores(const std::string& by, const Descriptions& given,
                                      std::span<const TextEntry> entries, Index width,
-                                     const DescriptionJudges<B>& judges, const BertScore& baseline, const Philox& rng) {
+                                     const DescriptionJudges<B>& judges, const BertScore& baseline, const Philox& rng,
+                                     const AnyCommunicator& all) {
   DescriptionScores out{by, motionlang::bleu(corpus_counts(given.pairs)), motionlang::rouge_l(given.pairs),
                         motionlang::cider(given.pairs)};
-  if (judges.bert != nullptr) out.bert = (*judges.bert)(given.pairs, baseline);
+  if (judges.bert != nullptr) out.bert = (*judges.bert)(given.pairs, baseline, all);
   if (judges.guo != nullptr) {
-    const MatchingMetric m = description_match(*judges.guo, entries, given.tagged, width, rng.split("batches"));
+    const MatchingMetric m = description_match(*judges.guo, entries, given.tagged, width, rng.split("batches"), all);
     out.r_precision = {m.r_precision(1), m.r_precision(2), m.r_precision(3)};
     out.distance = m.matching_score();
   }
@@ -152,27 +168,29 @@ DescriptionFigures description_figures(const Tm2tRun<B>& run, const DescribedMot
                                        std::span<const TextEntry> entries, const DescriptionJudges<B>& judges,
                                        const DescriptionOptions& options = {}) {
   detail::Descriptions said, by_people;
-  std::vector<std::string> texts;
-  for (const TextEntry& e : entries) {
+  const AnyCommunicator& all = options.communicator;
+  const auto describe = [&](Index i, const Progress&) {
+    const TextEntry& e = entries[static_cast<std::size_t>(i)];
     const Index length = std::min(e.frames.length / 4 * 4, tm2t_longest);
     const auto rows = entry_rows(e, 0, length, data.width);
-    const CaptionPair references = entry_references(e, run.words);
+    return run.model.describe({Tensor<B, 2>::from(rows, {length, data.width}), Offsets{length}}, run.words).front();
+  };
+  const auto texts = shared_items(all, std::ssize(entries), describe, options.progress);
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const CaptionPair references = entry_references(entries[i], run.words);
     said.pairs.push_back(references);
-    said.pairs.back().candidate =
-        run.model.describe({Tensor<B, 2>::from(rows, {length, data.width}), Offsets{length}}, run.words).front();
-    texts.push_back(said.pairs.back().candidate);
-    by_people.add(references, *e.texts.front(), run.words);
-    options.progress(std::ssize(texts), std::ssize(entries));
+    said.pairs.back().candidate = texts[i];
+    by_people.add(references, *entries[i].texts.front(), run.words);
   }
   said.tagged = CommonTags(data.training).tagged(texts);
   const Philox rng{.seed = options.seed};
   const auto by_chance = detail::random_descriptions(said.pairs, data.training, run.words, rng.split("chance"));
   DescriptionFigures out;
   if (judges.bert != nullptr && options.baseline == BertBaseline::random)
-    out.baseline = judges.bert->mean(by_chance.pairs);
+    out.baseline = judges.bert->mean(by_chance.pairs, {}, all);
   if (options.baseline == BertBaseline::tm2t) out.baseline = tm2t_bert_baseline;
   const auto add = [&](const std::string& by, const detail::Descriptions& given) {
-    out.rows.push_back(detail::description_scores(by, given, entries, data.width, judges, out.baseline, rng));
+    out.rows.push_back(detail::description_scores(by, given, entries, data.width, judges, out.baseline, rng, all));
   };
   add("described", said);
   add("a random text of the training part", by_chance);

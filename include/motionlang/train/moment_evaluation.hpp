@@ -26,6 +26,7 @@
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/search/unit_rows.hpp>
+#include <motionlang/train/shared_items.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -48,6 +49,7 @@ struct MomentEvaluationOptions {
   std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the windows
   double stride = 0.2;                         // seconds from one window to the next
   std::uint64_t seed = 0;
+  AnyCommunicator communicator{};  // processes that share the motions; all get the figures of all
 };
 /// Answers to all queries.
 struct MomentAnswers {
@@ -69,7 +71,8 @@ MomentFigures moment_figures_of(const TmrSearchEncoder<B>& tmr, Index motions, M
   for (const double seconds : options.windows) out.answers.push_back({concat_text(seconds, " s"), {}});
   out.answers.push_back({"all lengths", {}});
   MomentAnswers chance{"a random window", {}};
-  for (Index k = 0; k < motions; ++k) {
+  const auto of_motion = [&](Index k, const Progress&) {
+    MessageWriter message;
     auto rng = Philox{.seed = options.seed}.split("moments").split(static_cast<std::uint64_t>(k));
     const JoinedClips motion = motion_of(k, rng);
     const auto rows = tmr.normalised(motion.rows);
@@ -84,7 +87,7 @@ MomentFigures moment_figures_of(const TmrSearchEncoder<B>& tmr, Index motions, M
     const auto moments = unit_rows(tmr.encode_windows(rows, windows), tmr.model().width),
                texts = unit_rows(tmr.encode_texts(motion.texts), tmr.model().width);
     for (std::size_t t = 0; t < motion.texts.size(); ++t) {
-      out.wanted.push_back(motion.stretches[t]);
+      std::vector<FrameSlice> found{motion.stretches[t]};
       std::vector<double> alike(windows.size());
       for (std::size_t w = 0; w < windows.size(); ++w) {
         for (std::size_t c = 0; c < latent; ++c)
@@ -94,12 +97,20 @@ MomentFigures moment_figures_of(const TmrSearchEncoder<B>& tmr, Index motions, M
         return best_moment(std::span(windows).subspan(begin, end - begin),
                            std::span(alike).subspan(begin, end - begin));
       };
-      for (std::size_t i = 0; i < ends.size(); ++i)
-        out.answers[i].found.push_back(best(i == 0 ? 0 : ends[i - 1], ends[i]));
-      out.answers.back().found.push_back(best(0, windows.size()));
-      chance.found.push_back(windows[rng.below(static_cast<std::uint32_t>(windows.size()))]);
+      for (std::size_t i = 0; i < ends.size(); ++i) found.push_back(best(i == 0 ? 0 : ends[i - 1], ends[i]));
+      found.push_back(best(0, windows.size()));
+      found.push_back(windows[rng.below(static_cast<std::uint32_t>(windows.size()))]);
+      message.list(std::span<const FrameSlice>(found));
     }
-    progress(k + 1, motions);
+    return message.bytes();
+  };
+  for (const std::string& message : shared_items(options.communicator, motions, of_motion, progress)) {
+    for (MessageReader in(message); !in.at_end();) {  // the texts of a motion
+      const auto found = in.list<FrameSlice>();
+      out.wanted.push_back(found.front());
+      for (std::size_t i = 0; i < out.answers.size(); ++i) out.answers[i].found.push_back(found[1 + i]);
+      chance.found.push_back(found.back());
+    }
   }
   out.answers.push_back(std::move(chance));
   return out;

@@ -37,17 +37,25 @@ class MotionLikeness {
     });
   }
 
+  /// A generated and a recorded motion in the latent space, which another object of the same model can add.
+  struct Latents {
+    std::vector<S> made, recorded;
+  };
   /// made      is turned to face ahead again, as published
   /// recorded  rows of features, not normalised
-  void add(const SmplVelpMotion<S>& made, const std::vector<float>& recorded) {
-    made_.push_back(mean_of(made));
-    recorded_.push_back(mean_of_(std::vector<S>(recorded.begin(), recorded.end())));
+  Latents latents(const SmplVelpMotion<S>& made, const std::vector<float>& recorded) const {
+    return {mean_of(made), mean_of_(std::vector<S>(recorded.begin(), recorded.end()))};
   }
-  /// composed  another motion for what was added last, such as one of its labels alone
-  void add_composed(const SmplVelpMotion<S>& composed) {
-    composed_.push_back(mean_of(composed));
+  void add(Latents pair) { made_.push_back(std::move(pair.made)), recorded_.push_back(std::move(pair.recorded)); }
+  void add(const SmplVelpMotion<S>& made, const std::vector<float>& recorded) { add(latents(made, recorded)); }
+  /// The latent of a motion alone.
+  std::vector<S> latent(const SmplVelpMotion<S>& made) const { return mean_of(made); }
+  /// composed  the latent of another motion for what was added last, such as one of its labels alone
+  void add_composed(std::vector<S> composed) {
+    composed_.push_back(std::move(composed));
     recorded_of_composed_.push_back(recorded_.back());
   }
+  void add_composed(const SmplVelpMotion<S>& composed) { add_composed(latent(composed)); }
 
   /// The TEMOS score of the generated motions. Throws numeric_error 302 before anything was added.
   double score() const { return score_of(made_, recorded_); }

@@ -253,18 +253,24 @@ std::vector<DurationResult> duration_results(const ActorModel<B>& model, const A
 std::string duration_table(std::span<const DurationResult> results);
 
 /// The accuracy of a classifier on recorded motions with labels of its own, for every seed: other windows of them.
+/// communicator  processes that share the seeds; all get the accuracies of all
 template <Backend B>
 std::vector<double> recorded_accuracies(ActionJudge<B> who, const std::vector<DescribedMotion>& part, Index seeds,
-                                        std::uint64_t first_seed) {
+                                        std::uint64_t first_seed, const AnyCommunicator& communicator = {}) {
   const std::vector<Index> classes = classes_of(part, who.file.labels);
   who.numbers = numbers_of(who.file.labels, who.file.labels);
-  std::vector<double> out;
-  for (Index s = 0; s < seeds; ++s) {
+  const auto of_seed = [&](Index s, const Progress&) {
     const auto seed = Philox{.seed = first_seed + static_cast<std::uint64_t>(s)};
-    out.push_back(judge_motions(who, std::ssize(part), seed.split("judge"), [&](std::span<const Index> which) {
-                    return action_batch<B>(part, classes, which, who.file.config.clips, seed.split("gt"));
-                  }).accuracy);
-  }
+    const auto judged = judge_motions(who, std::ssize(part), seed.split("judge"), [&](std::span<const Index> which) {
+      return action_batch<B>(part, classes, which, who.file.config.clips, seed.split("gt"));
+    });
+    MessageWriter out;
+    out.value(judged.accuracy);
+    return out.bytes();
+  };
+  std::vector<double> out;
+  for (const std::string& message : shared_items(communicator, seeds, of_seed))
+    out.push_back(MessageReader(message).value<double>());
   return out;
 }
 

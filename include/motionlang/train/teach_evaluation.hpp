@@ -23,6 +23,8 @@
 #include <motionlang/text/joined_labels.hpp>
 #include <motionlang/train/compared_joints.hpp>
 #include <motionlang/train/measured_items.hpp>
+#include <motionlang/train/shared_errors.hpp>
+#include <motionlang/train/shared_items.hpp>
 #include <motionlang/weights/babel_checkpoint.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -83,14 +85,17 @@ template <Backend B>
 struct TeachMeasures {
   const ComparedJoints<B>& joints;
   std::vector<TeachBaseline<B>> baselines{};
-  /// Receives the mean motion of each item and its labels, "a, b".
+  /// Receives the mean motion of each item that is shown and its labels, "a, b": at the end, in the order of the items,
+  /// in every process.
   std::function<void(const std::string& labels, const SmplVelpMotion<typename B::scalar>& mean,
                      const DescribedMotion& recorded)>
       made{};
+  ShownTexts shows{};                     // the labels for `made`; empty: all
   Index samples = 10;                     // motions for each item
   Index window = 8;                       // frames between both actions that are interpolated
   Alignment alignment = Alignment::full;  // of the second action
   std::uint64_t seed = 0;
+  AnyCommunicator communicator{};  // processes that share the items; all get the figures of all
 };
 
 struct TeachFigures {
@@ -109,8 +114,10 @@ struct TeachFigures {
 template <Backend B>
 TeachFigures teach_figures(const TeachCheckpoint<B>& model, const MeasuredItems& items, const TeachMeasures<B>& how,
                            Progress progress = {}) {
+  using S = typename B::scalar;
   struct Jumps {
     double aligned = 0, moved = 0;
+    void add(const Jumps& other) { aligned += other.aligned, moved += other.moved; }
   };
   const auto recorded = [](const DescribedMotion& m) { return smplvelp_inverse(std::span<const float>(m.rows)); };
   const auto& training = items.data().training;
@@ -126,9 +133,17 @@ TeachFigures teach_figures(const TeachCheckpoint<B>& model, const MeasuredItems&
   std::vector<Jumps> jumps(how.baselines.size());
   double real = 0;
   const auto rng = Philox{.seed = how.seed};
-  Index done = 0;
-  for (const Index i : items.measured()) {
-    const DescribedMotion& item = items[i];
+  const std::vector<Index>& measured = items.measured();
+  const auto item_of = [&](Index k) -> const DescribedMotion& { return items[measured[static_cast<std::size_t>(k)]]; };
+  const auto labels_text = [&](Index k) { return join_labels(labels_of(item_of(k)), Conjunction::comma); };
+  const bool alone = how.communicator.size() == 1;
+  const auto shown =
+      how.made ? shown_items(std::ssize(measured), how.shows, labels_text) : std::vector<bool>(measured.size());
+  const auto add_blind = [&](Index k, const JointFrames& truth) {
+    blind.add(truth, items.number_in_training(measured[static_cast<std::size_t>(k)]));
+  };
+  const auto message_of = [&](Index k, const Progress&) {
+    const DescribedMotion& item = item_of(k);
     const Index first = item.texts[0].frames.length;  // the rest is the transition and the second action
     const Offsets lengths{first, std::ssize(item.rows) / items.data().width - first};
     const auto labels = labels_of(item);
@@ -143,30 +158,44 @@ TeachFigures teach_figures(const TeachCheckpoint<B>& model, const MeasuredItems&
     const auto jump = [&](const JointFrames& joints) {
       return transition_distance(std::span<const Vec3<double>>(joints), variant.joints, first);
     };
-    const auto add_jumps = [&](Jumps& to, const Normalizer<B>& normalizer, const Sequences<B>& parts) {
-      to.aligned += jump(how.joints(teach_motion(normalizer, parts, 0, Alignment::full)));
-      to.moved += jump(how.joints(teach_motion(normalizer, parts, 0, Alignment::translation)));
+    const auto jumps_of = [&](const Normalizer<B>& normalizer, const Sequences<B>& parts) {
+      return Jumps{jump(how.joints(teach_motion(normalizer, parts, 0, Alignment::full))),
+                   jump(how.joints(teach_motion(normalizer, parts, 0, Alignment::translation)))};
     };
     const JointFrames truth = how.joints(recorded(item));
     std::vector<JointFrames> samples;
     for (Index s = 0; s < how.samples; ++s)
       samples.push_back(how.joints(as_asked(model.normalizer, made(s, how.window, {}))));
-    sampled.add(samples, truth);
+    MessageWriter out;
+    put_clips(out, sampled.clips(samples, truth));
     const auto mean = as_asked(model.normalizer, made(0, how.window, {.mean = true}));
-    at_mean.add(how.joints(mean), truth);
-    if (how.made) how.made(join_labels(labels, Conjunction::comma), mean, item);
+    std::vector<JointErrors::Clip> others{at_mean.clip(how.joints(mean), truth)};
     for (std::size_t b = 0; b < how.baselines.size(); ++b) {
       const TeachBaseline<B>& baseline = how.baselines[b];
       const auto parts = [&](Index window) {
         return baseline.parts(labels, lengths, rng.split(std::uint64_t{0}), window);
       };
-      of_baselines[b].add(how.joints(as_asked(baseline.normalizer, parts(how.window))), truth);
-      add_jumps(jumps[b], baseline.normalizer, parts(0));
+      others.push_back(of_baselines[b].clip(how.joints(as_asked(baseline.normalizer, parts(how.window))), truth));
+      out.value(jumps_of(baseline.normalizer, parts(0)));
     }
-    blind.add(truth, items.number_in_training(i));
-    add_jumps(own, model.normalizer, made(0, 0, {}));
-    real += jump(truth);
-    progress(++done, std::ssize(items.measured()));
+    out.value(jumps_of(model.normalizer, made(0, 0, {}))), out.value(jump(truth));
+    put_clips(out, others);
+    if (shown[static_cast<std::size_t>(k)]) put_smplvelp(out, mean);
+    if (alone) add_blind(k, truth);
+    return out.bytes();
+  };
+  Index next = 0;
+  for (const std::string& message : shared_items(how.communicator, std::ssize(measured), message_of, progress)) {
+    const Index k = next++;
+    MessageReader in(message);
+    sampled.add(take_clips(in));
+    for (Jumps& of_baseline : jumps) of_baseline.add(in.value<Jumps>());
+    own.add(in.value<Jumps>()), real += in.value<double>();
+    const auto others = take_clips(in);
+    at_mean.add(others.front());
+    for (std::size_t b = 0; b < of_baselines.size(); ++b) of_baselines[b].add(others[1 + b]);
+    if (shown[static_cast<std::size_t>(k)]) how.made(labels_text(k), take_smplvelp<S>(in), item_of(k));
+    if (!alone) add_blind(k, how.joints(recorded(item_of(k))));
   }
 
   TeachFigures out;

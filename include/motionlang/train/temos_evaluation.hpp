@@ -31,6 +31,7 @@
 #include <motionlang/metrics/sampled_errors.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/train/compared_joints.hpp>
+#include <motionlang/train/shared_errors.hpp>
 #include <motionlang/train/shared_items.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -88,8 +89,10 @@ std::vector<DescribedMotion> recorded_at(DataSources sources, const DataConfig& 
 template <Backend B>
 struct TemosMeasures {
   std::function<Sequences<B>(std::span<const std::string>)> tokens;  // the input of the text encoder for texts
-  /// Receives each text with its mean motion and the recorded one, as rows of features.
+  /// Receives each text that is shown with its mean motion and the recorded one, as rows of features: at the end, in
+  /// the order of the list, in every process.
   std::function<void(const std::string& text, std::span<const float> mean, std::span<const float> recorded)> made{};
+  ShownTexts shows{};                                   // the texts for `made`; empty: all
   std::function<void(const SampledErrors&)> sampled{};  // receives the errors of the samples, at the end
   Index samples = 10;                                   // motions for each text
   std::uint64_t seed = 0;
@@ -97,13 +100,9 @@ struct TemosMeasures {
   double rate = 0;                      // frames per second of the joints that are compared; 0: that of the data
   /// The same motions at this rate, by their ids. A motion that is missing is interpolated, as generated ones are.
   std::span<const DescribedMotion> recorded{};
-  /// Processes that share the motions; all get the errors of all. `made` is called for those of its process.
+  /// Processes that share the motions; all get the errors of all.
   AnyCommunicator communicator{};
 };
-
-/// Errors of clips as a message.
-void put_clips(MessageWriter& out, std::span<const JointErrors::Clip> clips);
-std::vector<JointErrors::Clip> take_clips(MessageReader& in);
 
 /// The rows of a motion that its first text is about.
 std::span<const float> first_text_rows(const DescribedMotion& motion, Index width);
@@ -140,6 +139,9 @@ std::vector<NamedErrors> temos_errors(const Temos<B>& model, const Normalizer<B>
                ? joints_of(first_text_rows(motion, features.width))
                : selected(rows_of_text(*at_rate->second, motion.texts.front().text, features.width));
   };
+  const bool alone = how.communicator.size() == 1;
+  const auto text_of = [&](Index i) { return part[static_cast<std::size_t>(i)].texts.front().text; };
+  const auto shown = how.made ? shown_items(std::ssize(part), how.shows, text_of) : std::vector<bool>(part.size());
   const auto measured = [&](Index i, const Progress&) {
     const DescribedMotion& motion = part[static_cast<std::size_t>(i)];
     const auto recorded = first_text_rows(motion, features.width);
@@ -157,9 +159,10 @@ std::vector<NamedErrors> temos_errors(const Temos<B>& model, const Normalizer<B>
     auto clips = sampled.clips(samples, truth);
     const auto mean = rows_of(text_to_motion(model, tokens, length, rng, 1, {.mean = true}).front());
     clips.push_back(at_mean.clip(joints_of(mean), truth));
-    if (how.made) how.made(text, mean, recorded);
+    if (alone) blind.add(truth);
     MessageWriter out;
     put_clips(out, clips);
+    if (shown[static_cast<std::size_t>(i)]) out.list(std::span<const float>(mean));
     return out.bytes();
   };
   std::size_t next = 0;
@@ -168,7 +171,9 @@ std::vector<NamedErrors> temos_errors(const Temos<B>& model, const Normalizer<B>
     const auto clips = take_clips(in);
     sampled.add(std::span(clips).first(clips.size() - 1));
     at_mean.add(clips.back());
-    blind.add(truth_of(part[next++]));
+    const DescribedMotion& motion = part[next];
+    if (shown[next++]) how.made(motion.texts.front().text, in.list<float>(), first_text_rows(motion, features.width));
+    if (!alone) blind.add(truth_of(motion));
   }
   if (how.sampled) how.sampled(sampled);
   std::vector<NamedErrors> out = named_errors(sampled);

@@ -49,29 +49,6 @@ MOTIONLANG_BODY TemosJoints joints_as_mmm(const MotionFeatures& features, const 
 
 }  // namespace detail
 
-MOTIONLANG_BODY void put_clips(MessageWriter& out, std::span<const JointErrors::Clip> clips) {
-  out.value(std::uint64_t{clips.size()});
-  for (const JointErrors::Clip& c : clips) {
-    out.value(std::int64_t{c.frames});
-    for (const PositionErrors* e : {&c.errors.ape, &c.errors.ave}) {
-      out.value(e->root), out.value(e->trajectory);
-      out.list(std::span<const double>(e->local)), out.list(std::span<const double>(e->joints));
-    }
-  }
-}
-MOTIONLANG_BODY std::vector<JointErrors::Clip> take_clips(MessageReader& in) {
-  std::vector<JointErrors::Clip> out;
-  for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
-    JointErrors::Clip& c = out.emplace_back();
-    c.frames = static_cast<Index>(in.value<std::int64_t>());
-    for (PositionErrors* e : {&c.errors.ape, &c.errors.ave}) {
-      e->root = in.value<double>(), e->trajectory = in.value<double>();
-      e->local = in.list<double>(), e->joints = in.list<double>();
-    }
-  }
-  return out;
-}
-
 MOTIONLANG_BODY std::span<const float> first_text_rows(const DescribedMotion& motion, Index width) {
   return detail::rows_between(motion, motion.texts.front().frames, width);
 }

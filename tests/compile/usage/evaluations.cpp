@@ -16,6 +16,8 @@
 #include <motionlang/train/made_motions.hpp>
 #include <motionlang/train/moment_evaluation.hpp>
 #include <motionlang/train/ranked_queries.hpp>
+#include <motionlang/train/shared_errors.hpp>
+#include <motionlang/train/shared_items.hpp>
 #include <motionlang/train/sinc_evaluation.hpp>
 #include <motionlang/train/teach_evaluation.hpp>
 #include <motionlang/train/temos_evaluation.hpp>
@@ -73,6 +75,10 @@ void mtt_row_(const std::vector<MttMotion<double>>& motions) {
 }
 void likeness_(const std::vector<std::pair<SmplVelpMotion<float>, std::vector<float>>>& items) {
 #include "train/motion_likeness.1.inc"
+}
+void errors_as_messages(const AnyCommunicator& all, Index count, SampledErrors& sampled,
+                        std::vector<JointFrames> (*samples_of)(Index), JointFrames (*recorded)(Index)) {
+#include "train/shared_errors.1.inc"
 }
 void sinc_(const MeasuredItems& items, const ComparedJoints<B>& joints, const LabelSentences& sentences) {
 #include "train/sinc_evaluation.1.inc"
