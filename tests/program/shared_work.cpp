@@ -96,11 +96,12 @@ TEST_CASE("several processes generate: the files and the output of one process, 
 
 TEST_CASE("a list whose motions depend on each other is refused, and no process waits") {
   const Shared w;
-  const auto sizes = official::small();
-  official::write_stmc_run(w / "stmc", sizes);  // published MDM-SMPL: texts are padded to the longest one
+  auto sizes = official::small();
+  sizes.mdm.arch = ml::MdmArch::gru;  // goes over the motions of a batch, as published
+  official::write_mdm_run(w / "mdm", sizes);
   official::write_clip(w / "clip", sizes);
   ml::write_file(w / "list.txt", std::string_view("walk # 0 # 1\n\nwalk # 0 # 1\n"));
-  const std::string generate = "generate --model stmc --steps 2 --threads 1 --timeline list.txt";
+  const std::string generate = "generate --model mdm --steps 2 --threads 1 --timeline list.txt";
   CHECK(w.call(0, generate + " --out alone").code == 0);
   for (const int processes : {2, 3}) {
     const Outcome refused = w.call(processes, generate + " --out out");
@@ -109,7 +110,7 @@ TEST_CASE("a list whose motions depend on each other is refused, and no process 
                   refused.text);
     CHECK_FALSE(std::filesystem::exists(w / "out/list.html"));
   }
-  CHECK(w.call(2, "generate --model stmc --steps 2 --threads 1 --text walk").code == 0);  // one motion has no others
+  CHECK(w.call(2, "generate --model mdm --steps 2 --threads 1 --text walk").code == 0);  // one motion has no others
 }
 
 TEST_CASE("several processes evaluate: the table of one process") {

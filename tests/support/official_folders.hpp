@@ -139,7 +139,10 @@ inline void write_mdm_run(const fs::path& folder, const Sizes& s) {
   const auto& c = s.mdm;
   write_text(folder / "args.json",
              ml::concat_text(
-                 R"({"arch": ")", c.arch == ml::MdmArch::trans_dec ? "trans_dec" : "trans_enc",
+                 R"({"arch": ")",
+                 c.arch == ml::MdmArch::trans_dec ? "trans_dec"
+                 : c.arch == ml::MdmArch::gru     ? "gru"
+                                                  : "trans_enc",
                  R"(", "cond_mask_prob": 0.1, "context_len": 0, "dataset": "humanml", "diffusion_steps": )", s.steps,
                  R"(, "emb_trans_dec": )", c.class_token != ml::MdmClassToken::none, R"(, "lambda_fc": 0.0,
  "latent_dim": )",
