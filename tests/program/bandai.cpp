@@ -1,4 +1,4 @@
-// examples/training/bandai_all.sh: on made-up clips with the names of the Bandai-Namco data set, every command of the script runs.
+// examples/training/bandai_all.sh: every command runs on made-up clips with the names of the Bandai-Namco data set.
 #include <doctest/doctest.h>
 
 #include <algorithm>
