@@ -1,14 +1,17 @@
 #!/bin/sh
-# Trains and measures every system of the papers on the Bandai-Namco Research Motiondataset (CC BY-NC 4.0: measure with it, do not
-# ship what is made of it), and writes the tables of the papers as one page.
+# Trains and measures every system of the papers on the Bandai-Namco Research Motiondataset, and writes their tables as
+# one page. The licence is CC BY-NC 4.0: measure with it, and do not ship what is made of it.
 #
-#     examples/training/bandai_all.sh FOLDER OUT [--splits LISTS] [--only "stmc actor temos tmr teach sinc tm2t"] [--quick]
+#     examples/training/bandai_all.sh FOLDER OUT [--splits LISTS] [--only CHAPTERS] [--quick]
 #
-# FOLDER has the clips, dataset-2_<content>_<style>_<number>.bvh. LISTS has train.txt, val.txt and test.txt with names of clips;
-# without it a fifth of each content is for tests. OUT gets tables, models and results, and a page with the tables of the
-# papers. Nothing that OUT already has is made again, so the same command goes on where it stopped, with Ctrl-C too. The page is
-# written after each chapter, and says which rows are missing. --quick tries every command with one epoch and tiny networks.
-# The variable MOTIONLANG names the program, THREADS the number of threads (2), NICE a command in front, such as "nice -n 15".
+# FOLDER has the clips, dataset-2_<content>_<style>_<number>.bvh. LISTS has train.txt, val.txt and test.txt with
+# names of clips; without it a fifth of each content is for tests. CHAPTERS are some of "stmc actor temos tmr teach
+# sinc tm2t". OUT gets tables, models and results, and a page with the tables of the papers. Nothing that OUT
+# already has is made again, so the same command goes on where it stopped, also after Ctrl-C. The page is written
+# after each chapter, and says which rows are missing. --quick tries every command with one epoch and tiny networks.
+#
+# The variable MOTIONLANG names the program, THREADS the number of threads (2), and NICE a command in front, such as
+# "nice -n 15".
 set -eu
 usage() { echo "usage: bandai_all.sh FOLDER OUT [--splits LISTS] [--only CHAPTERS] [--quick]" >&2; exit 2; }
 here=$(cd "$(dirname "$0")" && pwd)
@@ -49,7 +52,13 @@ train() {
   [ ! -f "trained/$name/done" ] || return 0
   echo "== $name: motionlang $*" >&2
   mkdir -p "trained/$name"
-  ( motionlang "$@" --out "trained/$name" --threads "$threads" --save-minutes 1; times >> "trained/$name/times" )
+  (
+    trap : INT  # the program stops by itself, and its time counts
+    code=0
+    motionlang "$@" --out "trained/$name" --threads "$threads" --save-minutes 1 || code=$?
+    times >> "trained/$name/times"
+    exit $code
+  )
   touch "trained/$name/done"
 }
 
@@ -76,7 +85,8 @@ make_splits() {
     !/^#/ { n = count[$4]++; print $1 > ("splits/" (n % 5 == 4 ? "test" : n % 20 == 0 ? "val" : "train") ".txt") }' labels.tsv
 }
 
-# The pairs of each part: first clip, second clip, name, label, label, parts of the second, end of the first, end of the second.
+# The pairs of each part: first clip, second clip, name, label, label, parts of the second, end of the first, end of the
+# second.
 # A quarter of the combinations "legs x hands" is kept out of the training, so that tests have unseen ones.
 list_pairs() {  # after|together, number of pairs for training, validation, tests
   awk -F '\t' -v kind="$1" -v most="$2 $3 $4" '
@@ -174,7 +184,6 @@ make_tables() {
   awk -F '\t' '
     FILENAME == "actions.tsv" { if (!/^#/) { split($5, wording, " [|] "); all[wording[1]] = $5 } print; next }
     { print $3 "\t0\t" ($7 < $8 ? $7 : $8) "\tlegs, " $6 "\t" all[$4] " | " all[$5] }' actions.tsv together.tsv > judged.tsv
-  motionlang mtt --texts texts.txt --out mtt
 }
 
 # ---- trainings and measurements, by chapter
@@ -184,7 +193,10 @@ vae="--set network.latent_dim=$(full 8 64) --set network.ff_size=$(full 8 128)"
 words="--set text.width=$(full 8 64)"
 clips_too="--set data.min_seconds=0.3 --set data.mirror=false"
 # Epochs for 941 clips; with fewer clips there are more, so that a training has as many steps.
-epochs() { echo "--set optimiser.epochs=$(full 1 $(($1 * 941 / $(grep -c '^dataset' splits/train.txt) + 1)))"; }
+epochs() {
+  n=$(grep -c . splits/train.txt) || { echo "bandai_all.sh: splits/train.txt names no clip" >&2; exit 2; }
+  echo "--set optimiser.epochs=$(full 1 $((($1 * 941 + n - 1) / n)))"
+}
 
 table_stmc() {
   size="--set network.latent_dim=$(full 8 64) --set network.ff_size=$(full 8 256) --set network.num_layers=$(full 1 4) $words"
@@ -194,8 +206,8 @@ table_stmc() {
   train judge $judge --captions actions.tsv
   train judge_of_pairs $judge --captions judged.tsv
   for judge in judge judge_of_pairs; do
-    measure stmc_$judge trained/mdm_smpl/model --texts texts.txt --tmr trained/$judge/model --recorded recorded.txt --data data \
-      --first "$(full 2 60)" --table markdown
+    measure stmc_$judge trained/mdm_smpl/model --texts texts.txt --tmr trained/$judge/model --recorded recorded.txt \
+      --data data --first "$(full 2 60)" --table markdown
   done
   measure overlap trained/mdm_smpl/model --texts texts.txt --tmr trained/judge/model --modes stmc --overlaps 0,0.25,0.5,1 \
     --first "$(full 2 60)" --table markdown
@@ -294,7 +306,8 @@ table_tm2t() {
 
 # ---- the page
 
-# row RESULT TITLE BEGIN [AFTER]: the line of results/RESULT.txt that begins so, below one that has AFTER, as a line of a table.
+# row RESULT TITLE BEGIN [AFTER]: the line of results/RESULT.txt that begins so, below one that has AFTER, as a line of
+# a table; "missing" if there is none.
 row() {
   if [ -f "results/$1.txt" ]; then
     awk -v title="$2" -v begin="$3" -v after="${4:-}" '
@@ -306,8 +319,10 @@ row() {
         line = "| " title " |"
         for (i = 1; i <= NF; ++i) line = line " " $i " |"
         print line
+        done = 1
         exit
-      }' "results/$1.txt"
+      }
+      END { if (!done) print "| " title " | missing |" }' "results/$1.txt"
   else
     echo "| $2 | missing |"
   fi

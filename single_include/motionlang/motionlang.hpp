@@ -12335,6 +12335,91 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_LEADING_SIDE_HPP  // <motionlang/kinematics/leading_side.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_LEADING_SIDE_HPP
+/// The side that a motion prefers. Y up, metres.
+///
+///     if (leading_side(wave, BodyParts{}.with(BodyPart::right_arm)) == Side::left) wave = mirror(wave);
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The first of these that holds; Side::middle if none does:
+///   - the side to which the figure turns by more than 60 degrees in all
+///   - the arm whose wrist goes half as far again as the other, and at least 0.3 m further, if an arm is among `parts`
+///   - the arm whose wrist is 0.25 m higher than the other in the mean, likewise
+///   - the leg whose ankle rises 0.2 m higher above its lowest place, if legs are among `parts`
+/// The limits are ours, chosen on the clips of the bundled model. Throws config_error 103 for a skeleton that does not
+/// begin with SMPL's 22 joints.
+Side leading_side(const Motion& motion, BodyParts parts);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_LEADING_SIDE_IPP  // <motionlang/kinematics/leading_side.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_LEADING_SIDE_IPP
+// Bodies of leading_side.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Left or right, where the left one of two values is larger or smaller by at least `least`.
+inline Side larger_side(double left, double right, double least) {
+  return left - right >= least ? Side::left : right - left >= least ? Side::right : Side::middle;
+}
+
+/// Radians to the left in all.
+inline double whole_turn(const Motion& motion) {
+  double sum = 0;
+  for (Index f = 1; f < motion.frames(); ++f) {
+    const double step = heading(motion.rotations(f)[0]) - heading(motion.rotations(f - 1)[0]);
+    sum += std::remainder(step, 2 * std::numbers::pi);
+  }
+  return sum;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Side leading_side(const Motion& motion, BodyParts parts) {
+  const auto &names = motion.skeleton.names, &known = humanml3d22_skeleton().names;
+  if (names.size() < known.size() || !std::equal(known.begin(), known.end(), names.begin()))
+    raise<config_error>(103, "leading_side: '", motion.name, "' does not begin with SMPL's 22 joints");
+  const double turned = detail::whole_turn(motion);
+  if (std::abs(turned) > std::numbers::pi / 3) return turned > 0 ? Side::left : Side::right;
+
+  struct LimbPath {
+    double way = 0, height = 0, lowest = 1e9, highest = -1e9;
+  };
+  const auto poses = detail::poses_in_place(motion);
+  const Index joints = motion.skeleton.size(), frames = motion.frames();
+  const auto limb = [&](Index joint) {
+    LimbPath out;
+    for (Index f = 0; f < frames; ++f) {
+      const auto& at = poses[static_cast<std::size_t>(f * joints + joint)];
+      if (f > 0) out.way += norm(at - poses[static_cast<std::size_t>((f - 1) * joints + joint)]);
+      out.height += at.y / static_cast<double>(frames);
+      out.lowest = std::min(out.lowest, at.y), out.highest = std::max(out.highest, at.y);
+    }
+    return out;
+  };
+  if (parts.has(BodyPart::left_arm) || parts.has(BodyPart::right_arm)) {
+    const LimbPath left = limb(20), right = limb(21);
+    const double further = std::max(0.3, 0.5 * std::min(left.way, right.way));
+    const Side moves = detail::larger_side(left.way, right.way, further);
+    if (moves != Side::middle) return moves;
+    const Side raised = detail::larger_side(left.height, right.height, 0.25);
+    if (raised != Side::middle) return raised;
+  }
+  if (parts.has(BodyPart::legs)) {
+    const LimbPath left = limb(7), right = limb(8);
+    return detail::larger_side(left.highest - left.lowest, right.highest - right.lowest, 0.2);
+  }
+  return Side::middle;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_HPP  // <motionlang/kinematics/mirror_joints.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_HPP
 /// Mirrors joint positions at the plane x = 0, as HumanML3D does to double its clips. motion_tools.hpp mirrors whole
@@ -12577,6 +12662,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Source  the synthetic training data of SINC (thesis B.2.1), on rotations
 Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts);
 
+/// All of `base`, with `parts` as in `other` from frame `first` on, as long as both last. In the first and the last
+/// `blend` of these frames the parts turn from one motion to the other. The same errors, and config_error 101 for a
+/// negative number of frames.
+Motion overlay_parts_for_a_while(const Motion& base, const Motion& other, BodyParts parts, Index first, Index blend);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_OVERLAY_IPP  // <motionlang/kinematics/overlay.ipp>
@@ -12585,7 +12675,9 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-MOTIONLANG_BODY Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts) {
+namespace detail {
+
+inline void check_overlay(const Motion& base, const Motion& other) {
   const auto& names = base.skeleton.names;
   const auto& smpl = smpl24_skeleton().names;
   if (names != other.skeleton.names || names.size() > smpl.size() ||
@@ -12597,15 +12689,33 @@ MOTIONLANG_BODY Motion overlay_parts(const Motion& base, const Motion& other, Bo
     raise<config_error>(102, "overlay_parts: '", base.name, "' has ", base.fps, " frames per second, '", other.name,
                         "' ", other.fps);
   }
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts) {
+  detail::check_overlay(base, other);
   Motion out = base;
   const Index frames = std::min(base.frames(), other.frames());
   out.root.resize(static_cast<std::size_t>(frames));
   out.local.resize(static_cast<std::size_t>(frames * base.skeleton.size()));
+  return overlay_parts_for_a_while(out, other, parts, 0, 0);
+}
+
+MOTIONLANG_BODY Motion overlay_parts_for_a_while(const Motion& base, const Motion& other, BodyParts parts, Index first,
+                                                 Index blend) {
+  detail::check_overlay(base, other);
+  if (first < 0 || blend < 0)
+    raise<config_error>(101, "overlay_parts_for_a_while: first ", first, ", blend ", blend, ": both are 0 or more");
+  Motion out = base;
+  const Index frames = std::max<Index>(std::min(base.frames() - first, other.frames()), 0);
   for (Index f = 0; f < frames; ++f) {
+    const double share = std::min(1.0, static_cast<double>(std::min(f, frames - 1 - f) + 1) /
+                                           static_cast<double>(blend + 1));  // of the other motion
     const auto from = other.rotations(f);
-    const auto to = out.rotations(f);
+    const auto to = out.rotations(first + f);
     for (std::size_t j = 1; j < to.size(); ++j) {
-      if (parts.has(smpl_part_of_joint[j])) to[j] = from[j];
+      if (parts.has(smpl_part_of_joint[j])) to[j] = share < 1 ? slerp(to[j], from[j], share) : from[j];
     }
   }
   return out;
@@ -14560,7 +14670,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
 /// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
-///         whose last digits depend on it. Throws config_error 101 for an odd width.
+///         whose last digits depend on it. Sines are rounded from double, because the float functions of C
+///         libraries differ in the last bit. Throws config_error 101 for an odd width.
 template <Backend B>
 Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
@@ -14574,8 +14685,8 @@ Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
       for (Index p = first; p < last; ++p) {
         for (const float w : frequencies) {
           const float angle = static_cast<float>(p) * w;
-          *at++ = static_cast<S>(std::sin(angle));
-          *at++ = static_cast<S>(std::cos(angle));
+          *at++ = static_cast<S>(static_cast<float>(std::sin(static_cast<double>(angle))));
+          *at++ = static_cast<S>(static_cast<float>(std::cos(static_cast<double>(angle))));
         }
       }
     });
@@ -14902,6 +15013,7 @@ struct GumbelOptions {
   Index begin = 1024, end = 1025;
   Index max_steps = 55, top_k = 0;
   double tau = 1;
+  Index longest = 0;  // pads the words as if the longest text had this many; 0: does not
 };
 
 /// g = -log(-log u) for uniform values u: the arg max of logits + g is distributed by their softmax. (rows, symbols)
@@ -14915,6 +15027,23 @@ Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
   return Tensor<B, 2>::from(g, {rows, symbols});
 }
 
+/// The numbers that gumbel_noise draws for a batch in one step after the other. A part of the batch needs some rows.
+struct GumbelNoise {
+  Philox rng;
+  Index sequences = 0, symbols = 0;  // of the batch, of a row
+
+  template <Backend B>
+  Tensor<B, 2> rows(Index step, Index first, Index count) const {
+    constexpr Index block = 4;  // numbers that Philox draws at once
+    const Index of_step = (sequences * symbols + block - 1) / block, before = first * symbols;
+    Philox own = rng;
+    own.position += static_cast<std::uint64_t>(step * of_step + before / block);
+    const Index skipped = before % block;
+    const auto drawn = gumbel_noise<B>(1, skipped + count * symbols, own);
+    return reshape<2>(slice(drawn, 1, skipped, skipped + count * symbols), {count, symbols});
+  }
+};
+
 ///     y = softmax((logits + g) / tau),   row = onehot(arg max y) - sg(y) + y
 /// The next token is the arg max, and no gradient flows through that choice. Start and end marks are never written. A
 /// sequence ends if the end is the most probable symbol, and continues until the last one has ended.
@@ -14926,7 +15055,7 @@ template <Backend B, class Noise>
 GumbelSample<B> gumbel_sample(const Seq2SeqGru<B>& m, const Sequences<B>& words, const GumbelOptions& o,
                               Noise&& noise) {
   const Index n = words.count(), symbols = m.motion_decoder_step.input_emb.weight.size(0);
-  auto state = m.start(words);
+  auto state = m.start(words, o.longest);
   std::vector<Index> previous(static_cast<std::size_t>(n), o.begin);
   GumbelSample<B> out{{}, std::vector<Index>(previous.size(), o.max_steps)};
   std::vector<Tensor<B, 2>> steps{one_hot<B>(previous, symbols)};
@@ -37502,21 +37631,28 @@ struct Tm2t {
 /// "Inverse alignment": the motion that the recurrent model writes for a text must be described by that text again.
 /// Returns the loss of the description. Its gradient reaches the recurrent model through a Gumbel sample; the model
 /// from motion to text must not change.
-///    text: word vectors; described: ids of the words with their marks
+///    text: word vectors; described: ids of the words with their marks; noise(step): as for gumbel_sample
 /// Source   TM2T, section 3.3: the second sum of TM2T eq. 7; TM2T networks/trainers.py Seq2SeqT2MJointTrainer
 ///          forward_cycle
 /// Differs  from TM2T eq. 7, which adds both sums. As published, this is a separate step after that of the tokens (the
 ///          first sum, `next_symbol_loss`). Each step clips its gradients at norm 0.5
+template <AutodiffBackend A, class Noise>
+requires std::invocable<const Noise&, Index> Tensor<A, 0> inverse_alignment_loss(
+    const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t, const Sequences<A>& text, const IdSequences& described,
+    const GumbelOptions& options, const Noise& noise, const Context& context = {}) {
+  const auto sample = gumbel_sample(t2m, text, options, noise);
+  const auto memory = m2t.encode_shares(sample.rows(), context);
+  // The second sum of TM2T eq. 7.
+  return next_symbol_loss(m2t.logits(described.without_ends(0, 1), memory, context), described);
+}
+/// The same with noise that a generator draws.
 template <AutodiffBackend A>
 Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t,
                                     const Sequences<A>& text, const IdSequences& described,
                                     const GumbelOptions& options, Philox& rng, const Context& context = {}) {
   const Index symbols = t2m.motion_decoder_step.input_emb.weight.size(0);
-  const auto sample =
-      gumbel_sample(t2m, text, options, [&](Index) { return gumbel_noise<A>(text.count(), symbols, rng); });
-  const auto memory = m2t.encode_shares(sample.rows(), context);
-  // The second sum of TM2T eq. 7.
-  return next_symbol_loss(m2t.logits(described.without_ends(0, 1), memory, context), described);
+  return inverse_alignment_loss(
+      t2m, m2t, text, described, options, [&](Index) { return gumbel_noise<A>(text.count(), symbols, rng); }, context);
 }
 
 MOTIONLANG_NAMESPACE_END

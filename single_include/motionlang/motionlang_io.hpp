@@ -3534,6 +3534,13 @@ class ProjectFolder {
   /// Throws config_error 103 and io_error 401, also for a name that a link or a folder has.
   void write(const std::string& name, std::span<const std::byte> contents) const;
 
+  /// The mark of contents: 16 digits, FNV-1a over the bytes. It does not protect against forgery.
+  static std::string mark(std::span<const std::byte> contents);
+  /// Writes if there is no such file, or if its contents have this mark. False: there are others, or more than `most`
+  /// bytes, and nothing is written. Throws as write does. Two calls at the same time need a lock of the caller.
+  bool write_over(const std::string& name, std::span<const std::byte> contents, std::string_view mark,
+                  std::size_t most) const;
+
  private:
   std::filesystem::path path_of(const std::string& name) const;
 
@@ -3599,6 +3606,25 @@ MOTIONLANG_BODY void ProjectFolder::write(const std::string& name, std::span<con
   const auto path = path_of(name);
   if (!is_own_place(path)) raise<io_error>(401, name, ": something else in the project has this name");
   write_file(path, contents);
+}
+
+MOTIONLANG_BODY std::string ProjectFolder::mark(std::span<const std::byte> contents) {
+  std::uint64_t h = 0xCBF29CE484222325u;  // content_hash is faster, but some pairs of changes keep its result
+  for (const std::byte b : contents) h = (h ^ static_cast<std::uint64_t>(b)) * 0x100000001B3u;
+  return detail::hexadecimal(h);
+}
+
+MOTIONLANG_BODY bool ProjectFolder::write_over(const std::string& name, std::span<const std::byte> contents,
+                                               std::string_view mark, std::size_t most) const {
+  const auto path = path_of(name);
+  if (is_own_file(path)) {
+    std::error_code failed;
+    if (std::filesystem::file_size(path, failed) > most || failed) return false;
+    const std::string there = read_file(path);
+    if (this->mark(std::as_bytes(std::span(there))) != mark) return false;
+  }
+  write(name, contents);
+  return true;
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -15847,6 +15873,7 @@ struct CaptionedSegment {
   bool grounded = true;        // never in the air, so it may be played slower or faster
   std::optional<Loop> rest{};  // at the end of the motion: continues an action for any time
   Index action = 0;            // frames before that; all frames if nothing follows
+  Side side = Side::middle;    // that it prefers (leading_side)
   Index verb = -1;             // in TrainingSet::verbs(): what most of its commands tell to do; -1: it has none
   double weight = 1;  // relative probability of drawing it; up to 4, if few segments show what its captions say
 
@@ -15875,13 +15902,14 @@ struct SampleOptions {
   double no_text = 0.1;                // probability of the caption ""
   double compose = 0.35;               // probability that the arms come from another segment
   double still = 0.3;                  // share of these whose legs stand, sit or kneel still
-  double mirror = 0.5;
-  double speed = 0.2;    // factors 1 - speed ... 1 + speed
-  double stretch = 0.5;  // the slowest factor at which one whole action fills a longer sample
-  double tempo = 0.15;   // probability of half or nearly twice the speed; the caption says so
-  double reverse = 0.3;  // probability that steady walking ahead is played backwards; the caption says so
-  double curve = 0.6;    // probability that steady walking or running ahead is bent; the caption says so
-  double then = 0.12;    // probability that a second action follows; the caption has both
+  double passing = 0.4;                // share of these whose arms do it for a while, and the caption does not say it
+  double mirror = 0.5;                 // probability, where the caption names a side or the motion prefers none
+  double speed = 0.2;                  // factors 1 - speed ... 1 + speed
+  double stretch = 0.5;                // the slowest factor at which one whole action fills a longer sample
+  double tempo = 0.15;                 // probability of half or nearly twice the speed; the caption says so
+  double reverse = 0.3;                // probability that steady walking ahead is played backwards; the caption says so
+  double curve = 0.6;                  // probability that steady walking or running ahead is bent; the caption says so
+  double then = 0.12;                  // probability that a second action follows; the caption has both
 };
 
 class TrainingSet {
@@ -15911,12 +15939,20 @@ class TrainingSet {
   ///   - two segments one after the other, under both captions
   ///   - a segment about the legs with the arms of another one about the arms, under either caption or both (as SINC).
   ///     The legs may be those of a person who stands or sits still, under a caption that does not mention arms
+  ///   - the same for a while only, under the caption about the legs. In a timeline the model sees arms that another
+  ///     text moves. It should neither raise them before nor leave them there
   ///   - one of these with the caption "", sometimes
+  /// A motion that prefers a side, under a caption that names none, always prefers the right: the right hand waves.
+  /// With both sides the model would learn the mean of them, which waves with neither.
   TrainingSample draw(Philox rng, const SampleOptions& options) const;
 
  private:
   Motion variant(const CaptionedSegment& s, Index frames, bool mirrored, double tempo, Philox& rng,
                  const SampleOptions& options) const;
+  /// One of the captions of a segment, and whether its motion is mirrored: `mirrored`, unless the motion prefers a side
+  /// that the caption does not name.
+  std::pair<std::string, bool> said(const CaptionedSegment& s, const std::vector<std::string>& captions, bool mirrored,
+                                    Philox& rng) const;
   /// A segment and one that begins in a similar pose, blended into each other; nothing if none was found in few tries.
   std::optional<std::pair<Motion, std::string>> two_actions(Index frames, bool mirrored, Philox& rng,
                                                             const SampleOptions& options) const;
@@ -15947,7 +15983,7 @@ std::optional<std::string> reversed_caption(const std::string& caption);
 
 /// The caption of steady walking or running along a curve: "forward" and "ahead" become "in a circle to the left", "to
 /// the right", ...  Nothing for captions that name no direction, or say more than that.
-/// turn     radians in all, above 0 to the left
+/// turn     radians in all, above 0 to the left. "in a circle" alone is to the right, as all that names no side
 /// wording  chooses among the words for that turn
 std::optional<std::string> curved_caption(const std::string& caption, double turn, std::uint32_t wording);
 
@@ -16077,6 +16113,10 @@ inline bool goes_ahead_only(const std::string& caption) {
                              "lean", "without"});
 }
 
+inline bool names_a_side(const std::string& caption) {
+  return has_word(caption, {"left", "right", "clockwise", "counterclockwise"});
+}
+
 /// Captions that do not say what arms and hands do.
 inline std::vector<std::string> without_arms(const std::vector<std::string>& captions) {
   std::vector<std::string> out;
@@ -16119,8 +16159,10 @@ MOTIONLANG_BODY std::optional<std::string> curved_caption(const std::string& cap
   if (degrees < 150) words.push_back("to the " + side);
   if (degrees > 60 && degrees < 120) words.push_back("in a quarter circle to the " + side);
   if (degrees > 150 && degrees < 240) words = {"in a half circle to the " + side, "in a curve to the " + side};
-  if (degrees >= 240)
-    words = {"in a circle", "in a circle to the " + side, clock + " in a circle", "in a " + clock + " circle"};
+  if (degrees >= 240) {
+    words = {"in a circle to the " + side, clock + " in a circle", "in a " + clock + " circle"};
+    if (turn < 0) words.insert(words.begin(), "in a circle");
+  }
   bool said = false;
   const std::string out = detail::word_by_word(caption, [&](const std::string& word) -> std::string {
     const bool way = word.starts_with("forward") || word == "ahead" || word.starts_with("straight");
@@ -16146,6 +16188,7 @@ MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, 
     s.rest = found.rest, s.action = found.action;
     if (!s.loop && !s.rest) s.loop = detail::cycle_of(s.motion);
     s.grounded = detail::stays_on_the_ground(s.motion);
+    s.side = leading_side(s.motion, s.parts);
     segments_.push_back(std::move(s));
   }
   weigh();
@@ -16269,19 +16312,28 @@ MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index fra
   return mirrored ? mirror(m) : m;
 }
 
+MOTIONLANG_BODY std::pair<std::string, bool> TrainingSet::said(const CaptionedSegment& s,
+                                                               const std::vector<std::string>& captions, bool mirrored,
+                                                               Philox& rng) const {
+  if (captions.empty()) return {"", mirrored};
+  const auto& c = captions[rng.below(static_cast<std::uint32_t>(captions.size()))];
+  if (s.side != Side::middle && !detail::names_a_side(c)) return {c, s.side == Side::left};
+  return {mirrored ? mirrored_caption(c) : c, mirrored};
+}
+
 MOTIONLANG_BODY std::optional<std::pair<Motion, std::string>> TrainingSet::two_actions(
     Index frames, bool mirrored, Philox& rng, const SampleOptions& options) const {
   constexpr Index blend = 8;          // frames
   constexpr double most_apart = 0.2;  // metres, as a mean over the joints
   const auto drawn = [&] {
     const CaptionedSegment& s = pick(all_, rng);
-    const std::string& c = s.captions[rng.below(static_cast<std::uint32_t>(s.captions.size()))];
-    return std::pair(variant(s, frames / 2, mirrored, 1, rng, options), mirrored ? mirrored_caption(c) : c);
+    auto [caption, other_way] = said(s, s.captions, mirrored, rng);
+    return std::pair(variant(s, frames / 2, other_way, 1, rng, options), std::move(caption));
   };
   const auto short_enough = [&](const Motion& m, Index others) {
     return m.frames() > 2 * blend && m.frames() + others - blend <= options.longest;
   };
-  const auto [first, said] = drawn();
+  const auto [first, says_first] = drawn();
   if (!short_enough(first, 2 * blend)) return std::nullopt;
   const Index joints = first.skeleton.size();
   const auto end = detail::poses_in_place(crop(first, first.frames() - 1, first.frames()));
@@ -16291,7 +16343,7 @@ MOTIONLANG_BODY std::optional<std::pair<Motion, std::string>> TrainingSet::two_a
     const auto start = detail::poses_in_place(crop(second, 0, 1));
     if (detail::pose_distance(end.data(), start.data(), joints) > most_apart) continue;
     const char* const between[] = {" and then ", " then ", " and ", ", then "};
-    return std::pair(blend_into(first, second, blend), said + between[rng.below(4)] + says);
+    return std::pair(blend_into(first, second, blend), says_first + between[rng.below(4)] + says);
   }
   return std::nullopt;
 }
@@ -16300,23 +16352,20 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
   const Index range = options.longest - options.shortest;
   // Short lengths are more frequent than long ones, because most texts of a timeline last a few seconds.
   const Index frames = options.shortest + static_cast<Index>(static_cast<double>(range) * std::pow(rng.uniform(), 3));
-  const bool mirrored = rng.uniform() < options.mirror;
-  auto one_of = [&](const std::vector<std::string>& captions) -> std::string {
-    if (captions.empty()) return "";
-    const auto& c = captions[rng.below(static_cast<std::uint32_t>(captions.size()))];
-    return mirrored ? mirrored_caption(c) : c;
-  };
+  const bool drawn = rng.uniform() < options.mirror;
   TrainingSample sample;
   Motion motion;
   const auto bases = [&]() -> const Choice& {
     return !still_.empty() && rng.uniform() < options.still ? still_ : bases_;
   };
-  auto both = rng.uniform() < options.then ? two_actions(frames, mirrored, rng, options) : std::nullopt;
+  auto both = rng.uniform() < options.then ? two_actions(frames, drawn, rng, options) : std::nullopt;
   if (both) {
     motion = std::move(both->first);
     sample.caption = std::move(both->second);
   } else if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
     const CaptionedSegment &base = pick(bases(), rng), &overlay = pick(overlays_, rng);
+    const auto [about_arms, mirrored] = said(overlay, overlay.captions, drawn, rng);
+    const auto [about_legs, other_way] = said(base, detail::without_arms(base.captions), drawn, rng);
     const auto with = variant(overlay, frames, mirrored, 1, rng, options);
     BodyParts parts = overlay.parts;
     if (mirrored) {
@@ -16325,18 +16374,28 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
       if (left) parts = parts.with(BodyPart::right_arm);
       if (right) parts = parts.with(BodyPart::left_arm);
     }
-    motion = overlay_parts(variant(base, with.frames(), mirrored, 1, rng, options), with, parts);
-    const double which = rng.uniform();
-    const std::string about_arms = one_of(overlay.captions), about_legs = one_of(detail::without_arms(base.captions));
-    if (which < 0.45 || about_legs.empty())
-      sample.caption = about_arms, sample.verb = overlay.verb;
-    else if (which < 0.7)
+    constexpr Index blend = 8;  // frames
+    const bool passing = !about_legs.empty() && rng.uniform() < options.passing;
+    const Index length = std::min(options.longest, (passing ? 2 : 1) * with.frames());
+    motion = variant(base, length, other_way, 1, rng, options);
+    if (passing && motion.frames() > 4 * blend) {
+      const auto first = static_cast<Index>(rng.below(static_cast<std::uint32_t>(motion.frames() - 2 * blend)));
+      motion = overlay_parts_for_a_while(motion, with, parts, first, blend);
       sample.caption = about_legs, sample.verb = base.verb;
-    else
-      sample.caption = which < 0.85 ? about_legs + " while " + about_arms : about_arms + " and " + about_legs;
+    } else {
+      motion = overlay_parts(motion, with, parts);
+      const double which = rng.uniform();
+      if (which < 0.45 || about_legs.empty())
+        sample.caption = about_arms, sample.verb = overlay.verb;
+      else if (which < 0.7)
+        sample.caption = about_legs, sample.verb = base.verb;
+      else
+        sample.caption = which < 0.85 ? about_legs + " while " + about_arms : about_arms + " and " + about_legs;
+    }
   } else {
     const CaptionedSegment& s = pick(all_, rng);
-    sample.caption = one_of(s.captions);
+    bool mirrored = false;
+    std::tie(sample.caption, mirrored) = said(s, s.captions, drawn, rng);
     sample.verb = s.verb;
     double tempo = 1;
     if (s.grounded && rng.uniform() < options.tempo &&
@@ -31664,7 +31723,7 @@ function takeProject({ timelines, number, settings }) {
   ({ keep: keeping, live, snap: snapping } = settings);
 }
 /** The project of a file takes the place of the one that is here; undo brings that back.
-    stored: the file's name in the folder of the server, if it is there */
+    stored: the file's name and mark in the folder of the server, if it is there */
 async function openProject(words, stored) {
   let found;
   try {
@@ -31682,7 +31741,7 @@ async function openProject(words, stored) {
     if (id && !clips.has(id) && !await shelf.get(id)) lacks.push(nameOfClip(id));
   }
   edit(() => takeProject(read));
-  if (stored) ownFiles.set(stored, book.map((p) => p.id));
+  if (stored) ownFile(stored, idsOf(book));
   const count = read.timelines.length;
   say(`${count === 1 ? "A timeline is" : `${count} timelines are`} open. Undo brings back what was here.` +
     (lacks.length ? ` Also drop ${[...new Set(lacks)].join(", ")}, whose motion is kept.` : ""));
@@ -31693,29 +31752,52 @@ async function openProject(words, stored) {
 inline constexpr std::string_view studio_script_sharing = R"page(
 // ---- The project as a file.
 
-/** The files of the folder from which this project was opened, or to which it was saved: for each the ids of its
-    timelines, which no other project has. */
+/** The files of the folder from which this project was opened, or to which it was saved, the latest last: for each name
+    the mark of the contents that it had, and the ids of its timelines, which no other project has. */
 const ownFiles = new Map();
-/** A name that overwrites no file of another project. */
-async function projectName() {
-  const start = `${fileName()}_project`, ids = book.map((p) => p.id);
-  const isOwn = (name) => ownFiles.get(name)?.some((id) => ids.includes(id));
-  const taken = engine.folder ? (await engine.ask("files")).map((name) => name.toLowerCase()) : [];
+const idsOf = (timelines) => timelines.map((p) => p.id);
+function ownFile({ name, mark }, ids) {
+  ownFiles.delete(name);
+  ownFiles.set(name, { mark, ids });
+}
+/** The name and the mark of the file that has this project. */
+function fileOfProject() {
+  const found = [...ownFiles].reverse().find(([, { ids }]) => book.some((p) => ids.includes(p.id)));
+  return found && { name: found[0], mark: found[1].mark };
+}
+/** Stores the project in its file of the folder. If somebody else has changed that, it gets another one. */
+async function storeProject(bytes) {
+  const ids = idsOf(book), own = fileOfProject();
+  const stores = async (name, over) => {  // only over contents that this page knows
+    const { mark } = await engine.ask("store", { name, bytes, over });
+    if (!mark) return false;
+    ownFile({ name, mark }, ids);
+    store();  // a reload finds it
+    return true;
+  };
+  if (own && await stores(own.name, own.mark)) return `${own.name} is in the project's folder.`;
+  const start = own ? own.name.replace(/(_\d+)?\.json$/, "").slice(0, 85) : `${fileName()}_project`;
+  const taken = (await engine.ask("files")).map((name) => name.toLowerCase());
   for (let i = 1;; ++i) {
     const name = start + (i > 1 ? `_${i}` : "") + ".json";
-    if (isOwn(name) || !taken.includes(name.toLowerCase())) return name;
+    if (!taken.includes(name.toLowerCase()) && await stores(name, ""))
+      return `${name} is in the project's folder` + (own ? `. Somebody else has changed ${own.name}.` : ".");
   }
 }
 press("saveProject", async () => {
+  const button = element("saveProject");
   try {
     const bytes = new TextEncoder().encode(JSON.stringify(wholeProject(), null, 1));
     if (bytes.length > bounds.bytes) throw new Error(`the project has more than ${bounds.bytes / 1e6} MB of texts`);
-    const name = await projectName();
-    await keepFile(name, bytes, "application/json");
-    if (engine.folder) ownFiles.set(name, book.map((p) => p.id));
+    if (!engine.folder) return offer(`${fileName()}_project.json`, bytes, "application/json");
+    button.disabled = true;
+    say(await storeProject(bytes));
+    await listFolder();
   } catch (reason) {
     say(reason.message, true);
   }
+  button.disabled = false;
+  drawFields();
 });
 
 // ---- Pictures and videos of the view.
@@ -31910,12 +31992,14 @@ input, textarea {
 }
 #work { flex: 1 1 auto; display: grid; grid-template-columns: minmax(0, 1fr) 372px; min-height: 0; }
 #stage { min-height: 0; }
-#says { position: absolute; left: 14px; top: 10px; right: 14px; pointer-events: none; font-weight: 600; }
+#says { position: absolute; left: 14px; top: 10px; right: 150px; pointer-events: none; font-weight: 600; }
 #panel { background: var(--panel); border-left: 1px solid var(--line); padding: 4px 14px 10px; overflow-y: auto; }
 h2 { font-size: 14px; margin: 2px 0; flex: 1; }
 .line { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; margin: 5px 0; }
 .line input[type=number] { width: 78px; }
 #words { width: 100%; }
+#panel > section { display: contents; }
+#go { position: sticky; bottom: -10px; margin: 0; padding: 4px 0 5px; background: var(--panel); }
 fieldset { border: 0; padding: 0; margin: 5px 0; display: flex; flex-wrap: wrap; gap: 0 12px; }
 legend { padding: 0; color: var(--faint); }
 fieldset label { white-space: nowrap; min-height: 24px; display: inline-flex; align-items: center; gap: 4px; }
@@ -31924,7 +32008,8 @@ fieldset input { min-height: 0; width: 16px; height: 16px; accent-color: var(--a
 @media (prefers-color-scheme: dark) { .main { color: #10141a; } }
 #generate { min-width: 110px; }
 progress { width: 100%; height: 10px; accent-color: var(--accent); }
-#status { margin: 2px 0; color: var(--faint); }
+#left:not(:empty), #status { flex-basis: 100%; }
+#status { margin: 0; color: var(--faint); }
 #status.wrong { color: var(--warn); }
 #warnings { margin: 2px 0 0; padding-left: 18px; color: var(--warn); font-size: 13px; }
 :root { --warn: #9a4a00; }
@@ -31993,34 +32078,71 @@ dialog {
 }
 dialog textarea { width: 100%; height: 220px; font: 13px/1.5 ui-monospace, monospace; }
 dialog::backdrop { background: rgb(0 0 0 / 0.4); }
+#menu, #tabs { display: none; }
+#more { display: contents; }
+@media (max-width: 1180px) {
+  header { position: relative; z-index: 2; }
+  #menu { display: block; }
+  #more { display: none; }
+  #more.open {
+    position: absolute; left: 8px; right: 8px; top: 100%; display: flex; flex-wrap: wrap; gap: 8px; padding: 10px;
+    background: var(--panel); border: 1px solid var(--line); border-radius: 0 0 10px 10px;
+    box-shadow: 0 8px 20px rgb(0 0 0 / 0.25);
+  }
+}
 @media (max-width: 760px) {
-  html, body { height: auto; }
-  body { overflow: auto; }
+  body { overflow: hidden auto; }
+  header { padding: 6px 8px; }
+  header h1 { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
+  nav { margin: 0; width: 100%; justify-content: space-between; gap: 3px; font-size: 13px; }
+  nav button, nav select { padding: 3px 6px; }
+  #examples { width: 98px; }
+  #kind { width: 68px; }
+  #keysHelp { display: none; }
   #work { display: contents; }
-  #stage { flex: none; height: 40vh; }
-  #panel { order: 1; border-left: 0; border-top: 1px solid var(--line); }
-  #timeline { grid-template-columns: 112px minmax(0, 1fr); max-height: none; }
+  #stage { flex: 1 0 130px; }
+  #says { right: 14px; font-size: 13px; white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
+  #aids { flex-flow: row wrap-reverse; justify-content: center; left: 4px; right: 4px; top: auto; bottom: 6px; }
+  #aids button { padding: 2px 6px; white-space: nowrap; }
+  #takes { bottom: 40px; }
+  #takes canvas { width: 50px; height: 56px; }
+  #hint, #clock { display: none; }
+  footer { padding: 4px 8px; flex: none; }
+  #controls { gap: 4px; }
+  #controls label { font-size: 0; }  /* there is room for the fields */
+  #controls :is(button, select) { padding: 3px 7px; font-size: 13px; }
+  #play { min-width: 66px; }
+  #timeline { grid-template-columns: 112px minmax(0, 1fr); max-height: 30vh; }
   #tools { flex-wrap: wrap; height: 56px; }
   #axis { height: 56px; padding-top: 36px; }
   #scroller { padding-right: 6px; }
-  #takes canvas { width: 62px; height: 76px; }
-  #aids { flex-flow: row wrap; justify-content: end; left: 12px; top: 34px; }
   #names { font-size: 13px; }
   #names button { padding: 0 5px; }
-  #hint { display: none; }
-  nav { margin-left: 0; }
+  #panel {
+    order: 1; flex: 0 1 252px; min-height: 120px; display: flex; flex-direction: column; padding: 2px 10px 6px;
+    border-left: 0; border-top: 1px solid var(--line);
+  }
+  #panel > section > * { flex: none; }
+  #tabs { display: flex; gap: 4px; }
+  #go { top: -2px; bottom: auto; z-index: 1; }
+  #go, #plain { order: -1; }
+  #panel .line { margin: 3px 0; }
+  #panel[data-shown="text"] .setting, #panel[data-shown="motion"] > section:first-child { display: none; }
+  #generate { min-width: 96px; margin-left: auto; }
 }
 )page";
 
 inline constexpr std::string_view studio_header = R"page(
 <header><h1 id="title"></h1><span id="info"></span>
   <nav aria-label="Project">
+    <button id="menu" type="button" aria-expanded="false" aria-controls="more">Menu</button>
     <select id="examples" aria-label="Examples to start from"><option value="">Examples</option></select>
+    <button id="undo" type="button" title="Ctrl+Z">Undo</button>
+    <button id="redo" type="button" title="Ctrl+Shift+Z">Redo</button>
+    <div id="more">
     <select id="sheet" aria-label="Timeline of the project"></select>
     <button id="fresh" type="button">New</button>
     <button id="drop" type="button" aria-label="Remove this timeline">Remove</button>
-    <button id="undo" type="button" title="Ctrl+Z">Undo</button>
-    <button id="redo" type="button" title="Ctrl+Shift+Z">Redo</button>
     <button id="open" type="button" title="A project, a timeline, a motion to keep or a character">Open</button>
     <select id="folder" aria-label="File in the project's folder" hidden></select>
     <input id="file" type="file" accept=".txt,.json,.bvh,.glb,.gltf,.vrm,.vrma,.npz,.npy" hidden>
@@ -32028,6 +32150,7 @@ inline constexpr std::string_view studio_header = R"page(
     <button id="write" type="button">Text</button>
     <button id="link" type="button" title="Copy a link to this timeline">Link</button>
     <button id="saveProject" type="button" title="All timelines and settings in one file">Save project</button>
+    </div>
     <select id="kind" aria-label="Kind of file">
       <option value=".bvh">BVH</option><option value=".glb">GLB</option><option value=".vrma">VRMA</option>
       <option value=".npz">AMASS .npz</option><option value=".npy">joints .npy</option>
@@ -32041,7 +32164,7 @@ inline constexpr std::string_view studio_header = R"page(
 )page";
 
 inline constexpr std::string_view studio_panel = R"page(
-<aside id="panel" aria-label="Text and motion">
+<aside id="panel" aria-label="Text and motion" data-shown="text">
   <section aria-labelledby="aboutText">
     <div class="line"><h2 id="aboutText">Text</h2>
       <button id="split" type="button" title="X">Split</button>
@@ -32058,22 +32181,26 @@ inline constexpr std::string_view studio_panel = R"page(
     </div>
   </section>
   <section aria-labelledby="aboutMotion">
-    <div class="line"><h2 id="aboutMotion">Motion</h2>
+    <div class="line setting"><h2 id="aboutMotion">Motion</h2>
       <label>Steps <select id="steps"><option value="usual">20</option><option value="fast">10, fast</option></select>
       </label></div>
-    <div class="line"><label>Length <input id="length" type="number" min="0.5" max="60" step="0.5"></label> s
+    <div class="line setting"><label>Length <input id="length" type="number" min="0.5" max="60" step="0.5"></label> s
       <label>Seed <input id="seed" type="number" min="0" max="9007199254740991" step="1"></label></div>
-    <div class="line"><button id="generate" class="main" type="button" title="Ctrl+Enter">Generate</button>
+    <div class="line" id="go">
+      <span id="tabs" role="group" aria-label="What is below">
+        <button id="showText" type="button" aria-pressed="true">Text</button>
+        <button id="showMotion" type="button" aria-pressed="false">Motion</button></span>
+      <button id="generate" class="main" type="button" title="Ctrl+Enter">Generate</button>
       <button id="cancel" type="button" hidden>Cancel</button>
-      <button id="dice" type="button">Next seed</button>
-      <button id="vary" type="button" title="V">Variations</button></div>
-    <div class="line">
+      <button id="dice" class="setting" type="button">Next seed</button>
+      <button id="vary" class="setting" type="button" title="V">Variations</button>
+      <span id="left"></span>
+      <progress id="progress" max="1" value="0" aria-label="Steps that are done" hidden></progress>
+      <p id="status" role="status"></p></div>
+    <div class="line setting">
       <button id="keep" type="button" title="An edit changes only what is within a second of it">Keep the rest</button>
       <button id="whole" type="button" title="Ctrl+Shift+Enter">Make all anew</button>
       <button id="live" type="button" title="Generate after every edit">Live</button></div>
-    <span id="left"></span>
-    <progress id="progress" max="1" value="0" aria-label="Steps that are done" hidden></progress>
-    <p id="status" role="status"></p>
     <button id="plain" type="button" hidden>Without the character</button>
     <ul id="warnings" aria-label="Warnings"></ul>
   </section>
@@ -32107,7 +32234,7 @@ inline constexpr std::string_view studio_dialog = R"page(
   <div class="line"><button id="apply" class="main" type="button">Apply</button>
     <button id="saveText" type="button">Save file</button><button id="close" type="button">Close</button></div>
 </dialog>
-<dialog id="findDialog" aria-labelledby="aboutFind">
+<dialog id="findDialog" closedby="any" aria-labelledby="aboutFind">
   <h2 id="aboutFind">Find a motion</h2>
   <p id="findHelp">Searching needs the program: its model does not fit into this file. Start
     <code>motionlang studio --project FOLDER</code> and open its link. Then words find moments in the motions of that
@@ -32119,7 +32246,7 @@ inline constexpr std::string_view studio_dialog = R"page(
   <ol id="found" aria-label="What was found"></ol>
   <button id="findClose" type="button">Close</button>
 </dialog>
-<dialog id="keysDialog" aria-labelledby="aboutKeys">
+<dialog id="keysDialog" closedby="any" aria-labelledby="aboutKeys">
   <h2 id="aboutKeys">Keys</h2>
   <dl>
     <dt>Left, right</dt><dd>move the chosen bars; with Shift the end of one, with Ctrl its start</dd>
@@ -32400,7 +32527,7 @@ function store(leaving = false) {
   if (leaving) links.push(location.hash);  // a reload comes with the address before the latest edit
   try {
     history.replaceState(null, "", link);
-    localStorage.setItem(place, JSON.stringify({ ...wholeProject(), links }));
+    localStorage.setItem(place, JSON.stringify({ ...wholeProject(), links, file: fileOfProject() }));
   } catch (reason) {
     console.info("the browser keeps no project:", reason.message);
   }
@@ -32417,6 +32544,7 @@ function restore() {
       const read = checkedProject(all ? { ...marks, timelines: all, shown: number } : kept);
       lastId = 0;
       takeProject(read);
+      if (kept.file) ownFile(kept.file, idsOf(book));
       return kept.links || [kept.link];
     } catch (reason) {
       localStorage.setItem(place + ", not read", words);
@@ -32711,6 +32839,8 @@ function drawFields() {
     : shownTake && isStale() ? "The timeline has changed." : "";
   element("save").disabled = !shownTake;
   element("plain").hidden = !character;
+  const file = engine.folder && fileOfProject(), where = file ? `Save all timelines and settings to ${file.name}` : "";
+  element("saveProject").title = where || "All timelines and settings in one file";
 }
 function drawWarnings() {
   const list = element("warnings");
@@ -33545,6 +33675,26 @@ press("saveText", async () => {
     element("fault").textContent = reason.message;
   }
 });
+
+// A narrow page has a menu, and shows the fields of the text or those of the motion.
+function openMenu(on) {
+  const menu = element("menu"), more = element("more");
+  if (!on && menu.offsetWidth > 0 && more.contains(document.activeElement)) menu.focus();
+  more.classList.toggle("open", on);
+  menu.setAttribute("aria-expanded", on);
+}
+press("menu", () => openMenu(!element("more").classList.contains("open")));
+element("more").addEventListener("change", () => openMenu(false));
+element("more").addEventListener("click", ({ target }) => { if (target.closest("button")) openMenu(false); });
+addEventListener("pointerdown", ({ target }) => { if (!target.closest("nav")) openMenu(false); });
+function showFields(name) {
+  element("panel").dataset.shown = name;
+  showPressed("showText", name === "text");
+  showPressed("showMotion", name === "motion");
+}
+press("showText", () => showFields("text"));
+press("showMotion", () => showFields("motion"));
+
 press("keysHelp", () => element("keysDialog").showModal());
 press("keysClose", () => element("keysDialog").close());
 
@@ -33590,7 +33740,7 @@ press("plain", () => {
   show(shownTake);
 });
 /** A GLB file without an animation and a VRM file are characters; with Shift every GLB file is one.
-    stored: the file's name in the folder of the server, if it is there */
+    stored: the file's name and mark in the folder of the server, if it is there */
 async function take(file, asCharacter, stored = null) {
   try {
     const kind = file.name.slice(file.name.lastIndexOf(".")).toLowerCase();
@@ -33628,8 +33778,8 @@ element("folder").addEventListener("change", async ({ target }) => {
   const name = target.value;
   target.value = "";
   try {
-    const { bytes } = await engine.ask("open", { name });
-    await take(new File([unpackedBytes(bytes)], name), false, name);
+    const { bytes, mark } = await engine.ask("open", { name });
+    await take(new File([unpackedBytes(bytes)], name), false, { name, mark });
   } catch (reason) {
     say(`${name}: ${reason.message}`, true);
   }
@@ -33657,7 +33807,7 @@ addEventListener("keydown", (event) => {
     ? { z: event.shiftKey ? redo : undo, y: redo, d: duplicateBars, enter: () => generate(event.shiftKey),
         ...(!writes && { a: chooseAll }) }[key]
     : writes || event.altKey || event.target.tagName === "SELECT" ? null
-    : { escape: chooseOne, n: addNext, g: () => element("snap").click(), v: vary,
+    : { escape: () => { openMenu(false); chooseOne(); }, n: addNext, g: () => element("snap").click(), v: vary,
         k: () => lockTake(shownTake), x: event.defaultPrevented ? null : splitBars,
         "?": () => element("keysHelp").click(), 0: () => setZoom(1),
         ...(event.target !== view && { "+": () => setZoom(2 * zoom), "-": () => setZoom(zoom / 2) }),

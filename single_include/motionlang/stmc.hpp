@@ -7901,10 +7901,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Processes with the numbers (ranks) 0 ... size - 1. Each process has an object of its own.
 ///   send, receive   bytes for one rank, bytes from one rank; either may wait for the other
 ///   exchange        sends bytes to a rank and takes those that it sends, at the same time; both ranks call it
+///   arrived         true if a message of a rank is there, so that receive does not wait. It never waits itself
 ///   broadcast       all have the bytes of `root` afterwards
 ///   barrier         returns once all have called it
 /// Laws    messages between two ranks arrive in their order; receive and exchange throw shape_error 204 for a message
-///         of another size than they ask for; all ranks call broadcast and barrier in one order, with one size and root
+///         of another size than they ask for, which they take and drop, so that its sender does not wait (of messages
+///         up to 1 GiB); all ranks call broadcast and barrier in one order, with one size and root
 /// Errors  an exception in a function that all ranks call leaves the others waiting for messages. A program that does
 ///         not expect it in all ranks must then end all of them: MpiCommunicator::abort
 /// Models  OneProcess, AnyCommunicator, MpiCommunicator
@@ -7915,6 +7917,7 @@ concept Communicator = requires(const C& c, std::span<const std::byte> given, st
   c.send(given, rank);
   c.receive(taken, rank);
   c.exchange(given, taken, rank);
+  { c.arrived(rank) } -> std::convertible_to<bool>;
   c.broadcast(taken, rank);
   c.barrier();
 };
@@ -7926,6 +7929,7 @@ struct OneProcess {
   [[noreturn]] static void send(std::span<const std::byte>, Index to) { refuse(to); }
   [[noreturn]] static void receive(std::span<std::byte>, Index from) { refuse(from); }
   [[noreturn]] static void exchange(std::span<const std::byte>, std::span<std::byte>, Index with) { refuse(with); }
+  static bool arrived(Index) { return false; }
   static void broadcast(std::span<std::byte>, Index) {}
   static void barrier() {}
 
@@ -7952,6 +7956,7 @@ class AnyCommunicator {
   void exchange(std::span<const std::byte> given, std::span<std::byte> taken, Index with) const {
     functions_->exchange(communicator_, given, taken, with);
   }
+  bool arrived(Index from) const { return functions_->arrived(communicator_, from); }
   void broadcast(std::span<std::byte> bytes, Index root) const { functions_->broadcast(communicator_, bytes, root); }
   void barrier() const { functions_->barrier(communicator_); }
 
@@ -7960,6 +7965,7 @@ class AnyCommunicator {
     void (*send)(const void*, std::span<const std::byte>, Index);
     void (*receive)(const void*, std::span<std::byte>, Index);
     void (*exchange)(const void*, std::span<const std::byte>, std::span<std::byte>, Index);
+    bool (*arrived)(const void*, Index);
     void (*broadcast)(const void*, std::span<std::byte>, Index);
     void (*barrier)(const void*);
   };
@@ -7973,6 +7979,7 @@ class AnyCommunicator {
       .receive = [](const void* c, std::span<std::byte> bytes, Index from) { of<C>(c).receive(bytes, from); },
       .exchange = [](const void* c, std::span<const std::byte> given, std::span<std::byte> taken,
                      Index with) { of<C>(c).exchange(given, taken, with); },
+      .arrived = [](const void* c, Index from) { return static_cast<bool>(of<C>(c).arrived(from)); },
       .broadcast = [](const void* c, std::span<std::byte> bytes, Index root) { of<C>(c).broadcast(bytes, root); },
       .barrier = [](const void* c) { of<C>(c).barrier(); }};
   static const OneProcess& one_process() {
@@ -8537,7 +8544,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
 /// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
-///         whose last digits depend on it. Throws config_error 101 for an odd width.
+///         whose last digits depend on it. Sines are rounded from double, because the float functions of C
+///         libraries differ in the last bit. Throws config_error 101 for an odd width.
 template <Backend B>
 Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
@@ -8551,8 +8559,8 @@ Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
       for (Index p = first; p < last; ++p) {
         for (const float w : frequencies) {
           const float angle = static_cast<float>(p) * w;
-          *at++ = static_cast<S>(std::sin(angle));
-          *at++ = static_cast<S>(std::cos(angle));
+          *at++ = static_cast<S>(static_cast<float>(std::sin(static_cast<double>(angle))));
+          *at++ = static_cast<S>(static_cast<float>(std::cos(static_cast<double>(angle))));
         }
       }
     });
@@ -12709,6 +12717,12 @@ std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const 
                                      const GenerateOptions& options = {});
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 Motion generate_motion(const Stmc<B, D, E>& stmc, const Timeline& timeline, const GenerateOptions& options = {});
+
+/// Throws option_error 102 if motions of these timelines depend on each other, so that several processes cannot share
+/// them (BatchMates). generate_motions calls it in each of them, before the work.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+void require_own_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                         const GenerateOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
 
@@ -18051,7 +18065,8 @@ MOTIONLANG_NAMESPACE_END
 ///     const std::vector<Motion> motions = generate_motions(*model, timelines, {.seed = 7, .communicator = all});
 ///
 /// The parts follow each other. They have about as much to make: the frames of all texts count.
-/// Differs  a model whose motions depend on each other is refused (BatchMates), and so are files of noise and records
+/// Differs  a model whose motions depend on each other is refused (BatchMates), in all processes and before the work,
+///          and so are files of noise and records
 
 #include <functional>  // makers
 
@@ -18284,10 +18299,11 @@ using MotionMaker = std::function<std::vector<Motion>(std::span<const Timeline>,
 
 /// The motions of all timelines, in all processes; the notes of the options as well.
 /// make    is called once in each process that has a part, with `before` in its options
+/// check   is called before in every process, once all are known to have the same list
 /// Throws  config_error 102 if the timelines, the kernels, or the options that decide bits are not those of rank 0 in
-///         some process; option_error 102 for files of noise and records; what `make` throws. Models are not compared
+///         some process; option_error 102 for files of noise and records; what `make` and `check` throw. Models are not compared
 std::vector<Motion> shared_motions(std::span<const Timeline> timelines, const GenerateOptions& options,
-                                   const MotionMaker& make);
+                                   const MotionMaker& make, const std::function<void()>& check = {});
 
 /// The places in the list at which the parts of the ranks begin, and its end.
 std::vector<Index> parts_of_timelines(std::span<const Timeline> timelines, Index ranks);
@@ -18309,9 +18325,8 @@ MOTIONLANG_NAMESPACE_END
 ///     use(generate_motions(*model, own_part, {.progress = progress}));  // in every process
 ///     progress.finish();
 ///
-/// The others send their counts and do not wait. Rank 0 waits, before it reports a step, until each other rank has done
-/// the share of its own work that rank 0 had done before the step. So rank 0 is at most a step ahead of the slowest
-/// one. The last motion of the slowest process is the end of the bar.
+/// The others send their counts and do not wait. With each step of its own, rank 0 reports what has arrived from the
+/// others until then, and does not wait for more. It waits for them at the end only, and reports their last steps.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -18327,17 +18342,19 @@ class SharedProgress {
   void finish();
 
  private:
-  /// The next share that a rank sends.
-  double received(std::size_t rank);
-  /// A rank has done this share of its work; reported if it is another one than before.
-  void note(std::size_t rank, double share);
-  void report() const;
+  /// Takes the next message of a rank, which it waits for.
+  void receive(std::size_t rank);
+  /// Takes the messages that have arrived.
+  void receive_arrived();
+  /// Calls the caller, unless it knows the counts.
+  void report();
 
   AnyCommunicator all_;
   std::vector<Index> work_;
   Progress caller_;
   std::vector<double> shares_;  // of the work of each rank that is done, as far as rank 0 knows
   std::vector<bool> finished_;
+  Index reported_ = -1;
 };
 
 MOTIONLANG_NAMESPACE_END
@@ -18378,10 +18395,8 @@ MOTIONLANG_BODY bool SharedProgress::operator()(Index done, Index total) {
     all_.send(std::as_bytes(std::span(&own, 1)), 0);
     return true;
   }
-  for (std::size_t r = 1; r < shares_.size(); ++r) {
-    while (!finished_[r] && shares_[r] < shares_[0]) shares_[r] = received(r);
-  }
   shares_[0] = static_cast<double>(done) / static_cast<double>(std::max<Index>(1, total));
+  receive_arrived();
   report();
   return true;
 }
@@ -18393,29 +18408,33 @@ MOTIONLANG_BODY void SharedProgress::finish() {
     all_.send(std::as_bytes(std::span(&end, 1)), 0);
     return;
   }
-  note(0, 1);
+  shares_[0] = 1;
   while (true) {
+    receive_arrived();
+    report();
     std::size_t last = 0;  // the rank that is farthest behind
     for (std::size_t r = 1; r < shares_.size(); ++r) {
       if (!finished_[r] && (last == 0 || shares_[r] < shares_[last])) last = r;
     }
     if (last == 0) break;
-    note(last, received(last));
+    receive(last);
   }
 }
 
-MOTIONLANG_BODY double SharedProgress::received(std::size_t rank) {
+MOTIONLANG_BODY void SharedProgress::receive(std::size_t rank) {
   detail::ProgressCounts counts;
   all_.receive(std::as_writable_bytes(std::span(&counts, 1)), static_cast<Index>(rank));
   finished_[rank] = counts.total == 0;
-  return counts.total == 0 ? 1 : static_cast<double>(counts.done) / static_cast<double>(counts.total);
+  shares_[rank] = counts.total == 0 ? 1 : static_cast<double>(counts.done) / static_cast<double>(counts.total);
 }
 
-MOTIONLANG_BODY void SharedProgress::note(std::size_t rank, double share) {
-  if (std::exchange(shares_[rank], share) != share) report();
+MOTIONLANG_BODY void SharedProgress::receive_arrived() {
+  for (std::size_t r = 1; r < shares_.size(); ++r) {
+    while (!finished_[r] && all_.arrived(static_cast<Index>(r))) receive(r);
+  }
 }
 
-MOTIONLANG_BODY void SharedProgress::report() const {
+MOTIONLANG_BODY void SharedProgress::report() {
   double done = 0;
   Index whole = 0;
   for (std::size_t r = 0; r < shares_.size(); ++r) {
@@ -18423,7 +18442,8 @@ MOTIONLANG_BODY void SharedProgress::report() const {
     whole += work_[r];
   }
   constexpr Index parts = 1000;
-  if (whole > 0) caller_(static_cast<Index>(std::llround(done * static_cast<double>(parts))), whole * parts);
+  const auto now = static_cast<Index>(std::llround(done * static_cast<double>(parts)));
+  if (whole > 0 && std::exchange(reported_, now) != now) caller_(now, whole * parts);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -18508,13 +18528,14 @@ MOTIONLANG_BODY Motion take_motion(MessageReader& in) {
 }
 
 MOTIONLANG_BODY std::vector<Motion> shared_motions(std::span<const Timeline> timelines, const GenerateOptions& options,
-                                                   const MotionMaker& make) {
+                                                   const MotionMaker& make, const std::function<void()>& check) {
   const AnyCommunicator& all = options.communicator;
   detail::require_no_list_files(options);
   if (const Index other = first_other_text(all, detail::shared_input(timelines, options)); other > 0)
     raise<config_error>(102, "rank ", other, " of ", all.size(),
                         " has other timelines, options or kernels than rank 0, so that motions would differ from those "
                         "of one process");
+  if (check) check();
   const std::vector<Index> begins = parts_of_timelines(timelines, all.size());
   const auto part_of = [&](Index rank) {
     const auto r = static_cast<std::size_t>(rank);
@@ -22247,6 +22268,24 @@ class GenerateRun {
     if (o_.keep) keep_on_model();
   }
 
+  /// Throws option_error 102 if a motion depends on others of the list, so that no part of the list can be made alone.
+  void require_own_motions(std::span<const Timeline> timelines) const {
+    if (timelines.size() + o_.before.size() < 2) return;
+    const BatchMates mates = model_.denoiser.traits().mates;
+    bool one_token = mates != BatchMates::longest_text;
+    if (!one_token) {
+      std::set<std::string> texts{""};
+      for (const std::span<const Timeline> list : {o_.before, timelines}) {
+        for (const Timeline& t : cut(list, o_.cut_texts)) {
+          for (const Interval& i : t.intervals) texts.insert(i.text);
+        }
+      }
+      const std::vector<std::string> all(texts.begin(), texts.end());
+      one_token = model_.text_encoder.template encode<B>(std::span(all)).tokens.offsets.longest() <= 1;
+    }
+    detail::require_own_motions(mates, one_token);
+  }
+
   std::vector<Motion> operator()(std::span<const Timeline> timelines) const {
     if (o_.notes != nullptr) *o_.notes = {.layout = model_.layout.name};
     std::vector<Motion> collages, motions;
@@ -22409,12 +22448,19 @@ class GenerateRun {
 }  // namespace detail
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+void require_own_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                         const GenerateOptions& options) {
+  detail::GenerateRun<B, D, E>(stmc, options).require_own_motions(timelines);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                      const GenerateOptions& options) {
   const auto make = [&](std::span<const Timeline> part, const GenerateOptions& how) {
     return detail::GenerateRun<B, D, E>(stmc, how)(part);
   };
-  return options.communicator.size() == 1 ? make(timelines, options) : shared_motions(timelines, options, make);
+  if (options.communicator.size() == 1) return make(timelines, options);
+  return shared_motions(timelines, options, make, [&] { require_own_motions(stmc, timelines, options); });
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>

@@ -1,5 +1,5 @@
-// The communicator of MPI in several processes, as CTest starts them with mpirun: messages that arrive, and messages of
-// another size, which are refused in every process that takes them, without a wait.
+// The communicator of MPI in several processes, as CTest starts them with mpirun: messages that arrive. Messages of
+// another size are refused in every process that takes them, without a wait.
 #include <doctest/doctest.h>
 
 #include <cstddef>

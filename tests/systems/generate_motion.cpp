@@ -239,12 +239,13 @@ TEST_CASE("a model whose motions depend on each other makes no part of a list") 
 }
 
 TEST_CASE("every process refuses a list whose motions depend on each other, also one without a part") {
-  const auto check = [&](const auto& stmc, const std::vector<Timeline>& list, bool refused) {
+  const auto check = [&](const auto& stmc, const std::vector<Timeline>& list, bool refused,
+                         const std::vector<Timeline>& before = {}) {
     const auto boxed = ml::stmc_motion_model(stmc);
     for (const ml::Index processes : {2, 3}) {
       CAPTURE(processes);
       run_processes(processes, [&](const ThreadProcess& process) {
-        const ml::GenerateOptions shared{.seed = 3, .communicator = ml::AnyCommunicator(process)};
+        const ml::GenerateOptions shared{.seed = 3, .before = before, .communicator = ml::AnyCommunicator(process)};
         const auto generate = [&] { ml::generate_motions(stmc, list, shared); };
         const auto generate_boxed = [&] { ml::generate_motions(*boxed, list, shared); };
         if (!refused) {
@@ -255,7 +256,6 @@ TEST_CASE("every process refuses a list whose motions depend on each other, also
         const doctest::Contains why("[motionlang.config.102] a motion of this model depends on the other timelines");
         CHECK_THROWS_WITH_AS(generate(), why, ml::option_error);
         CHECK_THROWS_WITH_AS(generate_boxed(), why, ml::option_error);
-        CHECK(process.messages() == 0);  // so nobody waits for another
       });
     }
   };
@@ -277,6 +277,17 @@ TEST_CASE("every process refuses a list whose motions depend on each other, also
   check(words, list({"walk", "walk", "turn left"}), true);
   check(words, list({"walk", "walk", "turn"}), false);
   check(plain, list({"walk", "walk", "turn left"}), false);
+  check(words, list({"walk"}), true, list({"turn left"}));
+}
+
+TEST_CASE("processes with other lists end with one error, also if the model could not make one of them") {
+  const auto stmc = mixing_model();
+  run_processes(2, [&](const ThreadProcess& process) {
+    const std::vector<Timeline> list(static_cast<std::size_t>(1 + process.rank()), small::one_text(20));
+    CHECK_THROWS_WITH_AS(ml::generate_motions(stmc, list, {.communicator = ml::AnyCommunicator(process)}),
+                         doctest::Contains("[motionlang.config.102] rank 1 of 2 has other timelines"),
+                         ml::config_error);
+  });
 }
 
 TEST_CASE("options that contradict each other, or that the model cannot do, are option errors") {

@@ -338,6 +338,18 @@ TEST_CASE("a text that names no side is shown to the right") {
   CHECK(seen["turn to the left"] > 5);
   CHECK(seen["turn to the right"] > 5);
   CHECK(seen.size() == 3);
+  options.then = 1;  // also in two actions after each other
+  int both = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const auto s = set.draw(ml::Philox{.seed = seed}, options);
+    if (s.caption.find("turn ") != 0 || s.caption.find("left") != s.caption.npos ||
+        s.caption.find("to the right") != s.caption.npos || s.caption.find("turn", 1) == s.caption.npos)
+      continue;  // "turn and then turn" and the like
+    for (ml::Index f = 0; f + 1 < s.frames; ++f)
+      CHECK(s.features[static_cast<std::size_t>(f * ml::smplrifke_size) + 3] < 0.02);
+    ++both;
+  }
+  CHECK(both > 3);
 }
 
 TEST_CASE("the loss on feet: nothing for the truth, the speed squared for a path that slides") {

@@ -338,19 +338,28 @@ MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index fra
   return mirrored ? mirror(m) : m;
 }
 
+MOTIONLANG_BODY std::pair<std::string, bool> TrainingSet::said(const CaptionedSegment& s,
+                                                               const std::vector<std::string>& captions, bool mirrored,
+                                                               Philox& rng) const {
+  if (captions.empty()) return {"", mirrored};
+  const auto& c = captions[rng.below(static_cast<std::uint32_t>(captions.size()))];
+  if (s.side != Side::middle && !detail::names_a_side(c)) return {c, s.side == Side::left};
+  return {mirrored ? mirrored_caption(c) : c, mirrored};
+}
+
 MOTIONLANG_BODY std::optional<std::pair<Motion, std::string>> TrainingSet::two_actions(
     Index frames, bool mirrored, Philox& rng, const SampleOptions& options) const {
   constexpr Index blend = 8;          // frames
   constexpr double most_apart = 0.2;  // metres, as a mean over the joints
   const auto drawn = [&] {
     const CaptionedSegment& s = pick(all_, rng);
-    const std::string& c = s.captions[rng.below(static_cast<std::uint32_t>(s.captions.size()))];
-    return std::pair(variant(s, frames / 2, mirrored, 1, rng, options), mirrored ? mirrored_caption(c) : c);
+    auto [caption, other_way] = said(s, s.captions, mirrored, rng);
+    return std::pair(variant(s, frames / 2, other_way, 1, rng, options), std::move(caption));
   };
   const auto short_enough = [&](const Motion& m, Index others) {
     return m.frames() > 2 * blend && m.frames() + others - blend <= options.longest;
   };
-  const auto [first, said] = drawn();
+  const auto [first, says_first] = drawn();
   if (!short_enough(first, 2 * blend)) return std::nullopt;
   const Index joints = first.skeleton.size();
   const auto end = detail::poses_in_place(crop(first, first.frames() - 1, first.frames()));
@@ -360,7 +369,7 @@ MOTIONLANG_BODY std::optional<std::pair<Motion, std::string>> TrainingSet::two_a
     const auto start = detail::poses_in_place(crop(second, 0, 1));
     if (detail::pose_distance(end.data(), start.data(), joints) > most_apart) continue;
     const char* const between[] = {" and then ", " then ", " and ", ", then "};
-    return std::pair(blend_into(first, second, blend), said + between[rng.below(4)] + says);
+    return std::pair(blend_into(first, second, blend), says_first + between[rng.below(4)] + says);
   }
   return std::nullopt;
 }
@@ -370,13 +379,6 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
   // Short lengths are more frequent than long ones, because most texts of a timeline last a few seconds.
   const Index frames = options.shortest + static_cast<Index>(static_cast<double>(range) * std::pow(rng.uniform(), 3));
   const bool drawn = rng.uniform() < options.mirror;
-  // A caption, and whether its motion is mirrored.
-  const auto one_of = [&](const CaptionedSegment& s, const std::vector<std::string>& captions) {
-    if (captions.empty()) return std::pair(std::string(), drawn);
-    const auto& c = captions[rng.below(static_cast<std::uint32_t>(captions.size()))];
-    if (s.side != Side::middle && !detail::names_a_side(c)) return std::pair(c, s.side == Side::left);
-    return std::pair(drawn ? mirrored_caption(c) : c, drawn);
-  };
   TrainingSample sample;
   Motion motion;
   const auto bases = [&]() -> const Choice& {
@@ -388,8 +390,8 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
     sample.caption = std::move(both->second);
   } else if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
     const CaptionedSegment &base = pick(bases(), rng), &overlay = pick(overlays_, rng);
-    const auto [about_arms, mirrored] = one_of(overlay, overlay.captions);
-    const auto [about_legs, other_way] = one_of(base, detail::without_arms(base.captions));
+    const auto [about_arms, mirrored] = said(overlay, overlay.captions, drawn, rng);
+    const auto [about_legs, other_way] = said(base, detail::without_arms(base.captions), drawn, rng);
     const auto with = variant(overlay, frames, mirrored, 1, rng, options);
     BodyParts parts = overlay.parts;
     if (mirrored) {
@@ -419,7 +421,7 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
   } else {
     const CaptionedSegment& s = pick(all_, rng);
     bool mirrored = false;
-    std::tie(sample.caption, mirrored) = one_of(s, s.captions);
+    std::tie(sample.caption, mirrored) = said(s, s.captions, drawn, rng);
     sample.verb = s.verb;
     double tempo = 1;
     if (s.grounded && rng.uniform() < options.tempo &&

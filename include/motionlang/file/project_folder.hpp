@@ -39,7 +39,7 @@ class ProjectFolder {
   /// Throws config_error 103 and io_error 401, also for a name that a link or a folder has.
   void write(const std::string& name, std::span<const std::byte> contents) const;
 
-  /// The mark of contents: 16 digits. They change with every accident, but do not protect against forgery.
+  /// The mark of contents: 16 digits, FNV-1a over the bytes. It does not protect against forgery.
   static std::string mark(std::span<const std::byte> contents);
   /// Writes if there is no such file, or if its contents have this mark. False: there are others, or more than `most`
   /// bytes, and nothing is written. Throws as write does. Two calls at the same time need a lock of the caller.

@@ -56,8 +56,10 @@ class GenerateRun {
     bool one_token = mates != BatchMates::longest_text;
     if (!one_token) {
       std::set<std::string> texts{""};
-      for (const Timeline& t : cut(timelines, o_.cut_texts)) {
-        for (const Interval& i : t.intervals) texts.insert(i.text);
+      for (const std::span<const Timeline> list : {o_.before, timelines}) {
+        for (const Timeline& t : cut(list, o_.cut_texts)) {
+          for (const Interval& i : t.intervals) texts.insert(i.text);
+        }
       }
       const std::vector<std::string> all(texts.begin(), texts.end());
       one_token = model_.text_encoder.template encode<B>(std::span(all)).tokens.offsets.longest() <= 1;
@@ -239,8 +241,7 @@ std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const 
     return detail::GenerateRun<B, D, E>(stmc, how)(part);
   };
   if (options.communicator.size() == 1) return make(timelines, options);
-  require_own_motions(stmc, timelines, options);
-  return shared_motions(timelines, options, make);
+  return shared_motions(timelines, options, make, [&] { require_own_motions(stmc, timelines, options); });
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>

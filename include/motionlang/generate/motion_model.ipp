@@ -47,9 +47,9 @@ MOTIONLANG_BODY std::vector<Motion> MotionModel::generate(std::span<const Timeli
                                                           const GenerateOptions& options) const {
   check_options(*this, options);
   if (options.communicator.size() == 1) return make(timelines, options);
-  require_shareable(timelines, options);
-  return shared_motions(timelines, options,
-                        [&](std::span<const Timeline> part, const GenerateOptions& how) { return make(part, how); });
+  return shared_motions(
+      timelines, options, [&](std::span<const Timeline> part, const GenerateOptions& how) { return make(part, how); },
+      [&] { require_shareable(timelines, options); });
 }
 
 MOTIONLANG_BODY std::vector<Motion> generate_motions(const MotionModel& model, std::span<const Timeline> timelines,

@@ -88,13 +88,14 @@ MOTIONLANG_BODY Motion take_motion(MessageReader& in) {
 }
 
 MOTIONLANG_BODY std::vector<Motion> shared_motions(std::span<const Timeline> timelines, const GenerateOptions& options,
-                                                   const MotionMaker& make) {
+                                                   const MotionMaker& make, const std::function<void()>& check) {
   const AnyCommunicator& all = options.communicator;
   detail::require_no_list_files(options);
   if (const Index other = first_other_text(all, detail::shared_input(timelines, options)); other > 0)
     raise<config_error>(102, "rank ", other, " of ", all.size(),
                         " has other timelines, options or kernels than rank 0, so that motions would differ from those "
                         "of one process");
+  if (check) check();
   const std::vector<Index> begins = parts_of_timelines(timelines, all.size());
   const auto part_of = [&](Index rank) {
     const auto r = static_cast<std::size_t>(rank);

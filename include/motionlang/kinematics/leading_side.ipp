@@ -37,13 +37,13 @@ MOTIONLANG_BODY Side leading_side(const Motion& motion, BodyParts parts) {
   const double turned = detail::whole_turn(motion);
   if (std::abs(turned) > std::numbers::pi / 3) return turned > 0 ? Side::left : Side::right;
 
-  struct Limb {
+  struct LimbPath {
     double way = 0, height = 0, lowest = 1e9, highest = -1e9;
   };
   const auto poses = detail::poses_in_place(motion);
   const Index joints = motion.skeleton.size(), frames = motion.frames();
   const auto limb = [&](Index joint) {
-    Limb out;
+    LimbPath out;
     for (Index f = 0; f < frames; ++f) {
       const auto& at = poses[static_cast<std::size_t>(f * joints + joint)];
       if (f > 0) out.way += norm(at - poses[static_cast<std::size_t>((f - 1) * joints + joint)]);
@@ -53,7 +53,7 @@ MOTIONLANG_BODY Side leading_side(const Motion& motion, BodyParts parts) {
     return out;
   };
   if (parts.has(BodyPart::left_arm) || parts.has(BodyPart::right_arm)) {
-    const Limb left = limb(20), right = limb(21);
+    const LimbPath left = limb(20), right = limb(21);
     const double further = std::max(0.3, 0.5 * std::min(left.way, right.way));
     const Side moves = detail::larger_side(left.way, right.way, further);
     if (moves != Side::middle) return moves;
@@ -61,7 +61,7 @@ MOTIONLANG_BODY Side leading_side(const Motion& motion, BodyParts parts) {
     if (raised != Side::middle) return raised;
   }
   if (parts.has(BodyPart::legs)) {
-    const Limb left = limb(7), right = limb(8);
+    const LimbPath left = limb(7), right = limb(8);
     return detail::larger_side(left.highest - left.lowest, right.highest - right.lowest, 0.2);
   }
   return Side::middle;

@@ -26,8 +26,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///   broadcast       all have the bytes of `root` afterwards
 ///   barrier         returns once all have called it
 /// Laws    messages between two ranks arrive in their order; receive and exchange throw shape_error 204 for a message
-///         of another size than they ask for, which they take and drop, so that its sender does not wait; all ranks
-///         call broadcast and barrier in one order, with one size and root
+///         of another size than they ask for, which they take and drop, so that its sender does not wait (of messages
+///         up to 1 GiB); all ranks call broadcast and barrier in one order, with one size and root
 /// Errors  an exception in a function that all ranks call leaves the others waiting for messages. A program that does
 ///         not expect it in all ranks must then end all of them: MpiCommunicator::abort
 /// Models  OneProcess, AnyCommunicator, MpiCommunicator

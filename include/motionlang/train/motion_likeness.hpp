@@ -50,8 +50,10 @@ class MotionLikeness {
   void add(const SmplVelpMotion<S>& made, const std::vector<float>& recorded) { add(latents(made, recorded)); }
   /// The latent of a motion alone.
   std::vector<S> latent(const SmplVelpMotion<S>& made) const { return mean_of(made); }
-  /// composed  the latent of another motion for what was added last, such as one of its labels alone
+  /// composed  the latent of another motion for what was added last, such as one of its labels alone. Throws
+  ///           numeric_error 302 before anything was added
   void add_composed(std::vector<S> composed) {
+    if (recorded_.empty()) raise<numeric_error>(302, "add_composed: there is no recorded motion to compare with");
     composed_.push_back(std::move(composed));
     recorded_of_composed_.push_back(recorded_.back());
   }

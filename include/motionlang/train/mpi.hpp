@@ -97,8 +97,8 @@ class MpiCommunicator {
   }
 
  private:
-  /// Takes a message and returns its size. One of another size is taken, too, but not kept: its sender may wait until
-  /// it is taken, and MPI itself would end the program for one that is too long.
+  /// Takes a message and returns its size. One of another size is taken, too, but not kept, as its sender may wait. MPI
+  /// itself would end the program for one that is too long.
   static int receive_piece(std::byte* piece, int count, Index from) {
     MPI_Status status{};
     int sent = 0;

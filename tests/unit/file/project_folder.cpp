@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <set>
+
 #include <motionlang/file/file.hpp>
 
 #include "../../support/check_error.hpp"
@@ -42,6 +44,16 @@ TEST_CASE("a file is overwritten only by somebody who knows its contents") {
   const std::string one = ml::ProjectFolder::mark(bytes("one")), two = ml::ProjectFolder::mark(bytes("two"));
   CHECK(one.size() == 16);
   CHECK(one != two);
+  // Two changes 32 bytes apart, in the highest bytes of words: they once kept the mark.
+  std::string text(91, 'a');
+  std::set<std::string> marks{ml::ProjectFolder::mark(bytes(text))};
+  for (char first = '0'; first <= 'z'; ++first) {
+    for (char second = '0'; second <= 'z'; ++second) {
+      text[7] = first, text[39] = second;
+      marks.insert(ml::ProjectFolder::mark(bytes(text)));
+    }
+  }
+  CHECK(marks.size() == 75 * 75);                            // the first text is one of them
   CHECK(folder.write_over("a.txt", bytes("one"), "", 100));  // there is none
   for (const std::string& wrong : {two, std::string()}) CHECK_FALSE(folder.write_over("a.txt", bytes("x"), wrong, 100));
   CHECK_FALSE(folder.write_over("a.txt", bytes("x"), one, 2));

@@ -874,7 +874,7 @@ function drawFields() {
     : shownTake && isStale() ? "The timeline has changed." : "";
   element("save").disabled = !shownTake;
   element("plain").hidden = !character;
-  const file = fileOfProject(), where = file ? `Save all timelines and settings to ${file.name}` : "";
+  const file = engine.folder && fileOfProject(), where = file ? `Save all timelines and settings to ${file.name}` : "";
   element("saveProject").title = where || "All timelines and settings in one file";
 }
 function drawWarnings() {
