@@ -28,7 +28,8 @@ using MotionMaker = std::function<std::vector<Motion>(std::span<const Timeline>,
 /// make    is called once in each process that has a part, with `before` in its options
 /// check   is called before in every process, once all are known to have the same list
 /// Throws  config_error 102 if the timelines, the kernels, or the options that decide bits are not those of rank 0 in
-///         some process; option_error 102 for files of noise and records; what `make` and `check` throw. Models are not compared
+///         some process; option_error 102 for files of noise and records; what `make` and `check` throw. Models are not
+///         compared
 std::vector<Motion> shared_motions(std::span<const Timeline> timelines, const GenerateOptions& options,
                                    const MotionMaker& make, const std::function<void()>& check = {});
 

@@ -83,7 +83,8 @@ TEST_CASE("positions: the table, rows beyond it, gaps") {
   CHECK(ml::slice(table, 0, 0, 1).to_vector() == Values{0, 1, 0, 1});
   CHECK(table.span()[4] == doctest::Approx(std::sin(1.0)).epsilon(1e-6));
   CHECK(table.span()[7] == doctest::Approx(std::cos(0.01)).epsilon(1e-6));
-  // Rounded from double, which gives these bits with glibc and musl. The float functions of glibc 2.36 miss them by one unit.
+  // Rounded from double, which gives these bits with glibc and musl. The float functions of glibc 2.36 miss them by one
+  // unit.
   const auto wide = ml::sinusoidal_positions<B>(8, 256);
   CHECK(wide.span()[256 + 42] == 0x1.c047b2p-3f);
   CHECK(wide.span()[2 * 256 + 11] == 0x1.64d89cp-3f);
