@@ -160,8 +160,8 @@ MOTIONLANG_BODY std::vector<std::string> sampled_captions(const CaptionedSegment
   if (!segment.loop) return {out.begin(), out.end()};
   for (const std::string& caption : segment.captions) {
     if (const auto back = segment.grounded ? reversed_caption(caption) : std::nullopt) out.insert(*back);
-    // A curve, to the left, a half circle, a circle. Their mirror images are known with them.
-    constexpr std::pair<double, std::uint32_t> curves[] = {{1, 0}, {1, 2}, {3, 0}, {5, 0}};
+    // A curve, to the left, a half circle, all to the left, and a circle. Their mirror images are known with them.
+    constexpr std::pair<double, std::uint32_t> curves[] = {{1, 0}, {1, 2}, {3, 0}, {-5, 0}};
     for (const auto& [turn, wording] : curves) {
       if (const auto curved = curved_caption(caption, turn, wording)) out.insert(*curved);
     }
