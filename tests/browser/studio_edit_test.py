@@ -242,6 +242,7 @@ def sized(browser, width, height, mobile, problems):
     command(browser, "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1,
             mobile=mobile)
     wait(browser, f"innerWidth === {width}", 5)
+    browser.run("document.getElementById('panel').scrollTop = 0")  # earlier clicks may have scrolled it
     size = browser.run("const e = document.scrollingElement; return [e.scrollWidth, e.scrollHeight]")
     expect(problems, f"{what}: the page has {size}", size[0] <= width and size[1] <= height)
     rows = browser.run("return document.querySelector('header').offsetHeight")
