@@ -338,6 +338,16 @@ head_of() {
 # whole RESULT: all of a result that is a table already.
 whole() { if [ -f "results/$1.txt" ]; then cat "results/$1.txt"; else echo "missing"; fi; }
 
+# sinc_rows [AFTER]: a line for each training of SINC.
+sinc_rows() {
+  row singles "single actions" "one sample" "${1:-}"
+  row singles "single actions, composed by body parts" "labels alone, composed" "${1:-}"
+  row sinc_ste "SINC-STE, pairs" "one sample" "${1:-}"
+  row sinc_pairs "SINC, pairs" "one sample" "${1:-}"
+  row sinc "SINC, pairs and singles" "one sample" "${1:-}"
+  row sinc_synthetic "SINC, pairs, singles and synthetic pairs" "one sample" "${1:-}"
+}
+
 errors() { head_of "$1" "APE root" traj. local global "AVE root" traj. local global; }
 
 page() {
@@ -394,21 +404,11 @@ page() {
   done
   printf '\n## SINC, table B.2, unseen pairs\n'
   errors training
-  row singles "single actions" "one sample"
-  row singles "single actions, composed by body parts" "labels alone, composed"
-  row sinc_ste "SINC-STE, pairs" "one sample"
-  row sinc_pairs "SINC, pairs" "one sample"
-  row sinc "SINC, pairs and singles" "one sample"
-  row sinc_synthetic "SINC, pairs, singles and synthetic pairs" "one sample"
+  sinc_rows
   row sinc "mean pose" "mean pose"
   row sinc "random clip" "random clip"
   head_of training "TEMOS score"
-  row singles "single actions" "one sample" "TEMOS score"
-  row singles "single actions, composed by body parts" "labels alone, composed" "TEMOS score"
-  row sinc_ste "SINC-STE, pairs" "one sample" "TEMOS score"
-  row sinc_pairs "SINC, pairs" "one sample" "TEMOS score"
-  row sinc "SINC, pairs and singles" "one sample" "TEMOS score"
-  row sinc_synthetic "SINC, pairs, singles and synthetic pairs" "one sample" "TEMOS score"
+  sinc_rows "TEMOS score"
   row sinc "another recorded one" "another recorded one" "TEMOS score"
   printf '\n## TM2T, table 1\n'
   head_of descriptions R@1 R@2 R@3 MM-Dist BLEU-1 BLEU-2 BLEU-3 BLEU-4 ROUGE-L CIDEr

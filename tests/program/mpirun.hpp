@@ -12,18 +12,18 @@
 
 #include "process.hpp"
 
+/// Variables that make Open MPI accept the user root, and more processes than processors.
+inline constexpr const char* open_mpi_variables =
+    "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
+    "OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe\n";
+
 /// Folder: a temporary folder, in which the program runs.
 template <class Folder>
 struct UnderMpirun : Folder {
-  /// A command line of motionlang under so many processes, 0: without mpirun. The variables make Open MPI accept the
-  /// user root, and more processes than processors. A wait that has no end is code 124.
+  /// A command line of motionlang under so many processes, 0: without mpirun. A wait that has no end is code 124.
   Outcome call(int processes, const std::string& arguments) const {
     const std::string mpirun = processes == 0 ? "" : MOTIONLANG_MPIRUN " -n " + std::to_string(processes) + " ";
-    return run({"-c",
-                "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
-                "OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe\n"
-                "timeout 300 " +
-                    mpirun + MOTIONLANG_TRAINED_PROGRAM " " + arguments},
+    return run({"-c", open_mpi_variables + ("timeout 300 " + mpirun) + MOTIONLANG_TRAINED_PROGRAM " " + arguments},
                this->path);
   }
   /// Its standard output.

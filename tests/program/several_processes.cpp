@@ -2,6 +2,7 @@
 // where MPI is installed. `run` starts a shell here.
 #include <doctest/doctest.h>
 
+#include "mpirun.hpp"
 #include "training_clips.hpp"
 
 namespace {
@@ -27,14 +28,7 @@ struct Processes : Clips {
     return line + " " + more;
   }
   static std::string mpirun(int processes) { return MOTIONLANG_MPIRUN " -n " + std::to_string(processes) + " "; }
-  /// With the variables that make Open MPI accept the user root, and more processes than processors.
-  Outcome shell(const std::string& script) const {
-    return run({"-c",
-                "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
-                "OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe\n" +
-                    script},
-               path);
-  }
+  Outcome shell(const std::string& script) const { return run({"-c", open_mpi_variables + script}, path); }
   std::string checkpoint_bytes(const std::string& out) const {
     return ml::read_file(*this / (out + "/checkpoint.safetensors"));
   }

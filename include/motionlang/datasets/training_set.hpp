@@ -105,10 +105,6 @@ class TrainingSet {
  private:
   Motion variant(const CaptionedSegment& s, Index frames, bool mirrored, double tempo, Philox& rng,
                  const SampleOptions& options) const;
-  /// One of the captions of a segment, and whether its motion is mirrored: `mirrored`, unless the motion prefers a side
-  /// that the caption does not name.
-  std::pair<std::string, bool> said(const CaptionedSegment& s, const std::vector<std::string>& captions, bool mirrored,
-                                    Philox& rng) const;
   /// A segment and one that begins in a similar pose, blended into each other; nothing if none was found in few tries.
   std::optional<std::pair<Motion, std::string>> two_actions(Index frames, bool mirrored, Philox& rng,
                                                             const SampleOptions& options) const;

@@ -338,14 +338,19 @@ MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index fra
   return mirrored ? mirror(m) : m;
 }
 
-MOTIONLANG_BODY std::pair<std::string, bool> TrainingSet::said(const CaptionedSegment& s,
-                                                               const std::vector<std::string>& captions, bool mirrored,
-                                                               Philox& rng) const {
+namespace detail {
+
+/// One of the captions of a segment, and whether its motion is mirrored: `mirrored`, unless the motion prefers a side
+/// that the caption does not name.
+inline std::pair<std::string, bool> said(const CaptionedSegment& s, const std::vector<std::string>& captions,
+                                         bool mirrored, Philox& rng) {
   if (captions.empty()) return {"", mirrored};
   const auto& c = captions[rng.below(static_cast<std::uint32_t>(captions.size()))];
-  if (s.side != Side::middle && !detail::names_a_side(c)) return {c, s.side == Side::left};
+  if (s.side != Side::middle && !names_a_side(c)) return {c, s.side == Side::left};
   return {mirrored ? mirrored_caption(c) : c, mirrored};
 }
+
+}  // namespace detail
 
 MOTIONLANG_BODY std::optional<std::pair<Motion, std::string>> TrainingSet::two_actions(
     Index frames, bool mirrored, Philox& rng, const SampleOptions& options) const {
@@ -353,7 +358,7 @@ MOTIONLANG_BODY std::optional<std::pair<Motion, std::string>> TrainingSet::two_a
   constexpr double most_apart = 0.2;  // metres, as a mean over the joints
   const auto drawn = [&] {
     const CaptionedSegment& s = pick(all_, rng);
-    auto [caption, other_way] = said(s, s.captions, mirrored, rng);
+    auto [caption, other_way] = detail::said(s, s.captions, mirrored, rng);
     return std::pair(variant(s, frames / 2, other_way, 1, rng, options), std::move(caption));
   };
   const auto short_enough = [&](const Motion& m, Index others) {
@@ -390,8 +395,8 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
     sample.caption = std::move(both->second);
   } else if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
     const CaptionedSegment &base = pick(bases(), rng), &overlay = pick(overlays_, rng);
-    const auto [about_arms, mirrored] = said(overlay, overlay.captions, drawn, rng);
-    const auto [about_legs, other_way] = said(base, detail::without_arms(base.captions), drawn, rng);
+    const auto [about_arms, mirrored] = detail::said(overlay, overlay.captions, drawn, rng);
+    const auto [about_legs, other_way] = detail::said(base, detail::without_arms(base.captions), drawn, rng);
     const auto with = variant(overlay, frames, mirrored, 1, rng, options);
     BodyParts parts = overlay.parts;
     if (mirrored) {
@@ -421,7 +426,7 @@ MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions
   } else {
     const CaptionedSegment& s = pick(all_, rng);
     bool mirrored = false;
-    std::tie(sample.caption, mirrored) = said(s, s.captions, drawn, rng);
+    std::tie(sample.caption, mirrored) = detail::said(s, s.captions, drawn, rng);
     sample.verb = s.verb;
     double tempo = 1;
     if (s.grounded && rng.uniform() < options.tempo &&

@@ -65,9 +65,7 @@ MOTIONLANG_BODY void ProjectFolder::write(const std::string& name, std::span<con
 }
 
 MOTIONLANG_BODY std::string ProjectFolder::mark(std::span<const std::byte> contents) {
-  std::uint64_t h = 0xCBF29CE484222325u;  // content_hash is faster, but some pairs of changes keep its result
-  for (const std::byte b : contents) h = (h ^ static_cast<std::uint64_t>(b)) * 0x100000001B3u;
-  return detail::hexadecimal(h);
+  return detail::hexadecimal(detail::byte_hash(contents));  // some pairs of changes keep content_hash
 }
 
 MOTIONLANG_BODY bool ProjectFolder::write_over(const std::string& name, std::span<const std::byte> contents,

@@ -10,6 +10,7 @@
 #include <motionlang/core/rng.hpp>
 #include <motionlang/core/standard_library.hpp>
 #include <motionlang/core/text_lines.hpp>
+#include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/metrics/study.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -28,12 +29,9 @@ inline std::vector<std::string> study_cells(std::string_view line, char separato
   return out;
 }
 
-/// FNV-1a.
 inline std::uint64_t study_fingerprint(std::string_view table, StudyKind kind) {
-  std::uint64_t h = 0xCBF29CE484222325u;
-  for (const char c : concat_text(to_string(kind), "\n", table))
-    h = (h ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
-  return h;
+  const std::string all = concat_text(to_string(kind), "\n", table);
+  return byte_hash(std::as_bytes(std::span(all)));
 }
 
 template <class T>

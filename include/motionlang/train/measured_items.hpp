@@ -36,8 +36,8 @@ class MeasuredItems {
   const std::vector<Index>& measured() const { return measured_; }
   std::vector<const DescribedMotion*> chosen() const;
   const DescribedMotion& operator[](Index i) const { return data_.part(part_)[static_cast<std::size_t>(i)]; }
-  /// The number of an item among the training items; -1 if it is not one.
-  Index number_in_training(Index i) const { return part_ == "training" ? i : -1; }
+  /// The number of the k-th chosen item among the training items; -1 if it is not one.
+  Index number_in_training(Index k) const { return part_ == "training" ? measured_[static_cast<std::size_t>(k)] : -1; }
   /// "2 motions of val.json, of 3 keys"
   const std::string& description() const { return description_; }
 

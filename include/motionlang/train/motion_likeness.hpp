@@ -44,12 +44,15 @@ class MotionLikeness {
   /// made      is turned to face ahead again, as published
   /// recorded  rows of features, not normalised
   Latents latents(const SmplVelpMotion<S>& made, const std::vector<float>& recorded) const {
-    return {mean_of(made), mean_of_(std::vector<S>(recorded.begin(), recorded.end()))};
+    return {latent(made), mean_of_(std::vector<S>(recorded.begin(), recorded.end()))};
   }
   void add(Latents pair) { made_.push_back(std::move(pair.made)), recorded_.push_back(std::move(pair.recorded)); }
   void add(const SmplVelpMotion<S>& made, const std::vector<float>& recorded) { add(latents(made, recorded)); }
   /// The latent of a motion alone.
-  std::vector<S> latent(const SmplVelpMotion<S>& made) const { return mean_of(made); }
+  std::vector<S> latent(const SmplVelpMotion<S>& made) const {
+    return mean_of_(smplvelp_features(std::span<const Matrix3<S>>(made.rotations), std::span<const Vec3<S>>(made.trans),
+                                      {.exact_yaw = exact_yaw_}));
+  }
   /// composed  the latent of another motion for what was added last, such as one of its labels alone. Throws
   ///           numeric_error 302 before anything was added
   void add_composed(std::vector<S> composed) {
@@ -57,7 +60,6 @@ class MotionLikeness {
     composed_.push_back(std::move(composed));
     recorded_of_composed_.push_back(recorded_.back());
   }
-  void add_composed(const SmplVelpMotion<S>& composed) { add_composed(latent(composed)); }
 
   /// The TEMOS score of the generated motions. Throws numeric_error 302 before anything was added.
   double score() const { return score_of(made_, recorded_); }
@@ -72,10 +74,6 @@ class MotionLikeness {
   }
 
  private:
-  std::vector<S> mean_of(const SmplVelpMotion<S>& made) const {
-    return mean_of_(smplvelp_features(std::span<const Matrix3<S>>(made.rotations), std::span<const Vec3<S>>(made.trans),
-                                      {.exact_yaw = exact_yaw_}));
-  }
   static double score_of(const std::vector<std::vector<S>>& of, const std::vector<std::vector<S>>& recorded) {
     const auto rows = [](const std::vector<std::vector<S>>& means) {
       std::vector<S> all;

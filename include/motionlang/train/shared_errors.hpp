@@ -41,7 +41,9 @@ SmplVelpMotion<S> take_smplvelp(MessageReader& in) {
 /// that it may count them.
 using ShownTexts = std::function<bool(const std::string& text)>;
 /// The answers for all items; without a function all are shown.
-std::vector<bool> shown_items(Index count, const ShownTexts& shows, const std::function<std::string(Index)>& text_of);
+/// wanted  false: none is shown, as nobody receives them
+std::vector<bool> shown_items(bool wanted, Index count, const ShownTexts& shows,
+                              const std::function<std::string(Index)>& text_of);
 
 MOTIONLANG_NAMESPACE_END
 

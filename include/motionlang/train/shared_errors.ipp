@@ -31,10 +31,10 @@ MOTIONLANG_BODY std::vector<JointErrors::Clip> take_clips(MessageReader& in) {
   return out;
 }
 
-MOTIONLANG_BODY std::vector<bool> shown_items(Index count, const ShownTexts& shows,
+MOTIONLANG_BODY std::vector<bool> shown_items(bool wanted, Index count, const ShownTexts& shows,
                                               const std::function<std::string(Index)>& text_of) {
   std::vector<bool> out;
-  for (Index i = 0; i < count; ++i) out.push_back(!shows || shows(text_of(i)));
+  for (Index i = 0; i < count; ++i) out.push_back(wanted && (!shows || shows(text_of(i))));
   return out;
 }
 

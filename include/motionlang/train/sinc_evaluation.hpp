@@ -62,15 +62,11 @@ std::vector<NamedErrors> sinc_errors(const SincCheckpoint<B>& model, const Measu
       sinc_rifke(), none, std::ssize(training),
       [&](Index i) { return how.joints(recorded(training[static_cast<std::size_t>(i)])); }, how.seed);
   const auto rng = Philox{.seed = how.seed};
-  const std::vector<Index>& measured = items.measured();
-  const auto item_of = [&](Index k) -> const DescribedMotion& { return items[measured[static_cast<std::size_t>(k)]]; };
+  const auto chosen = items.chosen();
+  const auto item_of = [&](Index k) -> const DescribedMotion& { return *chosen[static_cast<std::size_t>(k)]; };
   const auto sentence_of = [&](Index k) { return how.sentences(labels_of(item_of(k))); };
   const bool alone = how.communicator.size() == 1;
-  const auto shown =
-      how.made ? shown_items(std::ssize(measured), how.shows, sentence_of) : std::vector<bool>(measured.size());
-  const auto add_blind = [&](Index k, const JointFrames& truth) {
-    blind.add(truth, items.number_in_training(measured[static_cast<std::size_t>(k)]));
-  };
+  const auto shown = shown_items(how.made != nullptr, std::ssize(chosen), how.shows, sentence_of);
   const auto message_of = [&](Index k, const Progress&) {
     const DescribedMotion& item = item_of(k);
     const auto labels = labels_of(item);
@@ -113,11 +109,11 @@ std::vector<NamedErrors> sinc_errors(const SincCheckpoint<B>& model, const Measu
     put_clips(out, others);
     if (!composed_latent.empty()) out.list(std::span<const S>(composed_latent));
     if (shown[static_cast<std::size_t>(k)]) put_smplvelp(out, mean);
-    if (alone) add_blind(k, truth);
+    if (alone) blind.add(truth, items.number_in_training(k));
     return out.bytes();
   };
   Index next = 0;
-  for (const std::string& message : shared_items(how.communicator, std::ssize(measured), message_of, progress)) {
+  for (const std::string& message : shared_items(how.communicator, std::ssize(chosen), message_of, progress)) {
     const Index k = next++;
     MessageReader in(message);
     if (how.likeness != nullptr) {
@@ -132,7 +128,7 @@ std::vector<NamedErrors> sinc_errors(const SincCheckpoint<B>& model, const Measu
       if (how.likeness != nullptr) how.likeness->add_composed(in.list<S>());
     }
     if (shown[static_cast<std::size_t>(k)]) how.made(sentence_of(k), take_smplvelp<S>(in), item_of(k));
-    if (!alone) add_blind(k, how.joints(recorded(item_of(k))));
+    if (!alone) blind.add(how.joints(recorded(item_of(k))), items.number_in_training(k));
   }
   std::vector<NamedErrors> out = named_errors(sampled);
   out.push_back({"mean of the latent", at_mean.result()});

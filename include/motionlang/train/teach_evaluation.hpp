@@ -133,15 +133,11 @@ TeachFigures teach_figures(const TeachCheckpoint<B>& model, const MeasuredItems&
   std::vector<Jumps> jumps(how.baselines.size());
   double real = 0;
   const auto rng = Philox{.seed = how.seed};
-  const std::vector<Index>& measured = items.measured();
-  const auto item_of = [&](Index k) -> const DescribedMotion& { return items[measured[static_cast<std::size_t>(k)]]; };
+  const auto chosen = items.chosen();
+  const auto item_of = [&](Index k) -> const DescribedMotion& { return *chosen[static_cast<std::size_t>(k)]; };
   const auto labels_text = [&](Index k) { return join_labels(labels_of(item_of(k)), Conjunction::comma); };
   const bool alone = how.communicator.size() == 1;
-  const auto shown =
-      how.made ? shown_items(std::ssize(measured), how.shows, labels_text) : std::vector<bool>(measured.size());
-  const auto add_blind = [&](Index k, const JointFrames& truth) {
-    blind.add(truth, items.number_in_training(measured[static_cast<std::size_t>(k)]));
-  };
+  const auto shown = shown_items(how.made != nullptr, std::ssize(chosen), how.shows, labels_text);
   const auto message_of = [&](Index k, const Progress&) {
     const DescribedMotion& item = item_of(k);
     const Index first = item.texts[0].frames.length;  // the rest is the transition and the second action
@@ -181,11 +177,11 @@ TeachFigures teach_figures(const TeachCheckpoint<B>& model, const MeasuredItems&
     out.value(jumps_of(model.normalizer, made(0, 0, {}))), out.value(jump(truth));
     put_clips(out, others);
     if (shown[static_cast<std::size_t>(k)]) put_smplvelp(out, mean);
-    if (alone) add_blind(k, truth);
+    if (alone) blind.add(truth, items.number_in_training(k));
     return out.bytes();
   };
   Index next = 0;
-  for (const std::string& message : shared_items(how.communicator, std::ssize(measured), message_of, progress)) {
+  for (const std::string& message : shared_items(how.communicator, std::ssize(chosen), message_of, progress)) {
     const Index k = next++;
     MessageReader in(message);
     sampled.add(take_clips(in));
@@ -195,13 +191,13 @@ TeachFigures teach_figures(const TeachCheckpoint<B>& model, const MeasuredItems&
     at_mean.add(others.front());
     for (std::size_t b = 0; b < of_baselines.size(); ++b) of_baselines[b].add(others[1 + b]);
     if (shown[static_cast<std::size_t>(k)]) how.made(labels_text(k), take_smplvelp<S>(in), item_of(k));
-    if (!alone) add_blind(k, how.joints(recorded(item_of(k))));
+    if (!alone) blind.add(how.joints(recorded(item_of(k))), items.number_in_training(k));
   }
 
   TeachFigures out;
   out.errors = named_errors(sampled);
   out.errors.push_back({"mean of the latent", at_mean.result()});
-  const auto count = static_cast<double>(items.measured().size());
+  const auto count = static_cast<double>(chosen.size());
   const auto add = [&](const std::string& name, double sum) { out.transitions.push_back({name, sum / count}); };
   add("turned and moved", own.aligned), add("moved", own.moved);
   for (std::size_t b = 0; b < how.baselines.size(); ++b) {

@@ -141,7 +141,7 @@ std::vector<NamedErrors> temos_errors(const Temos<B>& model, const Normalizer<B>
   };
   const bool alone = how.communicator.size() == 1;
   const auto text_of = [&](Index i) { return part[static_cast<std::size_t>(i)].texts.front().text; };
-  const auto shown = how.made ? shown_items(std::ssize(part), how.shows, text_of) : std::vector<bool>(part.size());
+  const auto shown = shown_items(how.made != nullptr, std::ssize(part), how.shows, text_of);
   const auto measured = [&](Index i, const Progress&) {
     const DescribedMotion& motion = part[static_cast<std::size_t>(i)];
     const auto recorded = first_text_rows(motion, features.width);

@@ -49,8 +49,9 @@ TEST_CASE("a motion of smplvelp as a message") {
 TEST_CASE("all items are shown, or those that a function chooses in their order") {
   const std::vector<std::string> texts{"walk", "turn", "walk", "sit"};
   const auto text_of = [&](Index i) { return texts[static_cast<std::size_t>(i)]; };
-  CHECK(ml::shown_items(4, {}, text_of) == std::vector<bool>(4, true));
+  CHECK(ml::shown_items(true, 4, {}, text_of) == std::vector<bool>(4, true));
+  CHECK(ml::shown_items(false, 4, {}, text_of) == std::vector<bool>(4, false));
   Index left = 2;
   const auto first_walks = [&](const std::string& text) { return text == "walk" && left-- > 1; };
-  CHECK(ml::shown_items(4, first_walks, text_of) == std::vector<bool>{true, false, false, false});
+  CHECK(ml::shown_items(true, 4, first_walks, text_of) == std::vector<bool>{true, false, false, false});
 }

@@ -12,6 +12,12 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
+/// FNV-1a, byte by byte.
+inline std::uint64_t byte_hash(std::span<const std::byte> bytes, std::uint64_t before = 0xCBF29CE484222325u) {
+  for (const std::byte b : bytes) before = (before ^ static_cast<std::uint64_t>(b)) * 0x100000001B3u;
+  return before;
+}
+
 /// FNV-1a over words of 64 bits in four lanes, then over the lanes, the remaining bytes and the length. Every step is
 /// invertible, so one changed word always changes the result.
 inline std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t before = 0xCBF29CE484222325u) {
@@ -24,8 +30,7 @@ inline std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_
   }
   std::uint64_t h = before;
   for (const std::uint64_t lane : lanes) h = (h ^ lane) * prime;
-  for (const std::byte b : bytes) h = (h ^ static_cast<std::uint64_t>(b)) * prime;
-  h = (h ^ size) * prime;
+  h = (byte_hash(bytes, h) ^ size) * prime;
   return h ^ h >> 32;
 }
 
