@@ -115,6 +115,8 @@ void add_train(CLI::App& app) {
               "result then differs from that of a single command");
   checked_option(*c, "--noise-focus", o->config.noise_focus, in_range(0, 1),
                  "Share of the samples that come from the noisiest fifth");
+  checked_option(*c, "--snr-cap", o->config.snr_cap, in_range(1, 1000),
+                 "Largest weight of a sample that shows its motion clearly. 1: all samples weigh the same");
   c->add_flag("--fresh", o->run.fresh, "Start over even if there is a checkpoint");
   c->add_flag("--recompute", o->run.recompute, about_recompute);
   add_micro_batch_option(*c, o->run);

@@ -49,6 +49,7 @@ struct StmcTrainingConfig {
   double ema = 0.999;
   double velocity_weight = 1;  // of the loss on differences between neighbouring frames
   double noise_focus = 0.5;    // the share of the samples from the noisiest fifth of the diffusion
+  double snr_cap = 10;         // the largest weight of a sample that shows its motion clearly (detail::snr_weight)
   double root_weight = 8;      // of the four features that move the figure, against 1 for each of the others
   double foot_weight = 0.2;    // of the loss on the velocity of the feet, (m/s)^2
   double text_weight = 0.2;    // of the loss that predicts a summary of the motion from a caption's vector
@@ -107,6 +108,12 @@ Tensor<B, 1> feature_weights(double root_weight) {
 /// as strong as the noise when alpha_bar is about 1e-3. The first few of a hundred steps decide it. So the share
 /// `focus` of the samples comes from the noisiest fifth, with more samples the noisier the step.
 Index draw_t(Philox& rng, Index steps, double focus);
+
+/// The weight of the squared error of a sample: its ratio of signal to noise, abar / (1 - abar), but at least 1 (Salimans
+/// and Ho 2022, "truncated SNR weighting") and at most `cap` (Hang et al. 2023). With the weight 1 everywhere, samples
+/// with little noise have nearly no share of the loss. Then the network does not learn to keep fast movements, such as
+/// a waving hand, when it sees them.
+double snr_weight(double abar, double cap);
 
 /// Fills in the sizes that follow from other sizes.
 StmcModelConfig completed(const StmcTrainingConfig& c);
@@ -295,7 +302,9 @@ LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part
   const auto text = TextFeatures<A>::pooled(learner_.model.text_encoder(captions, context));
   const auto out =
       learner_.model.denoiser(Sequences<A>(q_sample(diffusion_, x0, t_of_row, eps), offsets), t, text, context).rows;
-  const auto error = (out - x0) * detail::feature_weights<A>(config_.root_weight);
+  const auto weights_of_rows = coefficients<A, 2>(
+      t_of_row, [&](Index k) { return std::sqrt(detail::snr_weight(diffusion_.abar(k), config_.snr_cap)); });
+  const auto error = (out - x0) * weights_of_rows * detail::feature_weights<A>(config_.root_weight);
   LossTerms<A> loss;
   loss.add("features", of_frames, mean(square(error)));
   if (config_.velocity_weight > 0) {  // differences between neighbouring frames of a sequence

@@ -40,6 +40,10 @@ MOTIONLANG_BODY Index draw_t(Philox& rng, Index steps, double focus) {
   return std::max<Index>(0, steps - 1 - static_cast<Index>(from_the_end));
 }
 
+MOTIONLANG_BODY double snr_weight(double abar, double cap) {
+  return abar >= 1 ? cap : std::clamp(abar / (1 - abar), 1.0, cap);
+}
+
 MOTIONLANG_BODY StmcModelConfig completed(const StmcTrainingConfig& c) {
   auto model = c.model;
   model.denoiser.tx_dim = model.text.out;
@@ -65,6 +69,7 @@ MOTIONLANG_BODY std::map<std::string, std::string> stmc_settings(const StmcTrain
   add("ema", config.ema);
   add("velocity_weight", config.velocity_weight);
   add("noise_focus", config.noise_focus);
+  add("snr_cap", config.snr_cap);
   add("root_weight", config.root_weight);
   add("foot_weight", config.foot_weight);
   add("text_weight", config.text_weight);
