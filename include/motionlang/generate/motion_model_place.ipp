@@ -2,10 +2,9 @@
 // Bodies of motion_model_place.hpp.
 #pragma once
 
-#include <algorithm>  // find
-
 #include <motionlang/generate/generate_options.hpp>
 #include <motionlang/generate/motion_model_place.hpp>
+#include <motionlang/weights/known_systems.hpp>
 #include <motionlang/weights/mdm_action_run.hpp>
 #include <motionlang/weights/run_folder.hpp>
 #include <motionlang/weights/vae_run.hpp>
@@ -21,15 +20,15 @@ inline std::string generating_system(const RunFolder& run) {
   if (run.system == "temos") return system_of_run(run.folder);
   const FileValue* system = run.system == "motionlang" ? run.option("system") : nullptr;
   const std::string own = system == nullptr ? "" : to_string(*system);
-  const bool trained = own == "actor" || own == "temos" || own == "tmr" || own == "sinc" || own == "teach";
-  return trained ? "trained " + own : run.system;
+  const KnownSystem* const known = known_system(own);
+  return known != nullptr && known->trained_generates ? "trained " + own : run.system;
 }
 
 }  // namespace detail
 
 MOTIONLANG_BODY bool MotionModelPlace::is_diffusion() const {
-  const std::string_view others[] = {"actor", "temos", "teach", "sinc", "tm2t", "mdm of actions"};
-  return !is_trained() && std::find(std::begin(others), std::end(others), system) == std::end(others);
+  const KnownSystem* const known = known_system(system);
+  return !is_trained() && system != "mdm of actions" && (known == nullptr || known->diffusion);
 }
 
 MOTIONLANG_BODY MotionModelPlace find_motion_model(const std::filesystem::path& path) {

@@ -2,6 +2,7 @@
 // Bodies of the headers in weights/, compiled once for motionlang::instantiated.
 #include <motionlang/weights/glove_file.ipp>
 #include <motionlang/weights/known_caption_file.ipp>
+#include <motionlang/weights/known_systems.ipp>
 #include <motionlang/weights/safetensors_copy.ipp>
 #include <motionlang/weights/stmc_file.ipp>
 #include <motionlang/weights/stmc_record.ipp>

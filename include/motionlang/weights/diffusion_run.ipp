@@ -3,6 +3,7 @@
 #pragma once
 
 #include <motionlang/weights/diffusion_run.hpp>
+#include <motionlang/weights/known_systems.hpp>
 #include <motionlang/weights/own_text_encoder.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -169,7 +170,7 @@ MOTIONLANG_BODY RunFolder published_run(const RunFolder& run) {
     out.system = system == nullptr ? "" : to_string(*system);
     out.options = options_of_config(run);
   }
-  if (out.system != "stmc" && out.system != "mdm" && out.system != "motiondiffuse")
+  if (!is_diffusion_system(out.system))
     raise<io_error>(404, run.folder.string(), ": ", out.system.empty() ? "of no known system" : "of " + out.system,
                     "; diffusion models are those of stmc, mdm and motiondiffuse");
   if (run.weights.empty())

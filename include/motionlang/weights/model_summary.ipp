@@ -4,6 +4,7 @@
 
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/weights/diffusion_run.hpp>
+#include <motionlang/weights/known_systems.hpp>
 #include <motionlang/weights/mdm_action_run.hpp>
 #include <motionlang/weights/model_folder.hpp>
 #include <motionlang/weights/model_summary.hpp>
@@ -159,7 +160,7 @@ MOTIONLANG_BODY std::string describe_folder(const FilePath& folder) {
     say("provenance", model.provenance);
   }
   if (system == "mdm" && run.system == "mdm" && is_mdm_action_run(run)) system = "mdm of actions";
-  if (system != "stmc" && system != "mdm" && system != "motiondiffuse") {
+  if (!is_diffusion_system(system)) {
     const auto summary = [&] {
       for (const auto& [key, value] : model_summary(run)) say(key, value);
     };

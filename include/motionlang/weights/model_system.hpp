@@ -13,7 +13,7 @@ struct ModelSystem {
   bool ours = false;  // it was trained here
 
   /// True if its motions are those of a diffusion model of texts, so that timelines are measured.
-  bool is_diffusion() const { return name == "stmc" || name == "mdm" || name == "motiondiffuse"; }
+  bool is_diffusion() const;
 };
 /// A .safetensors file, alone or in a folder without a config.json, is an STMC of ours. Throws what find_run and
 /// read_model_folder throw.

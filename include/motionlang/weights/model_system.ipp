@@ -5,11 +5,14 @@
 #include <algorithm>   // any_of
 #include <filesystem>  // folders
 
+#include <motionlang/weights/known_systems.hpp>
 #include <motionlang/weights/model_folder.hpp>
 #include <motionlang/weights/model_system.hpp>
 #include <motionlang/weights/vae_run.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY bool ModelSystem::is_diffusion() const { return is_diffusion_system(name); }
 
 MOTIONLANG_BODY ModelSystem model_system(const FilePath& model) {
   namespace fs = std::filesystem;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <motionlang/core/sort.hpp>
+#include <motionlang/weights/known_systems.hpp>
 #include <motionlang/weights/run_folder.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -40,26 +41,27 @@ MOTIONLANG_BODY std::vector<std::filesystem::path> listed(const std::filesystem:
   return out;
 }
 
-/// The first of `names` in a folder, else the last file whose name begins and ends with these texts; empty if there is
-/// none.
-inline std::filesystem::path best_file(const std::filesystem::path& folder, std::initializer_list<const char*> names,
-                                       std::string_view begin, std::string_view end) {
+/// The file at a place of a run; empty if there is none.
+inline std::filesystem::path file_at(const std::filesystem::path& run, const WeightsPlace& place) {
+  const std::filesystem::path folder = run / place.folder;
   std::error_code ignored;
-  for (const char* name : names) {
-    if (std::filesystem::is_regular_file(folder / name, ignored)) return folder / name;
+  for (const std::string_view name : place.names) {
+    if (!name.empty() && std::filesystem::is_regular_file(folder / name, ignored)) return folder / name;
   }
   std::filesystem::path best;
+  if (place.ends.empty()) return best;
   for (const auto& p : listed(folder)) {
     const std::string name = p.filename().string();
-    if (name.starts_with(begin) && name.ends_with(end) && std::filesystem::is_regular_file(p, ignored)) best = p;
+    if (name.starts_with(place.begins) && name.ends_with(place.ends) && std::filesystem::is_regular_file(p, ignored))
+      best = p;
   }
   return best;
 }
 
-/// The first that is not empty.
-inline std::filesystem::path first_found(std::initializer_list<std::filesystem::path> paths) {
-  for (const auto& p : paths) {
-    if (!p.empty()) return p;
+/// The file at the first of these places that has one.
+inline std::filesystem::path first_file(const std::filesystem::path& run, std::span<const WeightsPlace> places) {
+  for (const WeightsPlace& place : places) {
+    if (auto found = file_at(run, place); !found.empty()) return found;
   }
   return {};
 }
@@ -100,7 +102,8 @@ inline void unpack(RunFolder& run) {
   const bool same_form = to_string(*system) == "tm2t" || run.option("config/num_actions") != nullptr;
   if ((published == nullptr || to_string(*published) != "true") && !same_form) return;
   run.system = to_string(*system);
-  if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // their folders look alike
+  if (const KnownSystem* known = known_system(run.system); known != nullptr && !known->folder_of.empty())
+    run.system = known->folder_of;
   run.options = options_of_config(run);
   run.packed = true;
 }
@@ -129,48 +132,33 @@ inline void add_statistics(RunFolder& run) {
 inline void find_weights(RunFolder& run) {
   namespace fs = std::filesystem;
   const fs::path& folder = run.folder;
-  const auto lightning = [&](const fs::path& sub) {
-    return best_file(folder / sub, {"last.ckpt"}, "latest-epoch=", ".ckpt");
-  };
-  const fs::path whole =
-      best_file(folder, {"weights.safetensors", "model.safetensors"}, "model", ".safetensors.index.json");
-  const fs::path checkpoint = best_file(folder, {}, "checkpoint_", ".pth.tar");
-  const fs::path model = best_file(folder, {}, "model0", ".pt");
+  constexpr WeightsPlace whole_place{
+      "", {"weights.safetensors", "model.safetensors"}, "model", ".safetensors.index.json"};
+  const fs::path whole = file_at(folder, whole_place);
   fs::path split;  // a folder of one file for each module
   for (const auto& p : listed(folder)) {
     if (p.filename().string().ends_with("_weights") && split.filename() != "last_weights") split = p;
   }
-  if (run.system.empty() && !checkpoint.empty()) run.system = "actor";
-  if (run.system.empty() && !split.empty()) run.system = "tmr";
-  if (run.system.empty() && !model.empty() && whole.empty()) run.system = "mdm";
-
-  if (run.packed)
+  if (run.system.empty()) {  // no options: the checkpoints tell
+    run.system = !file_at(folder, {"", {}, "checkpoint_", ".pth.tar"}).empty()          ? "actor"
+                 : !split.empty()                                                       ? "tmr"
+                 : !file_at(folder, {"", {}, "model0", ".pt"}).empty() && whole.empty() ? "mdm"
+                                                                                        : "";
+  }
+  const KnownSystem* const known = known_system(run.system);
+  if (known == nullptr || run.packed || (known->modules && !whole.empty()))
     run.weights = whole;
-  else if (run.system == "stmc" || run.system == "temos")
-    run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
-  else if (run.system == "mdm")
-    run.weights = first_found({model, best_file(folder, {}, "model", ".pt")});
-  else if (run.system == "actor")
-    run.weights = first_found({checkpoint, best_file(folder, {}, "retraincheckpoint_", ".pth.tar")});
-  else if (run.system == "motiondiffuse")
-    run.weights = first_found({best_file(folder / "model", {"latest.tar"}, "ckpt_", ".tar"),
-                               best_file(folder, {"latest.tar"}, "ckpt_", ".tar")});
-  else if (run.system == "tm2t")
-    run.weights = first_found({best_file(folder / "model", {"finest.tar", "latest.tar"}, "E", ".tar"),
-                               best_file(folder, {"finest.tar", "latest.tar"}, "E", ".tar")});
-  else if (run.system != "tmr" || !whole.empty())
-    run.weights = first_found({whole, best_file(folder, {"pytorch_model.bin"}, "pytorch_model", ".bin.index.json")});
+  else if (!known->modules || split.empty())
+    run.weights = first_file(folder, known->weights);
+  if (known == nullptr && run.weights.empty())
+    run.weights = file_at(folder, {"", {"pytorch_model.bin"}, "pytorch_model", ".bin.index.json"});
 
   const auto add_parts = [&](const fs::path& of) {
     for (const auto& p : listed(of)) {
       if (p.extension() == ".pt") run.parts.emplace(p.stem().string(), p);
     }
   };
-  if (run.weights.empty() && !split.empty()) {
-    add_parts(split);
-  } else if (run.weights.empty() && run.system == "tmr") {
-    run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
-  }
+  if (run.weights.empty() && !split.empty()) add_parts(split);
   add_statistics(run);
   if (run.weights.empty() && split.empty()) add_parts(folder);  // unknown system: every file is a part
 }

@@ -12,6 +12,7 @@
 #include <motionlang/file/npz.hpp>
 #include <motionlang/file/pickle_arrays.hpp>
 #include <motionlang/file/torch_file.hpp>
+#include <motionlang/weights/known_systems.hpp>
 #include <motionlang/weights/weight_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -613,16 +614,8 @@ MOTIONLANG_BODY WeightFile WeightFile::from_run(const RunFolder& run, const Weig
     raise<io_error>(404, run.folder.string(), ": no weights in this folder (.pt, .ckpt, .tar, .safetensors)");
   if (run.parts.empty() && (run.system.empty() || run.system == "motionlang" || run.system == "hugging face"))
     return open_weights(run.weights, options);
-  std::string format = "folder";
-  for (const auto& [system, name] : {std::pair<std::string_view, const char*>{"stmc", "STMC run folder"},
-                                     {"tmr", "TMR run folder"},
-                                     {"mdm", "MDM run folder"},
-                                     {"actor", "ACTOR run folder"},
-                                     {"temos", "TEMOS run folder"},
-                                     {"motiondiffuse", "MotionDiffuse run folder"},
-                                     {"tm2t", "TM2T run folder"}}) {
-    if (run.system == system) format = name;
-  }
+  const KnownSystem* const known = known_system(run.system);
+  std::string format = known == nullptr ? "folder" : concat_text(known->title, " run folder");
   const auto owners = std::make_shared<std::vector<std::shared_ptr<const void>>>();
   WeightFile out(run.folder.string(), owners, std::move(format));
   if (!run.weights.empty()) out.add(open_weights(run.weights, options), "", *owners);

@@ -6,6 +6,7 @@
 #include <motionlang/weights/diffusion_folder.hpp>
 #include <motionlang/weights/diffusion_run.hpp>
 #include <motionlang/weights/guo_evaluator_file.hpp>
+#include <motionlang/weights/known_systems.hpp>
 #include <motionlang/weights/mdm_action_run.hpp>
 #include <motionlang/weights/module_file.hpp>
 #include <motionlang/weights/pack_run.hpp>
@@ -29,6 +30,9 @@ void folder() {
 }
 void run_(const Timeline& timeline) {
 #include "weights/diffusion_run.1.inc"
+}
+void systems() {
+#include "weights/known_systems.1.inc"
 }
 void guo() {
 #include "weights/guo_evaluator_file.1.inc"
