@@ -51,6 +51,7 @@ void add_describe(CLI::App& app);
 void add_tokens(CLI::App& app);
 void add_pack(CLI::App& app);
 void add_word_vectors(CLI::App& app);
+void add_humanml3d(CLI::App& app);
 void add_study(CLI::App& app);
 void add_study_count(CLI::App& app);
 void add_figure(CLI::App& app);

@@ -16,6 +16,7 @@
 #include <motionlang/weights/text_motion_model.hpp>
 
 #include "../support/denoised.hpp"
+#include "../support/made_up_humanml3d.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"
 #include "training_clips.hpp"
@@ -496,4 +497,33 @@ TEST_CASE("data in the form of KIT-ML: known by the width of their rows, trained
   const auto both = train_tiny("train-tmr", place.path, annotated);
   CHECK(both.code == 1);
   CHECK_MESSAGE(contains(both.text, "00006.npy: an array (60, 263), expected (60, 251)"), both.text);
+}
+
+TEST_CASE("HumanML3D is made from AMASS; missing files are reported first; the same command continues") {
+  const made_up::HumanMl3d place;
+  const std::vector<std::string> command{"humanml3d", "--repository", "repository", "--amass", "AMASS",
+                                         "--bodies",  "bodies",       "--out",      "out"};
+  const auto with = [&](const std::string& option) {
+    auto all = command;
+    all.push_back(option);
+    return run(all, place.path);
+  };
+  const Outcome missing = run(command, place.path);
+  CHECK(missing.code == 1);
+  CHECK_MESSAGE(contains(missing.text,
+                         "1 of 3 sources of index.csv are missing below AMASS and repository/pose_data, "
+                         "such as ./pose_data/KIT/3/kick_poses.npy; --missing leaves their clips out"),
+                missing.text);
+  const Outcome made = with("--missing");
+  CHECK(made.code == 0);
+  CHECK_MESSAGE(contains(made.text,
+                         "out: 4 clips made, 0 were there, 2 without captions, 0 with values that are not "
+                         "finite\n2 left out: 2 without their source (000002)"),
+                made.text);
+  CHECK(contains(with("--missing").text, "out: 0 clips made, 4 were there"));
+  const ml::HumanMl3dFolder data(place.out);
+  CHECK(data.load("M000000").frames == 27);
+  // the smallest training reads it
+  const Outcome trained = train_tiny("train-tmr", place.path, {"--data", "out"});
+  CHECK_MESSAGE(contains(trained.text, "motions to train on"), trained.text);
 }

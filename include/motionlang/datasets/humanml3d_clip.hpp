@@ -18,6 +18,10 @@ struct AddedClip {
   std::size_t captions = 0;  // captions of this id that the data set already has
 };
 
+/// A clip without captions from rows of features, (frames, 12 J - 1), and the joints that they stand for. Throws
+/// shape_error 205.
+HumanMl3dClip humanml3d_clip_of_rows(const std::string& id, std::vector<float> rows, const HumanMl3dForm& form = {});
+
 /// Writes features and joints of a motion, on the joints of the features or on SMPL's, and adds its id to all.txt.
 /// Existing captions of this id stay.
 /// fps      frames per second of the clip; 0: those of the features

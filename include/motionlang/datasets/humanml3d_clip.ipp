@@ -11,6 +11,16 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+MOTIONLANG_BODY HumanMl3dClip humanml3d_clip_of_rows(const std::string& id, std::vector<float> rows,
+                                                     const HumanMl3dForm& form) {
+  HumanMl3dClip clip{id, std::ssize(rows) / form.width(), std::move(rows), {}, {}};
+  const std::vector<double> values(clip.features.begin(), clip.features.end());
+  for (const auto& p : guoh3d_joints(std::span<const double>(values), form.joints)) {
+    for (const double x : {p.x, p.y, p.z}) clip.joints.push_back(static_cast<float>(x));
+  }
+  return clip;
+}
+
 MOTIONLANG_BODY AddedClip add_humanml3d_clip(const std::filesystem::path& folder, const std::string& id,
                                              const Motion& motion, const DataSetForm& form, double fps, bool replace) {
   const auto list = folder / "all.txt";
@@ -30,11 +40,7 @@ MOTIONLANG_BODY AddedClip add_humanml3d_clip(const std::filesystem::path& folder
       !replace && std::filesystem::exists(there) && read_npy(there).to<float>() != made.values)
     raise<config_error>(102, there.string(), ": the clip '", id,
                         "' exists already with another motion; `replace` overwrites it");
-  HumanMl3dClip clip{id, made.rows, std::move(made.values), {}, {}};
-  const std::vector<double> rows(clip.features.begin(), clip.features.end());
-  for (const auto& p : guoh3d_joints(std::span<const double>(rows), form.form.joints)) {
-    for (const double x : {p.x, p.y, p.z}) clip.joints.push_back(static_cast<float>(x));
-  }
+  HumanMl3dClip clip = humanml3d_clip_of_rows(id, std::move(made.values), form.form);
   if (std::filesystem::exists(folder / "texts" / (id + ".txt"))) clip.captions = HumanMl3dFolder(folder).captions(id);
   write_humanml3d_clip(folder, clip, form.form);
   if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);

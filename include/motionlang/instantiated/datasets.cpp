@@ -9,6 +9,7 @@
 #include <motionlang/datasets/humanml3d_folder.ipp>
 #include <motionlang/datasets/humanml3d_source.ipp>
 #include <motionlang/datasets/humanml3d_texts.ipp>
+#include <motionlang/datasets/make_humanml3d.ipp>
 #include <motionlang/datasets/motion_tokens.ipp>
 #include <motionlang/datasets/simultaneous_segments.ipp>
 #include <motionlang/datasets/sinc_items.ipp>

@@ -15,6 +15,7 @@
 #include <motionlang/datasets/babel.hpp>
 #include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/datasets/humanml3d_source.hpp>
+#include <motionlang/datasets/make_humanml3d.hpp>
 #include <motionlang/datasets/sinc_items.hpp>
 #include <motionlang/datasets/teach_pairs.hpp>
 #include <motionlang/file/id_list.hpp>
@@ -56,6 +57,9 @@ void annotations() {
 }
 void babel(const SpellingTable& spelling, Index frames) {
 #include "datasets/babel.1.inc"
+}
+void make_humanml3d_() {
+#include "datasets/make_humanml3d.1.inc"
 }
 void folder_of_clips(){
 #include "datasets/humanml3d_folder.1.inc"
