@@ -109,10 +109,10 @@ Tensor<B, 1> feature_weights(double root_weight) {
 /// `focus` of the samples comes from the noisiest fifth, with more samples the noisier the step.
 Index draw_t(Philox& rng, Index steps, double focus);
 
-/// The weight of the squared error of a sample: its ratio of signal to noise, abar / (1 - abar), but at least 1 (Salimans
-/// and Ho 2022, "truncated SNR weighting") and at most `cap` (Hang et al. 2023). With the weight 1 everywhere, samples
-/// with little noise have nearly no share of the loss. Then the network does not learn to keep fast movements, such as
-/// a waving hand, when it sees them.
+/// The weight of the squared error of a sample: its ratio of signal to noise, abar / (1 - abar), but at least 1
+/// (Salimans and Ho 2022, "truncated SNR weighting") and at most `cap` (Hang et al. 2023). With the weight 1
+/// everywhere, samples with little noise have nearly no share of the loss. Then the network does not learn to keep fast
+/// movements, such as a waving hand, when it sees them.
 double snr_weight(double abar, double cap);
 
 /// Fills in the sizes that follow from other sizes.
