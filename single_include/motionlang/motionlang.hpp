@@ -1824,18 +1824,19 @@ struct Philox {
   /// Uniform in [0, 1).
   double uniform() { return bits() * 0x1p-32; }
 
+  /// first  begins at this number of what the same call draws from 0 on, without drawing those before it
   template <Scalar S>
-  void uniform(std::span<S> out) {
-    fill(out, [](const Block& b, std::array<double, 4>& v) {
+  void uniform(std::span<S> out, std::uint64_t first = 0) {
+    fill(out, first, [](const Block& b, std::array<double, 4>& v) {
       for (std::size_t i = 0; i < 4; ++i) v[i] = (b[i] >> 8) * 0x1p-24;  // 24 bits: exact in float, never 1
     });
   }
   void uniform(std::span<float> out) { uniform<float>(out); }
 
-  /// Standard normal numbers.
+  /// Standard normal numbers. first: as for `uniform`.
   template <Scalar S>
-  void normal(std::span<S> out) {
-    fill(out, [](const Block& b, std::array<double, 4>& v) {
+  void normal(std::span<S> out, std::uint64_t first = 0) {
+    fill(out, first, [](const Block& b, std::array<double, 4>& v) {
       for (std::size_t i = 0; i < 4; i += 2) {
         const double radius = std::sqrt(-2.0 * std::log((b[i] + 0.5) * 0x1p-32));
         const double angle = 2.0 * std::numbers::pi * (b[i + 1] * 0x1p-32);
@@ -1848,11 +1849,13 @@ struct Philox {
 
  private:
   template <Scalar S, class F>
-  void fill(std::span<S> out, F values_of) {
+  void fill(std::span<S> out, std::uint64_t first, F values_of) {
+    position += first / 4;
+    auto j = static_cast<std::size_t>(first % 4);  // in the block
     std::array<double, 4> v{};
-    for (std::size_t i = 0; i < out.size(); i += 4) {
+    for (std::size_t i = 0; i < out.size(); j = 0) {
       values_of(block(position++), v);
-      for (std::size_t j = 0; j < 4 && i + j < out.size(); ++j) out[i + j] = static_cast<S>(v[j]);
+      for (; j < 4 && i < out.size(); ++j) out[i++] = static_cast<S>(v[j]);
     }
   }
 };
@@ -15017,11 +15020,12 @@ struct GumbelOptions {
 };
 
 /// g = -log(-log u) for uniform values u: the arg max of logits + g is distributed by their softmax. (rows, symbols)
+/// first  of these rows in what the generator draws
 template <Backend B>
-Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
+Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng, Index first = 0) {
   std::vector<typename B::scalar> g(static_cast<std::size_t>(rows * symbols));
   std::vector<double> u(g.size());
-  rng.uniform<double>(u);
+  rng.uniform<double>(u, static_cast<std::uint64_t>(first * symbols));
   for (std::size_t i = 0; i < g.size(); ++i)
     g[i] = static_cast<typename B::scalar>(-std::log(-std::log(std::clamp(u[i], 1e-12, 1 - 1e-12))));
   return Tensor<B, 2>::from(g, {rows, symbols});
@@ -15034,13 +15038,10 @@ struct GumbelNoise {
 
   template <Backend B>
   Tensor<B, 2> rows(Index step, Index first, Index count) const {
-    constexpr Index block = 4;  // numbers that Philox draws at once
-    const Index of_step = (sequences * symbols + block - 1) / block, before = first * symbols;
+    const Index blocks = (sequences * symbols + 3) / 4;  // of four numbers that Philox draws at once
     Philox own = rng;
-    own.position += static_cast<std::uint64_t>(step * of_step + before / block);
-    const Index skipped = before % block;
-    const auto drawn = gumbel_noise<B>(1, skipped + count * symbols, own);
-    return reshape<2>(slice(drawn, 1, skipped, skipped + count * symbols), {count, symbols});
+    own.position += static_cast<std::uint64_t>(step * blocks);
+    return gumbel_noise<B>(count, symbols, own, first);
   }
 };
 

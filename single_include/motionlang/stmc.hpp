@@ -2411,18 +2411,19 @@ struct Philox {
   /// Uniform in [0, 1).
   double uniform() { return bits() * 0x1p-32; }
 
+  /// first  begins at this number of what the same call draws from 0 on, without drawing those before it
   template <Scalar S>
-  void uniform(std::span<S> out) {
-    fill(out, [](const Block& b, std::array<double, 4>& v) {
+  void uniform(std::span<S> out, std::uint64_t first = 0) {
+    fill(out, first, [](const Block& b, std::array<double, 4>& v) {
       for (std::size_t i = 0; i < 4; ++i) v[i] = (b[i] >> 8) * 0x1p-24;  // 24 bits: exact in float, never 1
     });
   }
   void uniform(std::span<float> out) { uniform<float>(out); }
 
-  /// Standard normal numbers.
+  /// Standard normal numbers. first: as for `uniform`.
   template <Scalar S>
-  void normal(std::span<S> out) {
-    fill(out, [](const Block& b, std::array<double, 4>& v) {
+  void normal(std::span<S> out, std::uint64_t first = 0) {
+    fill(out, first, [](const Block& b, std::array<double, 4>& v) {
       for (std::size_t i = 0; i < 4; i += 2) {
         const double radius = std::sqrt(-2.0 * std::log((b[i] + 0.5) * 0x1p-32));
         const double angle = 2.0 * std::numbers::pi * (b[i + 1] * 0x1p-32);
@@ -2435,11 +2436,13 @@ struct Philox {
 
  private:
   template <Scalar S, class F>
-  void fill(std::span<S> out, F values_of) {
+  void fill(std::span<S> out, std::uint64_t first, F values_of) {
+    position += first / 4;
+    auto j = static_cast<std::size_t>(first % 4);  // in the block
     std::array<double, 4> v{};
-    for (std::size_t i = 0; i < out.size(); i += 4) {
+    for (std::size_t i = 0; i < out.size(); j = 0) {
       values_of(block(position++), v);
-      for (std::size_t j = 0; j < 4 && i + j < out.size(); ++j) out[i + j] = static_cast<S>(v[j]);
+      for (; j < 4 && i < out.size(); ++j) out[i++] = static_cast<S>(v[j]);
     }
   }
 };

@@ -224,11 +224,12 @@ struct GumbelOptions {
 };
 
 /// g = -log(-log u) for uniform values u: the arg max of logits + g is distributed by their softmax. (rows, symbols)
+/// first  of these rows in what the generator draws
 template <Backend B>
-Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
+Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng, Index first = 0) {
   std::vector<typename B::scalar> g(static_cast<std::size_t>(rows * symbols));
   std::vector<double> u(g.size());
-  rng.uniform<double>(u);
+  rng.uniform<double>(u, static_cast<std::uint64_t>(first * symbols));
   for (std::size_t i = 0; i < g.size(); ++i)
     g[i] = static_cast<typename B::scalar>(-std::log(-std::log(std::clamp(u[i], 1e-12, 1 - 1e-12))));
   return Tensor<B, 2>::from(g, {rows, symbols});
@@ -241,13 +242,10 @@ struct GumbelNoise {
 
   template <Backend B>
   Tensor<B, 2> rows(Index step, Index first, Index count) const {
-    constexpr Index block = 4;  // numbers that Philox draws at once
-    const Index of_step = (sequences * symbols + block - 1) / block, before = first * symbols;
+    const Index blocks = (sequences * symbols + 3) / 4;  // of four numbers that Philox draws at once
     Philox own = rng;
-    own.position += static_cast<std::uint64_t>(step * of_step + before / block);
-    const Index skipped = before % block;
-    const auto drawn = gumbel_noise<B>(1, skipped + count * symbols, own);
-    return reshape<2>(slice(drawn, 1, skipped, skipped + count * symbols), {count, symbols});
+    own.position += static_cast<std::uint64_t>(step * blocks);
+    return gumbel_noise<B>(count, symbols, own, first);
   }
 };
 

@@ -77,14 +77,9 @@ Sequences<B> part_of(const Sequences<B>& batch, const BatchPart& part) {
 /// without those of other samples.
 template <Backend B>
 Tensor<B, 2> normal_rows(Index first, Index rows, Index width, Philox rng) {
-  constexpr Index block = 4;  // numbers that Philox draws at once
-  const Index before = first * width, skipped = before % block;
-  rng.position += static_cast<std::uint64_t>(before / block);
-  if (skipped == 0) return Tensor<B, 2>::randn({rows, width}, rng);
-  std::vector<typename B::scalar> values(static_cast<std::size_t>(skipped + rows * width));
-  rng.normal(std::span(values));
-  return Tensor<B, 2>::from(std::span<const typename B::scalar>(values).subspan(static_cast<std::size_t>(skipped)),
-                            {rows, width});
+  std::vector<typename B::scalar> values(static_cast<std::size_t>(rows * width));
+  rng.normal(std::span(values), static_cast<std::uint64_t>(first * width));
+  return Tensor<B, 2>::from(values, {rows, width});
 }
 
 /// How sums are written into messages: exactly, or rounded to bfloat16, which is half as long as float. Rounded sums

@@ -1,6 +1,7 @@
 // Philox: known answers, streams, distributions.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
@@ -40,6 +41,24 @@ TEST_CASE("the same numbers whatever the size of the request, in whole blocks") 
   Philox rng{.seed = 1};
   for (std::size_t i = 0; i < 64; i += 16) rng.normal(std::span<float>(parts).subspan(i, 16));
   CHECK(all == parts);
+}
+
+TEST_CASE("numbers from any place on are those that the whole list has there") {
+  std::vector<float> normal(23), uniform(23);
+  Philox{.seed = 1, .position = 3}.normal(std::span<float>(normal));
+  Philox{.seed = 1, .position = 3}.uniform(std::span<float>(uniform));
+  for (std::size_t first = 0; first < normal.size(); ++first) {
+    for (std::size_t count = 1; first + count <= normal.size(); ++count) {
+      std::vector<float> some(count);
+      const auto of = [&](const std::vector<float>& all) { return std::equal(some.begin(), some.end(), &all[first]); };
+      Philox rng{.seed = 1, .position = 3};
+      rng.normal<float>(some, first);
+      CHECK(of(normal));
+      CHECK(rng.position == 3 + (first + count + 3) / 4);
+      Philox{.seed = 1, .position = 3}.uniform<float>(some, first);
+      CHECK(of(uniform));
+    }
+  }
 }
 
 TEST_CASE_TEMPLATE("normal numbers have mean 0, variance 1 and the right tails", S, float, double) {
