@@ -10,6 +10,7 @@
 #include <motionlang/version.hpp>
 
 #include <motionlang/core/activation.hpp>
+#include <motionlang/core/batch_sums.hpp>
 #include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/concepts.hpp>
 #include <motionlang/core/context.hpp>
@@ -57,6 +58,7 @@
 #include <motionlang/tensor/ops.hpp>
 #include <motionlang/tensor/print.hpp>
 #include <motionlang/tensor/sequences.hpp>
+#include <motionlang/tensor/sum_over_parts.hpp>
 #include <motionlang/tensor/tensor.hpp>
 
 #include <motionlang/geometry/axis_angle.hpp>

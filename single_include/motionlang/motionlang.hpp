@@ -1356,6 +1356,27 @@ constexpr std::string_view to_string(Activation a) {
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP  // <motionlang/core/batch_sums.hpp>
+#define MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP
+/// Sums over the parts of a batch, for networks that normalise by the statistics of the whole batch.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The view that a part of a batch has of the others. Each part has its own object, in its Context.
+/// Models  the parts of train/meeting_parts.hpp
+class BatchSums {
+ public:
+  virtual ~BatchSums() = default;
+  /// Replaces each number by its sum over all parts, whose bits do not depend on the number of processes. It waits for
+  /// the other parts, so all parts must call it equally often, with equally many numbers.
+  virtual void add(std::span<double> numbers) const = 0;
+  /// True for the one part of a process that changes what its parts share, such as running statistics.
+  virtual bool keeps_statistics() const = 0;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_CORE_BUFFER_POOL_HPP  // <motionlang/core/buffer_pool.hpp>
 #define MOTIONLANG_HAS_CORE_BUFFER_POOL_HPP
 /// Memory of tensors: counted buffers, which are kept for reuse after their last user.
@@ -1873,6 +1894,7 @@ struct Context {
   std::optional<Philox> dropout{};
   mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
   bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
+  const BatchSums* sums = nullptr;  // of a part of a batch: batch norm takes the statistics of all parts
 
   /// The generator of the next dropout mask. Only when `dropout` is set.
   Philox next_mask() const { return dropout->split(drawn++); }
@@ -5440,6 +5462,43 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_TENSOR_SUM_OVER_PARTS_HPP  // <motionlang/tensor/sum_over_parts.hpp>
+#define MOTIONLANG_HAS_TENSOR_SUM_OVER_PARTS_HPP
+/// The sum of a vector over the parts of a batch, which can be differentiated.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+template <Backend B>
+typename B::tensor sum_over_parts(const typename B::tensor& own, const BatchSums& sums, double* count = nullptr) {
+  const auto values = B::to_span(own);
+  std::vector<double> numbers(values.begin(), values.end());
+  if (count != nullptr) numbers.push_back(*count);
+  sums.add(numbers);
+  if (count != nullptr) *count = numbers.back();
+  std::vector<typename B::scalar> out(values.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<typename B::scalar>(numbers[i]);
+  return B::from_span(out, B::shape(own));
+}
+
+}  // namespace detail
+
+///     S = s_1 + ... + s_n,   dL/ds_k = dL_1/dS + ... + dL_n/dS   with L = L_1 + ... + L_n
+/// own    s_k, the vector of this part;   L_k: the loss of this part
+/// sums   must live until the backward pass, in which the parts meet again
+/// count  a number without derivatives that is replaced by its sum, too
+template <Backend B>
+Tensor<B, 1> sum_over_parts(const Tensor<B, 1>& own, const BatchSums& sums, double* count = nullptr) {
+  if constexpr (AutodiffBackend<B>)
+    return Tensor<B, 1>(B::sum_over_parts(own.data(), sums, count));
+  else
+    return Tensor<B, 1>(detail::sum_over_parts<B>(own.data(), sums, count));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_GEOMETRY_AXIS_ANGLE_HPP  // <motionlang/geometry/axis_angle.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_AXIS_ANGLE_HPP
 /// Rotation vectors: the axis times the angle in radians. Exponential and logarithm of SO(3) in quaternion form.
@@ -6379,6 +6438,12 @@ struct Autodiff {
           s.add(0, B::where_less(x, along(y, B::shape(x), axis), zero_like(x), along(g, B::shape(x), axis)));
         },
         a);
+  }
+
+  static tensor sum_over_parts(const tensor& a, const BatchSums& sums, double* count = nullptr) {
+    return record(
+        detail::sum_over_parts<B>(a.value, sums, count),
+        [&sums](const Value& g, const Sink& s) { s.add(0, detail::sum_over_parts<B>(g, sums)); }, a);
   }
 
   // Product.
@@ -13305,7 +13370,7 @@ struct RunningStatistics {
 /// Source  Ioffe and Szegedy (2015), algorithms 1 and 2; parameter names of PyTorch.
 /// In use, m and v are the running statistics. In training, `train(x)`, they are mean and variance (divided by n) of
 /// the rows. The running ones move towards them: r = (1 - momentum) r + momentum s, where s has the variance divided by
-/// n - 1.
+/// n - 1. With `context.sums` the rows are a part of those of a batch, and mean, variance and n are those of the batch.
 template <Backend B>
 struct BatchNorm {
   Tensor<B, 1> weight, bias;  // (channels)
@@ -13330,22 +13395,30 @@ struct BatchNorm {
     const auto scale = weight / sqrt(statistics.running_var + eps);
     return x * scale + (bias - statistics.running_mean * scale);
   }
-  /// The same with the statistics of these rows, which are stored. Throws shape_error 205 for fewer than two rows.
-  Tensor<B, 2> train(const Tensor<B, 2>& x) {
+  /// The same with the statistics of these rows, which are stored. Throws shape_error 205 for a batch of fewer than two
+  /// rows.
+  Tensor<B, 2> train(const Tensor<B, 2>& x, const Context& context = {}) {
     const ModuleScope scope(*this);
     check(x);
-    const auto n = static_cast<double>(x.size(0));
+    auto n = static_cast<double>(x.size(0));
+    const auto sum_of_batch = [&](const Tensor<B, 2>& rows, double* count = nullptr) {
+      return context.sums == nullptr ? sum(rows, 0) : sum_over_parts(sum(rows, 0), *context.sums, count);
+    };
+    const auto total = sum_of_batch(x, &n);
     if (n < 2) raise<shape_error>(205, "BatchNorm: ", x.shape(), " has no variance to train with");
-    const auto m = mean(x, 0);
+    const auto m = total / n;
     const auto centred = x - m;
-    const auto v = mean(square(centred), 0);
-    follow(statistics.running_mean, m, momentum);
-    follow(statistics.running_var, v, momentum, n / (n - 1));
-    statistics.num_batches_tracked = statistics.num_batches_tracked + 1.0;
+    const auto v = sum_of_batch(square(centred)) / n;
+    if (context.sums == nullptr || context.sums->keeps_statistics()) remember(m, v, n);
     return centred * (weight / sqrt(v + eps)) + bias;
   }
 
  private:
+  void remember(const Tensor<B, 1>& m, const Tensor<B, 1>& v, double n) {
+    follow(statistics.running_mean, m, momentum);
+    follow(statistics.running_var, v, momentum, n / (n - 1));
+    statistics.num_batches_tracked = statistics.num_batches_tracked + 1.0;
+  }
   void check(const Tensor<B, 2>& x) const {
     if (x.size(1) != weight.size(0))
       raise<shape_error>(204, "BatchNorm: input ", x.shape(), " for ", weight.size(0), " channels");
@@ -13358,12 +13431,12 @@ struct BatchNorm {
 /// Uses running statistics for a constant norm, and those of the rows for a norm that may change. So one function runs
 /// a network both ways.
 template <Backend B>
-Tensor<B, 2> batch_norm(const BatchNorm<B>& norm, const Tensor<B, 2>& x) {
+Tensor<B, 2> batch_norm(const BatchNorm<B>& norm, const Tensor<B, 2>& x, const Context& = {}) {
   return norm(x);
 }
 template <Backend B>
-Tensor<B, 2> batch_norm(BatchNorm<B>& norm, const Tensor<B, 2>& x) {
-  return norm.train(x);
+Tensor<B, 2> batch_norm(BatchNorm<B>& norm, const Tensor<B, 2>& x, const Context& context = {}) {
+  return norm.train(x, context);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -14144,7 +14217,7 @@ class ConvStack {
           x = (*layer.transposed)(x);
           break;
         case ConvStep::norm:
-          x.rows = batch_norm(*layer.norm, x.rows);
+          x.rows = batch_norm(*layer.norm, x.rows, context);
           break;
         case ConvStep::residual:
           x = (*layer.residual)(x);
@@ -20067,7 +20140,7 @@ struct VqDiscriminator {
     return judged(main(x));
   }
   /// Uses the statistics of these motions, and remembers them.
-  Result train(const Sequences<B>& x) { return judged(main.train(x)); }
+  Result train(const Sequences<B>& x, const Context& context = {}) { return judged(main.train(x, context)); }
 
  private:
   Result judged(const Sequences<B>& features) const { return {features, out_net(features).rows}; }
@@ -20138,12 +20211,13 @@ struct MotionTokenizer {
 /// discriminator takes its own step before, with `hinge_discriminator_loss` times lambda.
 template <Backend B>
 LossTerms<B> tokenizer_losses(const typename MotionTokenizer<B>::Result& result, const Sequences<B>& x,
-                              VqDiscriminator<B>* discriminator = nullptr, double lambda_adv = 0.5) {
+                              VqDiscriminator<B>* discriminator = nullptr, double lambda_adv = 0.5,
+                              const Context& context = {}) {
   LossTerms<B> out;
   out.add("rec", 1, l1(result.reconstruction.rows, x.rows));
   out.add("emb", 1, result.quantized.loss);
   if (discriminator != nullptr)
-    out.add("adv", lambda_adv, hinge_generator_loss(discriminator->train(result.reconstruction).logits));
+    out.add("adv", lambda_adv, hinge_generator_loss(discriminator->train(result.reconstruction, context).logits));
   return out;
 }
 
@@ -35105,13 +35179,13 @@ struct StGcnBlock {
   /// edges (3, joints, joints): A M. `Self` is constant after training; in training norms use the statistics of
   /// the batch.
   template <class Self>
-  static Sequences<B> run(Self& self, const Sequences<B>& x, const Tensor<B, 3>& edges) {
+  static Sequences<B> run(Self& self, const Sequences<B>& x, const Tensor<B, 3>& edges, const Context& context = {}) {
     const ModuleScope scope(self);
     const Index joints = edges.size(1), out = self.tcn.out(), rows = x.offsets.rows(), each = rows / joints * out;
     const auto parts = permute(reshape<3>(self.gcn(x).rows, {rows, 3, out}), {1, 0, 2});
     const auto mixed =
         matmul(reshape<2>(edges, {3 * joints, joints}), reshape<2>(parts, {3 * joints, each}), {.transpose_a = true});
-    auto norm = [](auto& n, const Tensor<B, 2>& t) { return batch_norm(n, t); };
+    auto norm = [&](auto& n, const Tensor<B, 2>& t) { return batch_norm(n, t, context); };
     auto y = self.tcn(x.with(activate(norm(self.before, reshape<2>(mixed, {rows, out})), Activation::relu)));
     y.rows = norm(self.after, y.rows);
     if (self.shortcut)
@@ -35176,15 +35250,15 @@ struct StGcn {
   Index joints() const { return graph.A.size(1); }
 
   /// x: frames, joint by joint. Features (sequences, width of the last block), logits (sequences, classes).
-  Recognition<B> operator()(const Sequences<B>& x) const { return run(*this, x); }
+  Recognition<B> operator()(const Sequences<B>& x) const { return run(*this, x, {}); }
   /// The same with the statistics of the batch, which the norms store.
-  Recognition<B> train(const Sequences<B>& x) { return run(*this, x); }
+  Recognition<B> train(const Sequences<B>& x, const Context& context = {}) { return run(*this, x, context); }
 
   /// The input of the first block: normalised, with every joint as a sequence of its own.
   template <class Self>
-  static Sequences<B> joint_sequences(Self& self, const Sequences<B>& x) {
+  static Sequences<B> joint_sequences(Self& self, const Sequences<B>& x, const Context& context = {}) {
     const Index joints = self.joints(), channels = x.width() / joints, rows = x.offsets.rows();
-    const auto split = reshape<3>(batch_norm(self.data_bn, x.rows), {rows, joints, channels});
+    const auto split = reshape<3>(batch_norm(self.data_bn, x.rows, context), {rows, joints, channels});
     PoolVector<Index> lengths;
     for (Index j = 0; j < joints; ++j) {
       for (Index s = 0; s < x.count(); ++s) lengths.push_back(x.offsets.length(s));
@@ -35194,11 +35268,11 @@ struct StGcn {
 
  private:
   template <class Self>
-  static Recognition<B> run(Self& self, const Sequences<B>& x) {
+  static Recognition<B> run(Self& self, const Sequences<B>& x, const Context& context) {
     const ModuleScope scope(self);
-    auto y = joint_sequences(self, x);
+    auto y = joint_sequences(self, x, context);
     for (std::size_t i = 0; i < self.st_gcn_networks.size(); ++i)
-      y = StGcnBlock<B>::run(self.st_gcn_networks[i], y, self.graph.A * self.edge_importance[i]);
+      y = StGcnBlock<B>::run(self.st_gcn_networks[i], y, self.graph.A * self.edge_importance[i], context);
     const Index joints = self.joints();
     const auto features = mean(reshape<3>(mean_rows(y), {joints, x.count(), y.width()}), 0);
     return {features, self.fcn(Sequences<B>(features, Offsets::equal(x.count(), 1))).rows};

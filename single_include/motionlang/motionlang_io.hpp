@@ -24314,8 +24314,9 @@ struct Classifier {
   struct Place {
     Index first = 0, all = 0;  // all = 0: these windows are the batch
   };
-  Recognition<B> train(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng, Place place = {}) {
-    return gru ? by_gru(x, clips, rng, place) : stgcn->train(x);
+  Recognition<B> train(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng, Place place = {},
+                       const Context& context = {}) {
+    return gru ? by_gru(x, clips, rng, place) : stgcn->train(x, context);
   }
 
  private:

@@ -8194,6 +8194,27 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_CORE_CONTEXT_HPP
 /// Settings of a model call besides its inputs. By default they are empty, and no dropout runs.
 
+#ifndef MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP  // <motionlang/core/batch_sums.hpp>
+#define MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP
+/// Sums over the parts of a batch, for networks that normalise by the statistics of the whole batch.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The view that a part of a batch has of the others. Each part has its own object, in its Context.
+/// Models  the parts of train/meeting_parts.hpp
+class BatchSums {
+ public:
+  virtual ~BatchSums() = default;
+  /// Replaces each number by its sum over all parts, whose bits do not depend on the number of processes. It waits for
+  /// the other parts, so all parts must call it equally often, with equally many numbers.
+  virtual void add(std::span<double> numbers) const = 0;
+  /// True for the one part of a process that changes what its parts share, such as running statistics.
+  virtual bool keeps_statistics() const = 0;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
@@ -8203,6 +8224,7 @@ struct Context {
   std::optional<Philox> dropout{};
   mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
   bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
+  const BatchSums* sums = nullptr;  // of a part of a batch: batch norm takes the statistics of all parts
 
   /// The generator of the next dropout mask. Only when `dropout` is set.
   Philox next_mask() const { return dropout->split(drawn++); }

@@ -59,7 +59,7 @@ template <class Task>
 void check_parts(Task task, Index update = 0) {
   for (const Index step : {0, 1}) {
     const auto rng = ml::Philox{.seed = 11}.split(static_cast<std::uint64_t>(step));
-    const auto parameters = task.parameters();
+    const auto parameters = ml::detail::parameters_of(task, step, update);
     const auto whole = [&] {
       if constexpr (ml::SeveralUpdatesTask<Task>)
         return task.part_loss(rng, step, {0, task.samples(step)}, {}, update);
@@ -69,8 +69,10 @@ void check_parts(Task task, Index update = 0) {
     std::vector<float> expected;
     ml::append_gradients<A>(expected, parameters, ml::backward(whole.total()));
     const ml::AnyCommunicator alone;
+    ml::PartThreads threads;
     ml::detail::StepParts<Task> parts{.task = task,
                                       .communicator = alone,
+                                      .threads = threads,
                                       .rng = rng,
                                       .step = step,
                                       .micro_batch = 2,
@@ -148,6 +150,21 @@ void check_processes(const Make& make) {
   CHECK(trained(make, folder / "parts", 4, 2, 1) != one);
   CHECK(trained(make, folder / "parts", 1, 2, 3) != one);
   CHECK(trained(make, folder / "parts", 2) == one);
+}
+
+/// One part with the whole batch makes all updates of an undivided step, with the same bits.
+template <class Make>
+void check_one_part(const Make& make) {
+  const TemporaryFolder folder;
+  const auto checkpoint = [&](const char* out, Index micro_batch) {
+    trained(make, folder / out, 1, micro_batch);
+    return ml::SafetensorsFile::open(folder / out / "checkpoint.safetensors");
+  };
+  const auto whole = checkpoint("whole", 0), part = checkpoint("part", 5);
+  CHECK(part.tensors().size() == whole.tensors().size());
+  for (const ml::TensorView& t : whole.tensors())
+    CHECK_MESSAGE(ml::values_of<float>(part.tensor(t.name)) == ml::values_of<float>(t), t.name);
+  CHECK(part.metadata().at("training.terms") == whole.metadata().at("training.terms"));
 }
 
 }  // namespace divided

@@ -25,6 +25,7 @@
 #include <motionlang/core/fields.hpp>
 #include <motionlang/tensor/fused.hpp>
 #include <motionlang/tensor/gradient.hpp>
+#include <motionlang/tensor/sum_over_parts.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -244,6 +245,12 @@ struct Autodiff {
           s.add(0, B::where_less(x, along(y, B::shape(x), axis), zero_like(x), along(g, B::shape(x), axis)));
         },
         a);
+  }
+
+  static tensor sum_over_parts(const tensor& a, const BatchSums& sums, double* count = nullptr) {
+    return record(
+        detail::sum_over_parts<B>(a.value, sums, count),
+        [&sums](const Value& g, const Sink& s) { s.add(0, detail::sum_over_parts<B>(g, sums)); }, a);
   }
 
   // Product.

@@ -4,6 +4,7 @@
 
 #include <optional>  // no generator, no dropout
 
+#include <motionlang/core/batch_sums.hpp>
 #include <motionlang/core/rng.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -15,6 +16,7 @@ struct Context {
   std::optional<Philox> dropout{};
   mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
   bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
+  const BatchSums* sums = nullptr;  // of a part of a batch: batch norm takes the statistics of all parts
 
   /// The generator of the next dropout mask. Only when `dropout` is set.
   Philox next_mask() const { return dropout->split(drawn++); }

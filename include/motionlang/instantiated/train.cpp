@@ -2,6 +2,7 @@
 // Bodies of the headers in train/, compiled once for motionlang::instantiated.
 #include <motionlang/train/batch_parts.ipp>
 #include <motionlang/train/learned_captions.ipp>
+#include <motionlang/train/part_threads.ipp>
 #include <motionlang/train/stmc_start.ipp>
 #include <motionlang/train/stmc_training.ipp>
 #include <motionlang/train/stmc_training_notes.ipp>

@@ -75,13 +75,13 @@ struct StGcnBlock {
   /// edges (3, joints, joints): A M. `Self` is constant after training; in training norms use the statistics of
   /// the batch.
   template <class Self>
-  static Sequences<B> run(Self& self, const Sequences<B>& x, const Tensor<B, 3>& edges) {
+  static Sequences<B> run(Self& self, const Sequences<B>& x, const Tensor<B, 3>& edges, const Context& context = {}) {
     const ModuleScope scope(self);
     const Index joints = edges.size(1), out = self.tcn.out(), rows = x.offsets.rows(), each = rows / joints * out;
     const auto parts = permute(reshape<3>(self.gcn(x).rows, {rows, 3, out}), {1, 0, 2});
     const auto mixed =
         matmul(reshape<2>(edges, {3 * joints, joints}), reshape<2>(parts, {3 * joints, each}), {.transpose_a = true});
-    auto norm = [](auto& n, const Tensor<B, 2>& t) { return batch_norm(n, t); };
+    auto norm = [&](auto& n, const Tensor<B, 2>& t) { return batch_norm(n, t, context); };
     auto y = self.tcn(x.with(activate(norm(self.before, reshape<2>(mixed, {rows, out})), Activation::relu)));
     y.rows = norm(self.after, y.rows);
     if (self.shortcut)
@@ -146,15 +146,15 @@ struct StGcn {
   Index joints() const { return graph.A.size(1); }
 
   /// x: frames, joint by joint. Features (sequences, width of the last block), logits (sequences, classes).
-  Recognition<B> operator()(const Sequences<B>& x) const { return run(*this, x); }
+  Recognition<B> operator()(const Sequences<B>& x) const { return run(*this, x, {}); }
   /// The same with the statistics of the batch, which the norms store.
-  Recognition<B> train(const Sequences<B>& x) { return run(*this, x); }
+  Recognition<B> train(const Sequences<B>& x, const Context& context = {}) { return run(*this, x, context); }
 
   /// The input of the first block: normalised, with every joint as a sequence of its own.
   template <class Self>
-  static Sequences<B> joint_sequences(Self& self, const Sequences<B>& x) {
+  static Sequences<B> joint_sequences(Self& self, const Sequences<B>& x, const Context& context = {}) {
     const Index joints = self.joints(), channels = x.width() / joints, rows = x.offsets.rows();
-    const auto split = reshape<3>(batch_norm(self.data_bn, x.rows), {rows, joints, channels});
+    const auto split = reshape<3>(batch_norm(self.data_bn, x.rows, context), {rows, joints, channels});
     PoolVector<Index> lengths;
     for (Index j = 0; j < joints; ++j) {
       for (Index s = 0; s < x.count(); ++s) lengths.push_back(x.offsets.length(s));
@@ -164,11 +164,11 @@ struct StGcn {
 
  private:
   template <class Self>
-  static Recognition<B> run(Self& self, const Sequences<B>& x) {
+  static Recognition<B> run(Self& self, const Sequences<B>& x, const Context& context) {
     const ModuleScope scope(self);
-    auto y = joint_sequences(self, x);
+    auto y = joint_sequences(self, x, context);
     for (std::size_t i = 0; i < self.st_gcn_networks.size(); ++i)
-      y = StGcnBlock<B>::run(self.st_gcn_networks[i], y, self.graph.A * self.edge_importance[i]);
+      y = StGcnBlock<B>::run(self.st_gcn_networks[i], y, self.graph.A * self.edge_importance[i], context);
     const Index joints = self.joints();
     const auto features = mean(reshape<3>(mean_rows(y), {joints, x.count(), y.width()}), 0);
     return {features, self.fcn(Sequences<B>(features, Offsets::equal(x.count(), 1))).rows};

@@ -138,7 +138,7 @@ class ConvStack {
           x = (*layer.transposed)(x);
           break;
         case ConvStep::norm:
-          x.rows = batch_norm(*layer.norm, x.rows);
+          x.rows = batch_norm(*layer.norm, x.rows, context);
           break;
         case ConvStep::residual:
           x = (*layer.residual)(x);

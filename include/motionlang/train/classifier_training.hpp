@@ -43,19 +43,17 @@ class ClassifierTraining : public ActionTask<ClassifierConfig, Classifier<A>, Cl
   LossTerms<A> loss(Philox rng, Index step, const Context& context) {
     return part_loss(rng, step, {0, this->samples(step)}, context);
   }
-  LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context&) {
+  LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context) {
     const auto whole = generator_ ? partly_generated(rng, step) : this->batch(rng, step);
     const auto b = part_of(whole, part);
-    const auto logits = learner_.model.train(b.x, config_.clips, rng, {part.first, whole.x.count()}).logits;
+    const auto logits = learner_.model.train(b.x, config_.clips, rng, {part.first, whole.x.count()}, context).logits;
     LossTerms<A> out;
     out.add("cross entropy", part.share(whole.x.count()), cross_entropy(logits, b.classes));
     return out;
   }
-  /// Throws option_error 102 for ST-GCN, whose norms use the statistics of the whole batch.
-  void require_parts() const {
-    if (learner_.average.stgcn)
-      raise<option_error>(102, "ST-GCN normalises by the statistics of the whole batch: it has no `micro_batch`");
-  }
+  /// True for ST-GCN, whose norms use the statistics of the whole batch.
+  bool parts_meet(Index) const { return learner_.model.stgcn.has_value(); }
+  std::vector<ModuleTensor<A>> statistics() { return untrained<A>(this->parameters()); }
   std::vector<Measure> validate();
 
  private:

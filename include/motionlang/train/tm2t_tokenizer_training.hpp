@@ -76,17 +76,19 @@ class Tm2tTokenizerTraining
 
   const Normalizer<B>& statistics() const { return statistics_; }
 
-  LossTerms<A> loss(const Philox& rng, Index step, const Context& context) {
-    return part_loss(rng, step, {0, this->samples(step)}, context);
+  /// As published, the discriminator makes an update before the tokenizer, on the same output of the tokenizer.
+  bool judges(Index step) const { return step >= first_adversarial(); }
+  Index updates(Index step) const { return judges(step) ? 2 : 1; }
+  LossTerms<A> loss(const Philox& rng, Index step, const Context& context);
+  LossTerms<A> part_loss(const Philox&, Index step, const BatchPart& part, const Context& context, Index update = 0);
+  std::vector<ModuleTensor<A>> judge_parameters() { return tensors_of(*discriminator_); }
+  void update_judge(const Gradients<A>& gradients, Index step) {
+    judge_.config.lr = config_.optimiser.rate(step, this->steps());
+    judge_.step(*discriminator_, gradients);
   }
-  LossTerms<A> part_loss(const Philox&, Index step, const BatchPart& part, const Context&);
-  /// Throws option_error 102 with a discriminator.
-  void require_parts() const {
-    if (discriminator_)
-      raise<option_error>(102,
-                          "tokenizer.adversarial: the discriminator normalises by the statistics of the whole batch "
-                          "and takes a step of its own, so there is no `micro_batch`");
-  }
+  /// The discriminator normalises by the statistics of the whole batch.
+  bool parts_meet(Index step) const { return judges(step); }
+  std::vector<ModuleTensor<A>> statistics() { return untrained<A>(judge_parameters()); }
   /// The loss without the discriminator, and the perplexity, which is the effective number of codes in use.
   std::vector<Measure> validate();
 
@@ -100,6 +102,8 @@ class Tm2tTokenizerTraining
  private:
   Tm2tTokenizerTraining(const Tm2tTrainingConfig& config, const DescribedMotions& data, Normalizer<B> statistics,
                         std::vector<ClipWindow> windows);
+  Sequences<A> windows_of(Index step, const BatchPart& part) const;
+  LossTerms<A> judge_loss(const Sequences<A>& x, const Sequences<A>& reconstruction, const Context& context);
   Index first_adversarial() const {
     return discriminator_ ? config_.tokenizer.adversarial_from * batches_.per_epoch() : this->steps();
   }
@@ -131,22 +135,45 @@ Tm2tTokenizerTraining<A>::Tm2tTokenizerTraining(const Tm2tTrainingConfig& config
 }
 
 template <AutodiffBackend A>
-LossTerms<A> Tm2tTokenizerTraining<A>::part_loss(const Philox&, Index step, const BatchPart& part, const Context&) {
+Sequences<A> Tm2tTokenizerTraining<A>::windows_of(Index step, const BatchPart& part) const {
   MotionBatch<B> batch(statistics_);
   const auto which = batches_(step, this->seed());
   for (const Index i : part.of(which)) {
     const ClipWindow& w = windows_[static_cast<std::size_t>(i)];
     batch.add(data_->training[static_cast<std::size_t>(w.clip)].rows, {w.start, config_.tokenizer.window});
   }
-  const auto x = detail::constants<A>(batch.normalized());
+  return detail::constants<A>(batch.normalized());
+}
+
+template <AutodiffBackend A>
+LossTerms<A> Tm2tTokenizerTraining<A>::judge_loss(const Sequences<A>& x, const Sequences<A>& reconstruction,
+                                                  const Context& context) {
+  const auto made = x.with(stop_gradient(reconstruction.rows));
+  const auto real = discriminator_->train(x, context).logits, generated = discriminator_->train(made, context).logits;
+  LossTerms<A> out;
+  out.add("judge", config_.tokenizer.adversarial, hinge_discriminator_loss(real, generated));
+  return out;
+}
+
+template <AutodiffBackend A>
+LossTerms<A> Tm2tTokenizerTraining<A>::loss(const Philox& rng, Index step, const Context& context) {
+  const BatchPart all{0, this->samples(step)};
+  if (!judges(step)) return part_loss(rng, step, all, context);
+  const auto x = windows_of(step, all);
   const auto result = learner_.model(x);
-  if (step < first_adversarial()) return weighted(tokenizer_losses<A>(result, x), part.share(std::ssize(which)));
-  const auto made = x.with(stop_gradient(result.reconstruction.rows));
-  const auto real = discriminator_->train(x).logits, generated = discriminator_->train(made).logits;
-  const double weight = config_.tokenizer.adversarial;
-  judge_.config.lr = config_.optimiser.rate(step, this->steps());
-  judge_.step(*discriminator_, backward(hinge_discriminator_loss(real, generated) * weight));
-  return tokenizer_losses<A>(result, x, &*discriminator_, weight);
+  update_judge(backward(judge_loss(x, result.reconstruction, context).total()), step);
+  return tokenizer_losses<A>(result, x, &*discriminator_, config_.tokenizer.adversarial, context);
+}
+
+template <AutodiffBackend A>
+LossTerms<A> Tm2tTokenizerTraining<A>::part_loss(const Philox&, Index step, const BatchPart& part,
+                                                 const Context& context, Index update) {
+  const auto x = windows_of(step, part);
+  const double share = part.share(this->samples(step));
+  const auto result = learner_.model(x);
+  if (!judges(step)) return weighted(tokenizer_losses<A>(result, x), share);
+  if (update == 0) return weighted(judge_loss(x, result.reconstruction, context), share);
+  return weighted(tokenizer_losses<A>(result, x, &*discriminator_, config_.tokenizer.adversarial, context), share);
 }
 
 template <AutodiffBackend A>

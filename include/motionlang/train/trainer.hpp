@@ -40,6 +40,7 @@
 #include <motionlang/train/batch_parts.hpp>
 #include <motionlang/train/communicator.hpp>
 #include <motionlang/train/compared_parts.hpp>
+#include <motionlang/train/meeting_parts.hpp>
 #include <motionlang/train/training_record.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -81,17 +82,39 @@ concept DividedTask = TrainingTask<T> &&
   { task.part_loss(rng, step, part, context) } -> std::same_as<LossTerms<typename T::A>>;
   { task.parameters() } -> std::same_as<std::vector<ModuleTensor<typename T::A>>>;
 };
+/// Divided trainings whose parts meet, because a network normalises by the statistics of the whole batch
+/// (train/meeting_parts.hpp). The context has `sums` for them.
+///   parts_meet  false for steps whose parts need not meet
+///   statistics  the tensors that part_loss changes
+/// Models  ClassifierTraining, Tm2tTokenizerTraining
+template <class T>
+concept MeetingTask = DividedTask<T> && requires(T& task, const T& same, Index step) {
+  { same.parts_meet(step) } -> std::convertible_to<bool>;
+  { task.statistics() } -> std::same_as<std::vector<ModuleTensor<typename T::A>>>;
+};
 /// Trainings that make several updates in a step, each with a loss of its own by the weights that the one before has
 /// changed. `loss` makes all but the last one itself.
 ///   updates    the number in a step
 ///   part_loss  the terms of some samples for one of these updates
 /// Laws    those of DividedTask, for each update
-/// Models  Tm2tWriterTraining
+/// Models  Tm2tWriterTraining, Tm2tTokenizerTraining
 template <class T>
 concept SeveralUpdatesTask = DividedTask<T> && requires(T& task, const T& same, Philox rng, const Context& context,
                                                         const BatchPart& part, Index step, Index update) {
   { same.updates(step) } -> std::convertible_to<Index>;
   { task.part_loss(rng, step, part, context, update) } -> std::same_as<LossTerms<typename T::A>>;
+};
+/// Trainings with a discriminator, which judges what the model makes. It may have the first of several updates in a
+/// step. The record leaves out the loss of that update.
+///   judges            true if a step has an update of the discriminator
+///   judge_parameters  the tensors that update_judge changes
+/// Models  Tm2tTokenizerTraining
+template <class T>
+concept AdversarialTask = SeveralUpdatesTask<T> &&
+    requires(T& task, const T& same, const Gradients<typename T::A>& gradients, Index step) {
+  { same.judges(step) } -> std::convertible_to<bool>;
+  { task.judge_parameters() } -> std::same_as<std::vector<ModuleTensor<typename T::A>>>;
+  task.update_judge(gradients, step);
 };
 /// Trainings whose loss compares all samples of a batch (train/compared_parts.hpp).
 ///   compared_part  the terms of some samples, and their rows that the others see
@@ -106,12 +129,6 @@ concept ComparingTask = TrainingTask<T> && requires(T& task, Philox rng, const C
   { task.compared_part(rng, step, part, context) } -> std::same_as<ComparedPart<typename T::A>>;
   { task.compared_loss(rng, step, rows) } -> std::same_as<LossTerms<typename T::A>>;
   { task.parameters() } -> std::same_as<std::vector<ModuleTensor<typename T::A>>>;
-};
-/// Tasks that some settings forbid to divide.
-///   require_parts  throws option_error 102 with the reason
-template <class T>
-concept SometimesWholeTask = requires(const T& task) {
-  task.require_parts();
 };
 /// Tasks that can measure how good they are.
 ///   validate    its first measure decides which weights are best
@@ -232,6 +249,7 @@ class Trainer {
   Index micro_batch_ = 0;
   AnyCommunicator communicator_;
   GradientWire wire_ = GradientWire::exact;
+  PartThreads threads_;  // of parts that meet
 };
 
 /// A complete training: the run, then the folder of the model, out/model. `about`: license and provenance, which are
@@ -268,9 +286,6 @@ void Trainer<Task>::divide(Index micro_batch, const AnyCommunicator& communicato
   if (wire == GradientWire::bf16 && micro_batch == 0)
     raise<option_error>(102,
                         "`wire` bf16 rounds the gradients that processes send each other: `micro_batch` is missing");
-  if constexpr (SometimesWholeTask<Task>) {
-    if (micro_batch > 0) task_.require_parts();
-  }
   micro_batch_ = micro_batch;
   communicator_ = communicator;
   wire_ = wire;
@@ -299,6 +314,24 @@ double Trainer<Task>::step() {
 
 namespace detail {
 
+/// True if an update of a step trains the discriminator.
+template <class Task>
+bool is_of_judge([[maybe_unused]] const Task& task, [[maybe_unused]] Index step, [[maybe_unused]] Index update) {
+  if constexpr (AdversarialTask<Task>)
+    return update == 0 && task.judges(step);
+  else
+    return false;
+}
+/// The tensors that an update changes.
+template <class Task>
+std::vector<ModuleTensor<typename Task::A>> parameters_of(Task& task, [[maybe_unused]] Index step,
+                                                          [[maybe_unused]] Index update) {
+  if constexpr (AdversarialTask<Task>) {
+    if (is_of_judge(task, step, update)) return task.judge_parameters();
+  }
+  return task.parameters();
+}
+
 /// The parts of the batch of a step. A list of numbers is summed over them: the loss, its terms, the gradients.
 template <class Task>
 struct StepParts {
@@ -306,19 +339,20 @@ struct StepParts {
   using Number = typename A::scalar;
   Task& task;
   const AnyCommunicator& communicator;
+  PartThreads& threads;
   const Philox& rng;
   Index step, micro_batch;
   bool recompute;
   Index update = 0;        // of the step
   SumMessages messages{};  // of the gradients
   Index samples = task.samples(step), parts = part_count(samples, micro_batch);
-  std::vector<ModuleTensor<A>> parameters = task.parameters();
+  std::vector<ModuleTensor<A>> parameters = parameters_of(task, step, update);
   std::optional<Philox> dropout = rng.split("dropout");
   std::vector<std::string> names{};  // of the terms; empty in a process without parts
 
   BatchPart part(Index i) const { return batch_part(i, samples, micro_batch); }
-  Context context(Index i) const {
-    Context out{.recompute = recompute};
+  Context context(Index i, const BatchSums* sums = nullptr) const {
+    Context out{.recompute = recompute, .sums = sums};
     if (dropout) out.dropout = dropout->split(static_cast<std::uint64_t>(i));
     return out;
   }
@@ -334,20 +368,29 @@ struct StepParts {
     messages.exact = out.size() + static_cast<std::size_t>(reached);
     return out;
   }
-  LossTerms<A> loss_of(Index i) {
+  LossTerms<A> loss_of(Index i, const Context& context) {
     if constexpr (SeveralUpdatesTask<Task>)
-      return task.part_loss(rng, step, part(i), context(i), update);
+      return task.part_loss(rng, step, part(i), context, update);
     else
-      return task.part_loss(rng, step, part(i), context(i));
+      return task.part_loss(rng, step, part(i), context);
   }
   std::vector<Number> sum() requires DividedTask<Task> {
-    const auto of_part = [&](Index i) {
-      const LossTerms<A> terms = loss_of(i);
+    const auto of_part = [&](Index i, const BatchSums* sums) {
+      const LossTerms<A> terms = loss_of(i, context(i, sums));
       auto out = heads(terms);
       append_gradients<A>(out, parameters, backward(terms.total()));
       return out;
     };
-    return sum_for_all<Number>(communicator, parts, of_part, messages);
+    if constexpr (MeetingTask<Task>) {
+      if (task.parts_meet(step)) {
+        auto out = sum_of_meeting_parts<Number>(
+            communicator, parts, threads, [&](Index i, const BatchSums& sums) { return of_part(i, &sums); }, messages);
+        if (parts < communicator.size()) tensors_of_first<A>(communicator, task.statistics());
+        return out;
+      }
+    }
+    return sum_for_all<Number>(
+        communicator, parts, [&](Index i) { return of_part(i, nullptr); }, messages);
   }
   /// The terms of the rows of all parts are added to part 0, and the gradients that do not pass through the rows.
   std::vector<Number> sum() requires ComparingTask<Task> {
@@ -392,6 +435,7 @@ double Trainer<Task>::divided_step(const Philox& rng, Index k) {
     for (Index update = 0; update < updates; ++update) {
       detail::StepParts<Task> parts{.task = task_,
                                     .communicator = communicator_,
+                                    .threads = threads_,
                                     .rng = rng,
                                     .step = k,
                                     .micro_batch = micro_batch_,
@@ -402,11 +446,17 @@ double Trainer<Task>::divided_step(const Philox& rng, Index k) {
       // A rank without parts does not know the terms.
       const auto own = lines_of_first(communicator_, parts.names);
       const auto heads = static_cast<Index>(1 + own.size());
+      require_finite(static_cast<double>(sum.front()), k);
+      const auto gradients =
+          listed_gradients<A>(std::span<const Number>(sum).subspan(static_cast<std::size_t>(heads)), parts.parameters);
+      if constexpr (AdversarialTask<Task>) {
+        if (detail::is_of_judge(task_, k, update)) {
+          task_.update_judge(gradients, k);
+          continue;
+        }
+      }
+      task_.update(gradients, k);
       value += static_cast<double>(sum.front());
-      require_finite(value, k);
-      task_.update(
-          listed_gradients<A>(std::span<const Number>(sum).subspan(static_cast<std::size_t>(heads)), parts.parameters),
-          k);
       names.insert(names.end(), own.begin(), own.end());
       values.insert(values.end(), sum.begin() + 1, sum.begin() + heads);
     }

@@ -100,7 +100,7 @@ struct VqDiscriminator {
     return judged(main(x));
   }
   /// Uses the statistics of these motions, and remembers them.
-  Result train(const Sequences<B>& x) { return judged(main.train(x)); }
+  Result train(const Sequences<B>& x, const Context& context = {}) { return judged(main.train(x, context)); }
 
  private:
   Result judged(const Sequences<B>& features) const { return {features, out_net(features).rows}; }
@@ -171,12 +171,13 @@ struct MotionTokenizer {
 /// discriminator takes its own step before, with `hinge_discriminator_loss` times lambda.
 template <Backend B>
 LossTerms<B> tokenizer_losses(const typename MotionTokenizer<B>::Result& result, const Sequences<B>& x,
-                              VqDiscriminator<B>* discriminator = nullptr, double lambda_adv = 0.5) {
+                              VqDiscriminator<B>* discriminator = nullptr, double lambda_adv = 0.5,
+                              const Context& context = {}) {
   LossTerms<B> out;
   out.add("rec", 1, l1(result.reconstruction.rows, x.rows));
   out.add("emb", 1, result.quantized.loss);
   if (discriminator != nullptr)
-    out.add("adv", lambda_adv, hinge_generator_loss(discriminator->train(result.reconstruction).logits));
+    out.add("adv", lambda_adv, hinge_generator_loss(discriminator->train(result.reconstruction, context).logits));
   return out;
 }
 

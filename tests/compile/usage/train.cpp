@@ -16,6 +16,7 @@
 #include <motionlang/train/guo_movement_training.hpp>
 #include <motionlang/train/guo_retrieval.hpp>
 #include <motionlang/train/measured_similarity.hpp>
+#include <motionlang/train/part_threads.hpp>
 #include <motionlang/train/presets.hpp>
 #include <motionlang/train/recognition.hpp>
 #include <motionlang/train/retrieval_evaluation.hpp>
@@ -96,6 +97,9 @@ void stmc_training() {
 void describer_training(const Tm2tTrainingConfig& config, const DescribedMotions& data, const GloVe& words,
                         const About& about) {
 #include "train/tm2t_describer_training.1.inc"
+}
+void part_threads(const std::function<void(Index)>& first_half, const std::function<void(Index)>& second_half) {
+#include "train/part_threads.1.inc"
 }
 void tokenizer_training(const DescribedMotions& data, const About& about) {
 #include "train/tm2t_tokenizer_training.1.inc"
