@@ -18285,6 +18285,12 @@ struct FolderPiece {
   double start = 0, end = 0;  // of the moment, in seconds of `motion`
 };
 
+/// The motion of a file from `start` to `end`, with `margin` seconds before and after it, as far as the file has them.
+/// animation: of a file with several motions; "": the first one. Throws io_error 401 if the file has no such motion, and
+/// what read_motions throws.
+FolderPiece piece_of_file(const std::filesystem::path& file, const std::string& animation, double start, double end,
+                          double margin);
+
 struct SearchedFolderOptions {
   std::filesystem::path index{};  // file in which the vectors are for the next time; "": they are only in memory
   MomentOptions moments{};        // of a new index
@@ -18338,6 +18344,21 @@ inline std::shared_ptr<const SearchEncoder> given_encoder(std::shared_ptr<const 
 }
 
 }  // namespace detail
+
+MOTIONLANG_BODY FolderPiece piece_of_file(const std::filesystem::path& file, const std::string& animation, double start,
+                                          double end, double margin) {
+  for (Motion& whole : read_motions(file, options_for_file({}, file))) {
+    if (!animation.empty() && whole.name != animation) continue;
+    const double from = std::max(start - margin, 0.0), to = std::min(end + margin, whole.seconds());
+    const auto first = static_cast<double>(frames_between(whole, from, to).first);
+    FolderPiece out{.motion = edit_time(whole, {.from = from, .to = to})};
+    const double before = first / whole.fps, length = out.motion.seconds();
+    out.start = std::clamp(start - before, 0.0, length);
+    out.end = std::clamp(end - before, out.start, length);
+    return out;
+  }
+  raise<io_error>(401, file.filename().string(), ": there is no motion '", animation, "' in it any more");
+}
 
 MOTIONLANG_BODY SearchedFolder::SearchedFolder(const FilePath& folder, std::shared_ptr<const SearchEncoder> encoder,
                                                SearchedFolderOptions options)
@@ -18399,17 +18420,7 @@ MOTIONLANG_BODY FolderPiece SearchedFolder::piece(const FolderMoment& moment, do
   if (moment.file.empty() || !is_below(path, folder_) || !is_own_file(path) ||
       std::filesystem::weakly_canonical(path, failed) != path || is_linked_motion(path))
     raise<io_error>(401, moment.file, ": there is no such motion in the folder");
-  for (Motion& whole : read_motions(path, options_for_file({}, path))) {
-    if (!moment.animation.empty() && whole.name != moment.animation) continue;
-    const double from = std::max(moment.start - margin, 0.0), to = std::min(moment.end + margin, whole.seconds());
-    const auto first = static_cast<double>(frames_between(whole, from, to).first);
-    FolderPiece out{.motion = edit_time(whole, {.from = from, .to = to})};
-    const double before = first / whole.fps, length = out.motion.seconds();
-    out.start = std::clamp(moment.start - before, 0.0, length);
-    out.end = std::clamp(moment.end - before, out.start, length);
-    return out;
-  }
-  raise<io_error>(401, moment.file, ": there is no motion '", moment.animation, "' in it any more");
+  return piece_of_file(path, moment.animation, moment.start, moment.end, margin);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -19023,6 +19034,130 @@ MOTIONLANG_NAMESPACE_END
 ///     save_module("model.safetensors", model);
 ///     load_module(model, "model.safetensors");                          // into a model of the same sizes
 ///     load_module(model, open_weights("logs/last.ckpt"), "denoiser.");   // any TensorSet (weights/weight_file.hpp)
+///
+/// Matrices in whole numbers of 8 bits (weights/int8_matrix.hpp) are read like other weights.
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_HPP  // <motionlang/weights/int8_matrix.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_HPP
+/// Matrices of weights as whole numbers of 8 bits: half of the place of F16. write_safetensors_copy writes them, and
+/// load_module reads them like other weights.
+///
+///     X[row, column] = codes[row, column] * scales[row, column / 64]
+///
+/// Tensors    X (rows, columns) I8, -127 to 127; X.scales (rows, groups of 64 columns) F16, the last group may be
+///            shorter
+/// Rounding   a scale is the least half that brings the largest value of its group to at most 127; ties to even. So a
+///            value is at most half a scale away from its original, and a copy of a copy has the same bits
+/// Notation   X, the name of the tensor -> codes and X.scales
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+inline constexpr Index int8_group = 64;                // columns with one scale
+inline constexpr const char* int8_scales = ".scales";  // behind the name of the matrix
+
+/// A matrix in that form, with its own memory.
+struct Int8Matrix {
+  std::vector<std::int8_t> codes{};
+  std::vector<std::uint16_t> scales{};  // halves
+  Index rows = 0, columns = 0;
+};
+
+/// The number of groups of a row.
+constexpr Index int8_groups(Index columns) { return (columns + int8_group - 1) / int8_group; }
+
+/// Values (rows, columns). Throws numeric_error 301 for NaN, infinity, and a value that is too large for a scale.
+Int8Matrix int8_matrix(std::span<const float> values, Index rows, Index columns, const std::string& name);
+
+/// The scales of a tensor, or NULL if it is not a matrix in that form. Throws io_error 407 for scales of another type
+/// or shape.
+const TensorView* int8_scales_of(const TensorSet& file, const TensorView& tensor);
+/// True for the scales of such a matrix in the same file.
+bool is_int8_scales(const TensorSet& file, const TensorView& tensor);
+
+/// The values of such a matrix. Throws shape_error 205 if `out` has another size.
+template <class S>
+void copy_int8_values(const TensorView& codes, const TensorView& scales, std::span<S> out) {
+  const auto code = values_of<std::int8_t>(codes);
+  const auto scale = values_of<float>(scales);
+  if (code.size() != out.size())
+    raise<shape_error>(205, "tensor '", codes.name, "' of shape ", codes.shape, " does not have ",
+                       counted(out.size(), "value"));
+  const auto columns = static_cast<std::size_t>(codes.shape[1]);
+  const auto groups = static_cast<std::size_t>(scales.shape[1]);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::size_t row = i / columns, group = i % columns / static_cast<std::size_t>(int8_group);
+    out[i] = static_cast<S>(static_cast<float>(code[i]) * scale[row * groups + group]);
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_IPP  // <motionlang/weights/int8_matrix.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_IPP
+// Bodies of int8_matrix.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The least half that is not below a number, which is not negative.
+inline std::uint16_t half_at_least(float x) {
+  const std::uint16_t nearest = float_to_half(x);
+  return half_to_float(nearest) < x ? static_cast<std::uint16_t>(nearest + 1) : nearest;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Int8Matrix int8_matrix(std::span<const float> values, Index rows, Index columns,
+                                       const std::string& name) {
+  if (std::ssize(values) != rows * columns)
+    raise<shape_error>(205, "int8_matrix: ", counted(values.size(), "value"), " for '", name, "' of ", rows,
+                       " rows of ", columns);
+  constexpr float largest_code = 127, largest_half = 65504;
+  Int8Matrix out{.codes = {}, .scales = {}, .rows = rows, .columns = columns};
+  out.codes.reserve(values.size());
+  for (Index row = 0; row < rows; ++row) {
+    for (Index first = 0; first < columns; first += int8_group) {
+      const auto group = values.subspan(static_cast<std::size_t>(row * columns + first),
+                                        static_cast<std::size_t>(std::min(int8_group, columns - first)));
+      float most = 0;
+      for (const float x : group) {
+        if (!(std::abs(x) <= largest_code * largest_half))
+          raise<numeric_error>(301, "int8_matrix: '", name, "' has ", x, " in row ", row, ", too large for a scale");
+        most = std::max(most, std::abs(x));
+      }
+      out.scales.push_back(detail::half_at_least(most / largest_code));
+      const float scale = half_to_float(out.scales.back());
+      for (const float x : group) {
+        const float code = scale == 0 ? 0 : std::nearbyint(x / scale);
+        out.codes.push_back(static_cast<std::int8_t>(std::max(-largest_code, std::min(code, largest_code))));
+      }
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY const TensorView* int8_scales_of(const TensorSet& file, const TensorView& tensor) {
+  if (tensor.dtype != DType::I8 || tensor.shape.rank() != 2) return nullptr;
+  const TensorView* const scales = file.find(tensor.name + int8_scales);
+  if (scales == nullptr) return nullptr;
+  const FileShape expected{tensor.shape[0], int8_groups(tensor.shape[1])};
+  if (scales->dtype != DType::F16 || scales->shape != expected)
+    raise<io_error>(407, file.name(), ": tensor '", scales->name, "' is ", scales->dtype, " ", scales->shape,
+                    ", the scales of '", tensor.name, "' are ", DType::F16, " ", expected);
+  return scales;
+}
+
+MOTIONLANG_BODY bool is_int8_scales(const TensorSet& file, const TensorView& tensor) {
+  const std::string_view name = tensor.name, end = int8_scales;
+  if (!name.ends_with(end)) return false;
+  const TensorView* const codes = file.find(name.substr(0, name.size() - end.size()));
+  return codes != nullptr && int8_scales_of(file, *codes) == &tensor;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -19075,6 +19210,22 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
         shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
   }
 }
+/// The same for a matrix in whole numbers of 8 bits (weights/int8_matrix.hpp).
+template <Backend B>
+void assign_int8_tensor(typename B::tensor& tensor, const TensorView& codes, const TensorView& scales,
+                        const std::string& where) {
+  if constexpr (AutodiffBackend<B>) {
+    assign_int8_tensor<typename B::inner>(B::mutable_value(tensor), codes, scales, where);
+  } else {
+    using S = typename B::scalar;
+    const Shape shape = B::shape(tensor);
+    if (codes.shape != shape)
+      raise<io_error>(407, where, ": tensor '", codes.name, "' is ", codes.shape, ", the model has ", shape);
+    tensor = written_tensor<B>(shape, [&](S* to) {
+      copy_int8_values(codes, scales, std::span<S>(to, static_cast<std::size_t>(shape.count())));
+    });
+  }
+}
 /// The purpose of loading a module. For inference, prepare_loaded makes it ready in the same pass over the file: all
 /// its matrices are weights, and it is not trained or changed afterwards.
 enum class LoadFor { any_use, inference };
@@ -19106,7 +19257,10 @@ struct TensorLoader {
       report.missing.push_back(name);
       return;
     }
-    assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
+    if (const TensorView* scales = int8_scales_of(file, *view))
+      assign_int8_tensor<B>(*tensor.data, *view, *scales, file.name());
+    else
+      assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
     if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
     MappedFile::forget_if_mapped(view->bytes);  // read again when needed
   }
@@ -19303,7 +19457,7 @@ KeyReport load_module_partly(M& module, const TensorSet& file, const std::string
     if (!finite) fill(LoadFor::any_use);  // reports which value is not finite
   }
   for (const TensorView& t : file.tensors()) {
-    if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
+    if (!t.name.starts_with(prefix) || known.contains(t.name) || is_int8_scales(file, t)) continue;
     if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
   }
   return report;
@@ -24314,9 +24468,8 @@ struct Classifier {
   struct Place {
     Index first = 0, all = 0;  // all = 0: these windows are the batch
   };
-  Recognition<B> train(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng, Place place = {},
-                       const Context& context = {}) {
-    return gru ? by_gru(x, clips, rng, place) : stgcn->train(x, context);
+  Recognition<B> train(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng, Place place = {}) {
+    return gru ? by_gru(x, clips, rng, place) : stgcn->train(x);
   }
 
  private:
@@ -26041,8 +26194,10 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// stored  element type to which floating-point tensors are rounded; none: unchanged
-/// Throws  io_error 401, and what write_safetensors throws
+/// stored  element type to which floating-point tensors are rounded; none: unchanged. I8: matrices of at least
+///         int8_matrix_least numbers become whole numbers of 8 bits (weights/int8_matrix.hpp), and the rest stays
+/// Throws  io_error 401, and what write_safetensors, TensorStore::add and int8_matrix throw
+inline constexpr Index int8_matrix_least = 4096;
 void write_safetensors_copy(const FilePath& path, const WeightFile& weights, std::optional<DType> stored = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -26050,6 +26205,8 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_WEIGHTS_SAFETENSORS_COPY_IPP  // <motionlang/weights/safetensors_copy.ipp>
 #define MOTIONLANG_HAS_WEIGHTS_SAFETENSORS_COPY_IPP
 // Bodies of safetensors_copy.hpp.
+
+#include <list>  // matrices, which views point to
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -26062,11 +26219,23 @@ MOTIONLANG_BODY void write_safetensors_copy(const FilePath& path, const WeightFi
   metadata.try_emplace("format", "pt");
   TensorStore store;
   std::vector<TensorView> tensors;
+  std::list<Int8Matrix> matrices;
   for (const TensorView& t : weights.tensors()) {
-    if (stored && t.dtype >= DType::F16 && t.dtype <= DType::F64)
+    const bool real = t.dtype >= DType::F16 && t.dtype <= DType::F64;
+    if (stored == DType::I8) {
+      if (!real || t.shape.rank() != 2 || t.shape.count() < int8_matrix_least) {
+        tensors.push_back(t);
+        continue;
+      }
+      const Int8Matrix& m = matrices.emplace_back(int8_matrix(values_of<float>(t), t.shape[0], t.shape[1], t.name));
+      tensors.push_back(tensor_view(t.name, t.shape, std::span<const std::int8_t>(m.codes)));
+      tensors.push_back(
+          {t.name + int8_scales, DType::F16, {m.rows, int8_groups(m.columns)}, std::as_bytes(std::span(m.scales))});
+    } else if (stored && real) {
       store.add(t.name, t.shape, std::span<const double>(values_of<double>(t)), *stored);
-    else
+    } else {
       tensors.push_back(t);
+    }
   }
   const auto rounded = store.views();
   tensors.insert(tensors.end(), rounded.begin(), rounded.end());
@@ -31622,6 +31791,9 @@ struct StudioParts {
   std::string program;               // motionlang_wasm.js
   std::span<const std::byte> code;   // motionlang_wasm.wasm, packed by gzip
   std::span<const std::byte> model;  // weights of STMC, .safetensors, packed by gzip
+  // TMR, with which the page searches: config.json and weights.safetensors of its folder, packed by gzip; empty: it
+  // does not search
+  std::span<const std::byte> search_config{}, search_weights{};
   std::vector<StudioPrompt> prompts{};
   std::string title = "motionlang studio";
   bool asks_server = false;  // the page asks the server that it comes from; it has no program, code and model then
@@ -31640,10 +31812,364 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_VIEW_STUDIO_PAGE_IPP
 // Bodies of studio_page.hpp.
 
+#ifndef MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_GIF_HPP  // <motionlang/view/detail/studio_page_gif.hpp>
+#define MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_GIF_HPP
+/// The source of the studio's page, continued: a writer of animated GIF files. studio_page.hpp puts it between the parts
+/// of studio_page_source.hpp.
+/// Source  "Graphics Interchange Format, Version 89a" (CompuServe, 1990); Heckbert, "Color Image Quantization for Frame
+///         Buffer Display" (SIGGRAPH 1982), whose boxes are cut here where their colours differ most
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::string_view studio_script_gif = R"page(
+// ---- Animated GIF files.
+
+/** The place of a colour of five bits a channel. */
+const placeOf = (data, at) => data[at] >> 3 << 10 | data[at + 1] >> 3 << 5 | data[at + 2] >> 3;
+/** At most 255 colours for pictures, which are RGBA: the mean colours of boxes that hold the pictures' colours. */
+function colours(pictures) {
+  const sums = new Map();  // by place: number, red, green, blue
+  for (const data of pictures) {
+    for (let at = 0; at < data.length; at += 4) {
+      const place = placeOf(data, at);
+      let sum = sums.get(place);
+      if (!sum) sums.set(place, sum = [0, 0, 0, 0]);
+      sum[0] += 1;
+      for (let c = 0; c < 3; ++c) sum[c + 1] += data[at + c];
+    }
+  }
+  const boxOf = (all) => {
+    const count = all.reduce((n, s) => n + s[0], 0);
+    const mean = [1, 2, 3].map((c) => all.reduce((n, s) => n + s[c], 0) / count);
+    const spread = mean.map((m, c) => all.reduce((n, s) => n + s[0] * (s[c + 1] / s[0] - m) ** 2, 0));
+    const widest = spread.indexOf(Math.max(...spread));
+    return { all, mean, widest, error: all.length > 1 ? spread[widest] : 0 };
+  };
+  const boxes = [boxOf([...sums.values()])];
+  while (boxes.length < 255) {
+    const at = boxes.reduce((best, box, i) => box.error > boxes[best].error ? i : best, 0);
+    const { all, mean, widest, error } = boxes[at];
+    if (!(error > 0)) break;
+    const below = (s) => s[widest + 1] / s[0] < mean[widest];
+    boxes.splice(at, 1, boxOf(all.filter(below)), boxOf(all.filter((s) => !below(s))));
+  }
+  return boxes.map(({ mean }) => mean.map(Math.round));
+}
+/** The numbers of colours of eight bits, packed by LZW into blocks of at most 255 bytes. */
+function packedPixels(pixels) {
+  const out = [8], clear = 256, end = 257;  // eight bits a colour at first
+  const codes = new Uint16Array(4096 << 8);  // by the code of what came before and the next pixel; 0: none
+  let block = [], held = 0, bits = 0, size = 9, next = 258;
+  const flush = () => {
+    if (block.length) out.push(block.length, ...block);
+    block = [];
+  };
+  const put = (code) => {
+    held |= code << bits;
+    for (bits += size; bits >= 8; bits -= 8, held >>>= 8) {
+      block.push(held & 255);
+      if (block.length === 255) flush();
+    }
+  };
+  put(clear);
+  let before = pixels[0];
+  for (let i = 1; i < pixels.length; ++i) {
+    const key = before << 8 | pixels[i];
+    if (codes[key]) {
+      before = codes[key];
+      continue;
+    }
+    put(before);
+    if (next === 4096) {
+      put(clear);
+      codes.fill(0);
+      [size, next] = [9, 258];
+    } else {
+      if (next === 1 << size) ++size;
+      codes[key] = next++;
+    }
+    before = pixels[i];
+  }
+  put(before);
+  if (next === 1 << size && size < 12) ++size;  // the reader has one entry more by now
+  put(end);
+  if (bits > 0) block.push(held & 255);
+  flush();
+  return new Uint8Array([...out, 0]);
+}
+/** A GIF that repeats without end. add(data) appends a picture, RGBA of this size; of each but the first only what has
+    changed is stored. delay: hundredths of a second */
+class GifWriter {
+  constructor(width, height, palette, delay) {
+    Object.assign(this, { width, height, palette, delay, before: null, frames: 0 });
+    this.nearest = new Int16Array(1 << 15).fill(-1);  // by place
+    const table = new Uint8Array(768);
+    palette.forEach((colour, i) => table.set(colour, 3 * i));
+    this.parts = [new TextEncoder().encode("GIF89a"), this.words(width, height), [0xf7, 0, 0], table,
+                  [0x21, 0xff, 11], new TextEncoder().encode("NETSCAPE2.0"), [3, 1, 0, 0, 0]];
+  }
+  words(...numbers) { return numbers.flatMap((n) => [n & 255, n >> 8]); }
+  colourAt(data, at) {
+    const place = placeOf(data, at);
+    if (this.nearest[place] < 0) {
+      let least = Infinity;
+      this.palette.forEach((colour, i) => {
+        const away = colour.reduce((sum, x, c) => sum + (x - data[at + c]) ** 2, 0);
+        if (away < least) [least, this.nearest[place]] = [away, i];
+      });
+    }
+    return this.nearest[place];
+  }
+  add(data) {
+    const { width, height, before, delay } = this, now = new Uint8Array(width * height), same = 255;
+    for (let i = 0; i < now.length; ++i) now[i] = this.colourAt(data, 4 * i);
+    let [left, top, right, bottom] = before ? [width, height, 0, 0] : [0, 0, width, height];
+    for (let i = 0; before && i < now.length; ++i) {
+      if (now[i] === before[i]) continue;
+      const x = i % width, y = (i - x) / width;
+      left = Math.min(left, x), right = Math.max(right, x + 1), top = Math.min(top, y), bottom = y + 1;
+    }
+    if (left >= right) [left, top, right, bottom] = [0, 0, 1, 1];  // nothing has changed
+    const pixels = new Uint8Array((right - left) * (bottom - top));
+    for (let y = top, to = 0; y < bottom; ++y) {
+      for (let x = left; x < right; ++x, ++to) {
+        const i = y * width + x;
+        pixels[to] = before && before[i] === now[i] ? same : now[i];
+      }
+    }
+    this.parts.push([0x21, 0xf9, 4, before ? 5 : 4], this.words(delay), [same, 0, 0x2c],
+                    this.words(left, top, right - left, bottom - top), [0], packedPixels(pixels));
+    this.before = now;
+    ++this.frames;
+  }
+  async bytes() {
+    const blocks = [...this.parts, [0x3b]].map((part) => part instanceof Uint8Array ? part : new Uint8Array(part));
+    return new Uint8Array(await new Blob(blocks).arrayBuffer());
+  }
+}
+/** The view as a GIF while the motion plays once, at most 480 pixels wide. */
+const saveGif = () => work("Making the GIF.", async () => {
+  const usual = { quality, playing, time }, { seconds, fps } = clip, wide = Math.min(480, view.clientWidth);
+  const high = Math.max(1, Math.round(wide * view.clientHeight / view.clientWidth));
+  const canvas = Object.assign(document.createElement("canvas"), { width: wide, height: high });
+  const context = canvas.getContext("2d", { willReadFrequently: true });
+  const delay = Math.max(4, Math.round(100 / fps)), count = Math.max(1, Math.round(100 * seconds / delay));
+  let cancelled = false;
+  making.cancel = () => { cancelled = true; };
+  const pictureAt = (at) => {
+    seek(at);
+    render();
+    context.drawImage(view, 0, 0, wide, high);  // the pixels of the view are gone after this task
+    return context.getImageData(0, 0, wide, high).data;
+  };
+  const pause = () => new Promise((resolve) => setTimeout(resolve));
+  let writer = null;
+  play(false);
+  quality = 1;
+  try {
+    const samples = Array.from({ length: Math.min(8, count) }, (_, i) => pictureAt(seconds * i / 8));
+    writer = new GifWriter(wide, high, colours(samples), delay);
+    for (let i = 0; i < count && !cancelled; ++i) {
+      writer.add(pictureAt(i * delay / 100));
+      element("progress").value = i / count;
+      element("left").textContent = `picture ${i + 1} of ${count}`;
+      await pause();
+    }
+  } finally {
+    ({ quality } = usual);
+    seek(usual.time);
+    play(usual.playing);
+  }
+  if (cancelled) throw Object.assign(new Error("cancelled"), { cancelled: true });
+  const bytes = await writer.bytes(), name = fileName() + ".gif";
+  await keepFile(name, bytes, "image/gif");
+  return `${name}: ${writer.frames} pictures, ${Math.ceil(bytes.length / 1000)} kB.`;
+});
+)page";
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_SEARCH_HPP  // <motionlang/view/detail/studio_page_search.hpp>
+#define MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_SEARCH_HPP
+/// The source of the studio's page, continued: search by words, in the folder of a server or in files that were dropped
+/// on the page. studio_page.hpp puts it between the parts of studio_page_source.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::string_view studio_script_search = R"page(
+// ---- Search by words. A server searches the project's folder; without one the worker searches files of this page.
+
+/** The files that the worker searches, by their paths. The bounds keep them in its memory. */
+const searched = new Map(), room = { files: 2000, bytes: 400e6 };
+const isMotionFile = (name) => /\.(bvh|amc|npz|npy|glb|gltf|vrma)$/i.test(name);
+const many = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
+const canSearch = () => engine.folder ? engine.search : engine.searches;
+let sought = 0;        // searches so far
+let halted = false;    // the person stops the reading of files
+let readSoFar = null;  // { done, total } of the files that the worker reads in several shares
+
+function showIndexed(done, total) {
+  const all = readSoFar ? { done: readSoFar.done + done, total: readSoFar.total } : { done, total };
+  element("findSays").textContent = `Reading the motions: ${all.done} of ${all.total} files.`;
+}
+function drawSearched() {
+  const inPage = !engine.folder && engine.searches;
+  element("findHelp").hidden = canSearch();
+  element("findForm").hidden = !canSearch();
+  element("findFrom").hidden = !inPage;
+  if (!inPage) return;
+  const kept = [...clips.values()].length;
+  element("findWhere").textContent = searched.size ? `${many(searched.size, "file")} to search.`
+    : kept ? "The motions that this project keeps are searched, until there are others."
+    : "Drop a folder of motions on the page, or choose one.";
+}
+function openFind() {
+  drawSearched();
+  if (!element("findDialog").open) element("findDialog").showModal();
+  if (canSearch()) element("sought").select();
+}
+/** Files to search, as [path, file]. Files of other kinds are left out. */
+function searchIn(files) {
+  if (!canSearch() || engine.folder) {
+    return say("The program searches the folder that it was started with: motionlang studio --project FOLDER.", true);
+  }
+  const found = files.filter(([path, file]) => isMotionFile(path) && file.size <= 64e6);
+  let bytes = [...searched.values()].reduce((sum, file) => sum + file.size, 0), left = 0;
+  for (const [path, file] of found) {
+    if (searched.size >= room.files || bytes + file.size > room.bytes) ++left;
+    else searched.set(path, file), bytes += file.size;
+  }
+  openFind();
+  element("findSays").textContent = found.length === 0
+    ? "There is no motion in it. The studio reads .bvh, .amc, .npz, .npy, .glb, .gltf and .vrma."
+    : left ? `${many(left, "file")} did not fit: at most ${room.files} files and ${room.bytes / 1e6} MB.` : "";
+}
+/** What was dropped, as handles, or as entries where a browser has no handles. Chromium reads entries in no page that
+    was opened from the disk. Asks for them at once, since the event forgets them. */
+function droppedThings(items) {
+  return Promise.all([...items].filter((item) => item.kind === "file").map((item) => {
+    const entry = item.webkitGetAsEntry?.();
+    return entry?.isDirectory && item.getAsFileSystemHandle ? item.getAsFileSystemHandle() : entry;
+  }));
+}
+/** All files of folders and files that were dropped, as [path, file]. */
+async function filesIn(things, before = "") {
+  const out = [];
+  for await (const entry of things) {
+    const path = before + entry.name;
+    if (entry.kind === "file") {
+      out.push([path, await entry.getFile()]);
+    } else if (entry.kind === "directory") {
+      out.push(...await filesIn(entry.values(), path + "/"));
+    } else if (entry.isFile) {
+      out.push([path, await new Promise((resolve, reject) => entry.file(resolve, reject))]);
+    } else {
+      const reader = entry.createReader();
+      for (;;) {  // a folder gives its entries in shares
+        const share = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+        if (share.length === 0) break;
+        out.push(...await filesIn(share, path + "/"));
+      }
+    }
+    if (out.length > 20 * room.files) throw new Error("the folder has too many files");
+  }
+  return out;
+}
+/** The worker reads the files that it still lacks, some at a time, so that somebody can stop it. */
+async function readSearched() {
+  const files = searched.size ? [...searched]
+    : [...clips.values()].map(({ name, bytes }) => [name, new File([bytes], name)]);
+  const mark = ([path, file]) => `to search: ${path} ${file.size} ${file.lastModified}`;
+  const fresh = files.filter((one) => !engine.has.has(mark(one)));
+  halted = false;
+  element("findStop").hidden = fresh.length < 2;
+  try {
+    for (let at = 0; at < fresh.length && !halted;) {
+      const share = [];
+      for (let bytes = 0; at + share.length < fresh.length && share.length < 8 && bytes < 4e6;) {
+        const one = fresh[at + share.length];
+        share.push({ path: one[0], bytes: await one[1].arrayBuffer() });
+        bytes += one[1].size;
+      }
+      readSoFar = { done: at, total: fresh.length };
+      showIndexed(0, fresh.length);
+      await engine.ask("index", { files: share });
+      for (const one of fresh.slice(at, at + share.length)) engine.has.add(mark(one));
+      at += share.length;
+    }
+  } finally {
+    readSoFar = null;
+    element("findStop").hidden = true;
+  }
+}
+press("find", openFind);
+press("findClose", () => element("findDialog").close());
+press("findStop", () => { halted = true; });
+press("findFolder", () => element("searchFolder").click());
+press("findFiles", () => element("searchFiles").click());
+for (const id of ["searchFolder", "searchFiles"]) {
+  element(id).addEventListener("change", ({ target }) => {
+    searchIn([...target.files].map((file) => [file.webkitRelativePath || file.name, file]));
+    target.value = "";
+  });
+}
+element("findForm").addEventListener("submit", async (event) => {
+  event.preventDefault();
+  const words = element("sought").value.trim(), mine = ++sought;
+  if (!words) return;
+  const answer = (line) => { if (mine === sought) element("findSays").textContent = line; };
+  answer(making && !engine.folder ? "After the motion that is made now." : "Searching.");
+  try {
+    if (!engine.folder) await readSearched();
+    const { moments, shows, unknown, clips: count, skipped } = await engine.ask("search", { words, count: 12 });
+    if (mine !== sought) return;
+    answer((count === 0 ? "There is no motion that can be searched."
+      : shows ? `The nearest moments of ${many(count, "clip")}.` : "Nothing shows this. The nearest moments:") +
+      (unknown.length ? ` The model does not know: ${unknown.join(", ")}.` : "") +
+      (skipped ? ` ${many(skipped, "file")} could not be read.` : "") + (halted ? " Other files were not read." : ""));
+    element("found").replaceChildren();
+    for (const moment of moments) {
+      const item = text("li", "", element("found")), button = text("button", "Keep", item);
+      const about = `${moment.name}, ${shown(moment.start)} to ${shown(moment.end)}`;
+      button.type = "button";
+      button.setAttribute("aria-label", `Keep ${about}`);
+      item.append(" ", about);
+      text("small", `${Math.round(100 * moment.score)} %`, item);
+      button.addEventListener("click", () => keepFound(moment));
+    }
+  } catch (reason) {
+    if (!reason.cancelled) answer(reason.message);
+  }
+});
+/** Puts a moment on the timeline, with some time before and after it to which its bar can be drawn out. */
+async function keepFound({ number }) {
+  try {
+    const { name, bytes, from, seconds } = await engine.ask("moment", { motion: number });
+    const file = new File([typeof bytes === "string" ? unpackedBytes(bytes) : bytes], name);
+    await keepMotion(file, { from, seconds });
+    element("findDialog").close();
+  } catch (reason) {
+    if (!reason.cancelled) element("findSays").textContent = reason.message;
+  }
+}
+)page";
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_SHARING_HPP  // <motionlang/view/detail/studio_page_sharing.hpp>
 #define MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_SHARING_HPP
-/// The source of the studio's page, continued: the project as a file, pictures and videos, examples to start from, and
-/// search. studio_page.hpp puts it between the parts of studio_page_source.hpp.
+/// The source of the studio's page, continued: the project as a file, pictures and videos, and examples to start from.
+/// studio_page.hpp puts it between the parts of studio_page_source.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -31765,12 +32291,34 @@ function fileOfProject() {
   const found = [...ownFiles].reverse().find(([, { ids }]) => book.some((p) => ids.includes(p.id)));
   return found && { name: found[0], mark: found[1].mark };
 }
+/** Contents that were sent to files without an answer, by name: a save that was cancelled may have been done. */
+const unanswered = new Map();
+const equalBytes = (a, b) => a.length === b.length && a.every((byte, i) => byte === b[i]);
+/** The mark of a file if it has contents that were sent without an answer. */
+async function markOfSent(name) {
+  const sent = unanswered.get(name);
+  if (!sent) return "";
+  try {
+    const found = await engine.ask("open", { name }), contents = unpackedBytes(found.bytes);
+    return sent.some((bytes) => equalBytes(bytes, contents)) ? found.mark : "";
+  } catch (reason) {
+    if (reason.cancelled) throw reason;
+    return "";
+  }
+}
 /** Stores the project in its file of the folder. If somebody else has changed that, it gets another one. */
 async function storeProject(bytes) {
   const ids = idsOf(book), own = fileOfProject();
   const stores = async (name, over) => {  // only over contents that this page knows
+    const earlier = unanswered.get(name) || [];
+    unanswered.set(name, [bytes, ...earlier].slice(0, 4));
     const { mark } = await engine.ask("store", { name, bytes, over });
-    if (!mark) return false;
+    unanswered.set(name, earlier);  // it is done, or refused
+    if (!mark) {
+      const sent = await markOfSent(name);
+      return sent !== "" && sent !== over && stores(name, sent);
+    }
+    unanswered.delete(name);
     ownFile({ name, mark }, ids);
     store();  // a reload finds it
     return true;
@@ -31780,7 +32328,7 @@ async function storeProject(bytes) {
   const taken = (await engine.ask("files")).map((name) => name.toLowerCase());
   for (let i = 1;; ++i) {
     const name = start + (i > 1 ? `_${i}` : "") + ".json";
-    if (!taken.includes(name.toLowerCase()) && await stores(name, ""))
+    if ((unanswered.has(name) || !taken.includes(name.toLowerCase())) && await stores(name, ""))
       return `${name} is in the project's folder` + (own ? `. Somebody else has changed ${own.name}.` : ".");
   }
 }
@@ -31907,59 +32455,6 @@ element("examples").addEventListener("change", async ({ target }) => {
   seek(0);
   if (!making) await generate();
 });
-
-// ---- Search in the project's folder, which the server does.
-
-let sought = 0;  // searches so far
-function showIndexed(done, total) {
-  element("findSays").textContent = `Reading the folder: ${done} of ${total} files.`;
-}
-press("find", () => {
-  const can = engine.folder && engine.search;
-  element("findHelp").hidden = can;
-  element("findForm").hidden = !can;
-  element("findDialog").showModal();
-  if (can) element("sought").select();
-});
-press("findClose", () => element("findDialog").close());
-element("findForm").addEventListener("submit", async (event) => {
-  event.preventDefault();
-  const words = element("sought").value.trim(), mine = ++sought;
-  if (!words) return;
-  const answer = (line) => { if (mine === sought) element("findSays").textContent = line; };
-  answer("Searching.");
-  try {
-    const { moments, shows, unknown, clips: count, skipped } = await engine.ask("search", { words, count: 12 });
-    if (mine !== sought) return;
-    const many = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
-    answer((count === 0 ? "The folder has no motion that can be searched."
-      : shows ? `The nearest moments of ${many(count, "clip")}.` : "Nothing shows this. The nearest moments:") +
-      (unknown.length ? ` The model does not know: ${unknown.join(", ")}.` : "") +
-      (skipped ? ` ${many(skipped, "file")} could not be read.` : ""));
-    element("found").replaceChildren();
-    for (const moment of moments) {
-      const item = text("li", "", element("found")), button = text("button", "Keep", item);
-      const about = `${moment.name}, ${shown(moment.start)} to ${shown(moment.end)}`;
-      button.type = "button";
-      button.setAttribute("aria-label", `Keep ${about}`);
-      item.append(" ", about);
-      text("small", `${Math.round(100 * moment.score)} %`, item);
-      button.addEventListener("click", () => keepFound(moment));
-    }
-  } catch (reason) {
-    if (!reason.cancelled) answer(reason.message);
-  }
-});
-/** Puts a moment on the timeline, with some time before and after it to which its bar can be drawn out. */
-async function keepFound({ number }) {
-  try {
-    const { name, bytes, from, seconds } = await engine.ask("moment", { motion: number });
-    await keepMotion(new File([unpackedBytes(bytes)], name), { from, seconds });
-    element("findDialog").close();
-  } catch (reason) {
-    if (!reason.cancelled) element("findSays").textContent = reason.message;
-  }
-}
 )page";
 
 }  // namespace detail
@@ -32068,7 +32563,9 @@ footer { padding: 6px 16px 8px; }
 #found { margin: 0 0 10px; padding-left: 26px; max-height: 44vh; overflow-y: auto; }
 #found li { margin: 4px 0; }
 #found small { color: var(--faint); margin-left: 8px; }
-#sought { flex: 1; }
+#sought, #findWhere { flex: 1; }
+#findWhere { min-width: 200px; margin: 0; }
+#findSays { margin: 4px 0; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 16px; }
 dt { font-weight: 600; }
 dd { margin: 0; }
@@ -32155,7 +32652,8 @@ inline constexpr std::string_view studio_header = R"page(
       <option value=".bvh">BVH</option><option value=".glb">GLB</option><option value=".vrma">VRMA</option>
       <option value=".npz">AMASS .npz</option><option value=".npy">joints .npy</option>
       <option value=".html">viewer page</option><option value=".svg">film strip</option>
-      <option value=".png">picture PNG</option><option value=".webm">video WebM</option>
+      <option value=".png">picture PNG</option><option value=".gif">moving GIF</option>
+      <option value=".webm">video WebM</option>
     </select>
     <button id="save" type="button" disabled>Save</button>
     <button id="keysHelp" type="button" aria-label="Keys" title="?">?</button>
@@ -32236,13 +32734,19 @@ inline constexpr std::string_view studio_dialog = R"page(
 </dialog>
 <dialog id="findDialog" closedby="any" aria-labelledby="aboutFind">
   <h2 id="aboutFind">Find a motion</h2>
-  <p id="findHelp">Searching needs the program: its model does not fit into this file. Start
-    <code>motionlang studio --project FOLDER</code> and open its link. Then words find moments in the motions of that
-    folder.</p>
+  <p id="findHelp">This page has no model for searches. Start <code>motionlang studio --project FOLDER</code> and open
+    its link. Then words find moments in the motions of that folder.</p>
+  <div id="findFrom" class="line" hidden>
+    <p id="findWhere"></p>
+    <button id="findFolder" type="button">Choose a folder</button>
+    <button id="findFiles" type="button">Choose files</button>
+    <input id="searchFolder" type="file" webkitdirectory hidden>
+    <input id="searchFiles" type="file" multiple accept=".bvh,.amc,.npz,.npy,.glb,.gltf,.vrma" hidden></div>
   <form id="findForm" class="line" hidden>
     <input id="sought" maxlength="200" autocomplete="off" aria-label="What the person does">
     <button class="main">Find</button></form>
-  <p id="findSays" role="status"></p>
+  <div class="line"><p id="findSays" role="status"></p>
+    <button id="findStop" type="button" hidden>Stop reading</button></div>
   <ol id="found" aria-label="What was found"></ol>
   <button id="findClose" type="button">Close</button>
 </dialog>
@@ -32269,6 +32773,9 @@ inline constexpr std::string_view studio_worker = R"page(
 ;"use strict";
 let wasm = null, loaded = 0, count = 0;  // the module, a pointer to the model, the number of motions so far
 const made = new Map(), read = new Map();  // pointers to motions that were made, by number, and that were read, by name
+let doing = "";  // the kind of the question that is answered now
+const searches = { folder: "/searched/", model: "/search_model", file: "/searched.index", index: 0, hits: 0,
+                   clips: 0, skipped: 0 };
 
 /** The bytes of a text with seven bits a character, unpacked. */
 const unpacked = (text) => {
@@ -32345,16 +32852,17 @@ const withClip = (clip, use) => {
 };
 
 const answers = {
-  async load({ code, model }) {
+  async load({ code, model, search }) {
     wasm = await motionlangModule({
       wasmBinary: await unpacked(code),
       progress: (done, total) => {
-        postMessage({ done, total });
+        postMessage({ done, total, kind: doing });
         return true;
       } });
     wasm.FS.writeFile("/model.safetensors", new Uint8Array(await unpacked(model)));
     wasm._motionlang_set_threads(1);
     loaded = withText("/model.safetensors", (file) => result((place) => wasm._motionlang_load_model(file, place)));
+    searches.packed = search;
     return { fps: wasm._motionlang_model_fps(loaded) };
   },
   check: ({ timeline }) => takenJson(withText(timeline, (words) =>
@@ -32391,6 +32899,67 @@ const answers = {
       wasm._motionlang_free_motions(motions);
     }
   },
+  /** Files to search, { path, bytes }, of which an index is made, or to which one is extended. */
+  async index({ files }) {
+    if (searches.packed) {
+      wasm.FS.mkdirTree(searches.model);
+      for (const [name, text] of Object.entries(searches.packed))
+        wasm.FS.writeFile(`${searches.model}/${name}`, new Uint8Array(await unpacked(text)));
+      searches.packed = null;
+    }
+    for (const { path, bytes } of files) {
+      const parts = path.split("/").filter((part) => part && part !== "." && part !== "..");
+      const file = searches.folder + parts.join("/");
+      wasm.FS.mkdirTree(file.slice(0, file.lastIndexOf("/")));
+      wasm.FS.writeFile(file, new Uint8Array(bytes));
+    }
+    withMemory(16, (at) => withText(searches.file, (file) => withText(searches.folder, (folder) =>
+      withText(searches.model, (model) => {
+        ask(wasm._motionlang_wasm_update_index(file, folder, model, at));
+        [searches.clips, searches.skipped] = wasm.HEAPF64.subarray(at >> 3, (at >> 3) + 2);
+      }))));
+    wasm._motionlang_free_index(searches.index);
+    searches.index = 0;
+  },
+  /** The moments of those files that are nearest to words. */
+  search({ words, count: most }) {
+    const { clips, skipped, file } = searches, answer = { moments: [], shows: true, unknown: [], clips, skipped };
+    if (clips === 0) return answer;
+    searches.index ||= withText(file, (name) => result((place) => wasm._motionlang_open_index(name, 0, 0, place)));
+    wasm._motionlang_free_hits(searches.hits);
+    searches.hits = 0;
+    const hits = searches.hits = withText(words, (text) =>
+      result((place) => wasm._motionlang_wasm_search(searches.index, text, most, place)));
+    for (let number = 0; number < wasm._motionlang_wasm_hits_count(hits); ++number) {
+      withMemory(32, (at) => {
+        ask(wasm._motionlang_wasm_hit(hits, number, at, at + 24));
+        const [start, end, score] = wasm.HEAPF64.subarray(at >> 3, (at >> 3) + 3);
+        const [path, motion] = [24, 28].map((behind) => wasm.UTF8ToString(wasm.HEAP32[at + behind >> 2]));
+        const name = path.slice(searches.folder.length) + (motion && ` (${motion})`);
+        answer.moments.push({ number, name, start, end, score });
+      });
+    }
+    answer.shows = wasm._motionlang_hits_shown(hits) === 1;
+    answer.unknown = wasm.UTF8ToString(wasm._motionlang_hits_unknown_words(hits)).split(" ").filter(Boolean);
+    return answer;
+  },
+  /** A moment as a file, with two seconds before and after it, and where it is in there. */
+  moment: ({ motion: number }) => withMemory(32, (at) => {
+    if (number >= wasm._motionlang_wasm_hits_count(searches.hits))
+      throw new Error("this moment is gone; search again");
+    ask(wasm._motionlang_wasm_hit(searches.hits, number, at, at + 24));
+    const path = wasm.UTF8ToString(wasm.HEAP32[at + 24 >> 2]), stem = path.slice(path.lastIndexOf("/") + 1);
+    const name = `${stem.replace(/\.[^.]*$/, "")}_${wasm.HEAPF64[at >> 3].toFixed(1)}s.glb`;
+    const motion = result((place) => wasm._motionlang_wasm_hit_motion(searches.hits, number, 2, at, place));
+    const [from, to] = wasm.HEAPF64.subarray(at >> 3, (at >> 3) + 2);
+    try {
+      const bytes = taken(withText(".glb", (kind) =>
+        result((place) => wasm._motionlang_motion_bytes(motion, kind, place))));
+      return { name, from, seconds: to - from, bytes };
+    } finally {
+      wasm._motionlang_free_motion(motion);
+    }
+  }),
   /** A motion on the character of a file. */
   show: ({ motion, name, bytes }) => takenJson(withBytes(bytes, (at) => withText(name, (file) => result((place) =>
     wasm._motionlang_wasm_viewer_data_on(known(made, motion), at, bytes.byteLength, file, place))))),
@@ -32411,6 +32980,7 @@ let turnOf = Promise.resolve();  // one request after the other
 onmessage = ({ data }) => {
   turnOf = turnOf.then(async () => {
     try {
+      doing = data.kind;
       postMessage({ id: data.id, value: await answers[data.kind](data.about) });
     } catch (reason) {
       postMessage({ id: data.id, error: String(reason && reason.message || reason) });
@@ -32610,7 +33180,10 @@ class WorkerEngine {
     };
     this.worker.onerror = (event) => this.fail(new Error(event.message || "the worker did not start"));
     const packed = (id) => element(id).textContent;
-    this.ready = this.ask("load", { code: packed("code"), model: packed("model") });
+    const search = { "config.json": "searchConfig", "weights.safetensors": "searchWeights" };
+    this.searches = Object.values(search).every((id) => element(id));
+    for (const name in search) if (this.searches) search[name] = packed(search[name]);
+    this.ready = this.ask("load", { code: packed("code"), model: packed("model"), search: this.searches && search });
     this.ready.catch(() => {});  // whoever asks for something hears it
   }
   ask(kind, about = {}) {
@@ -32727,7 +33300,7 @@ function say(words, wrong = false) {
   element("status").classList.toggle("wrong", wrong);
 }
 const engine = new Engine(({ done, total, kind }) => {
-  if (kind === "search") return showIndexed(done, total);
+  if (kind === "search" || kind === "index") return showIndexed(done, total);
   if (!making) return;
   const spent = (performance.now() - making.began) / 1000, left = spent / done * (total - done);
   element("progress").value = done / total;
@@ -33619,6 +34192,7 @@ press("save", async () => {
   const format = element("kind").value;
   if (making) return say("Wait until the motion is made, then save.");
   if (format === ".webm") return saveVideo();
+  if (format === ".gif") return saveGif();
   try {
     if (format === ".png") return await savePicture();
     const motion = await held(shownTake), name = fileName() + format;
@@ -33792,11 +34366,26 @@ element("file").addEventListener("change", async ({ target }) => {
 addEventListener("dragover", (event) => {
   if (event.dataTransfer.types.includes("Files")) event.preventDefault();
 });
+/** A folder is searched; so are motions that come together, except those that the project lacks. */
 addEventListener("drop", async (event) => {
   const files = [...event.dataTransfer.files], asCharacter = event.shiftKey;
+  const { items } = event.dataTransfer, folder = [...items].some((i) => i.webkitGetAsEntry?.()?.isDirectory);
   if (files.length === 0) return;
   event.preventDefault();  // the page stays
-  for (const file of files) await take(file, asCharacter);
+  if (folder) {
+    const things = droppedThings(items);
+    try {
+      searchIn(await filesIn(await things));
+    } catch (reason) {
+      say(`The folder cannot be read: ${reason.message}`, true);
+    }
+    return;
+  }
+  const lacked = new Set(book.map(clipOf).filter((b) => b && !clips.has(b.clip)).map((b) => nameOfClip(b.clip)));
+  const others = files.filter((file) => isMotionFile(file.name) && !lacked.has(file.name));
+  const finding = element("findDialog").open, together = engine.searches && (others.length > 1 || finding);
+  for (const file of files) if (!together || !others.includes(file)) await take(file, asCharacter);
+  if (together && others.length) searchIn(others.map((file) => [file.name, file]));
 });
 
 addEventListener("keydown", (event) => {
@@ -33950,15 +34539,17 @@ MOTIONLANG_BODY std::string studio_html(const StudioParts& parts) {
     if (bytes.empty()) return std::string();
     return concat_text("<script type=\"text/plain\" id=\"", id, "\">", seven_bit_text(bytes), "</script>\n");
   };
-  return self_contained_page(parts.title, concat_text(page_colours, viewer_style, studio_style),
-                             concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel,
-                                         "</div>\n<footer>", viewer_controls, studio_timeline, "</footer>\n",
-                                         studio_dialog, packed("code", parts.code), packed("model", parts.model)),
-                             page,
-                             {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project,
-                              studio_script_whole, studio_script_engine, studio_script_look, studio_script_takes,
-                              studio_script_aids, studio_script_edits, studio_script_sharing, studio_script_files},
-                             parts.asks_server ? "; connect-src 'self'" : " 'wasm-unsafe-eval'; worker-src blob:");
+  return self_contained_page(
+      parts.title, concat_text(page_colours, viewer_style, studio_style),
+      concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel, "</div>\n<footer>", viewer_controls,
+                  studio_timeline, "</footer>\n", studio_dialog, packed("code", parts.code),
+                  packed("model", parts.model), packed("searchConfig", parts.search_config),
+                  packed("searchWeights", parts.search_weights)),
+      page,
+      {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project, studio_script_whole,
+       studio_script_engine, studio_script_look, studio_script_takes, studio_script_aids, studio_script_edits,
+       studio_script_gif, studio_script_sharing, studio_script_search, studio_script_files},
+      parts.asks_server ? "; connect-src 'self'" : " 'wasm-unsafe-eval'; worker-src blob:");
 }
 
 MOTIONLANG_NAMESPACE_END

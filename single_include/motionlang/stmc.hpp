@@ -2411,19 +2411,18 @@ struct Philox {
   /// Uniform in [0, 1).
   double uniform() { return bits() * 0x1p-32; }
 
-  /// first  begins at this number of what the same call draws from 0 on, without drawing those before it
   template <Scalar S>
-  void uniform(std::span<S> out, std::uint64_t first = 0) {
-    fill(out, first, [](const Block& b, std::array<double, 4>& v) {
+  void uniform(std::span<S> out) {
+    fill(out, [](const Block& b, std::array<double, 4>& v) {
       for (std::size_t i = 0; i < 4; ++i) v[i] = (b[i] >> 8) * 0x1p-24;  // 24 bits: exact in float, never 1
     });
   }
   void uniform(std::span<float> out) { uniform<float>(out); }
 
-  /// Standard normal numbers. first: as for `uniform`.
+  /// Standard normal numbers.
   template <Scalar S>
-  void normal(std::span<S> out, std::uint64_t first = 0) {
-    fill(out, first, [](const Block& b, std::array<double, 4>& v) {
+  void normal(std::span<S> out) {
+    fill(out, [](const Block& b, std::array<double, 4>& v) {
       for (std::size_t i = 0; i < 4; i += 2) {
         const double radius = std::sqrt(-2.0 * std::log((b[i] + 0.5) * 0x1p-32));
         const double angle = 2.0 * std::numbers::pi * (b[i + 1] * 0x1p-32);
@@ -2436,13 +2435,11 @@ struct Philox {
 
  private:
   template <Scalar S, class F>
-  void fill(std::span<S> out, std::uint64_t first, F values_of) {
-    position += first / 4;
-    auto j = static_cast<std::size_t>(first % 4);  // in the block
+  void fill(std::span<S> out, F values_of) {
     std::array<double, 4> v{};
-    for (std::size_t i = 0; i < out.size(); j = 0) {
+    for (std::size_t i = 0; i < out.size(); i += 4) {
       values_of(block(position++), v);
-      for (; j < 4 && i < out.size(); ++j) out[i++] = static_cast<S>(v[j]);
+      for (std::size_t j = 0; j < 4 && i + j < out.size(); ++j) out[i + j] = static_cast<S>(v[j]);
     }
   }
 };
@@ -8194,27 +8191,6 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_CORE_CONTEXT_HPP
 /// Settings of a model call besides its inputs. By default they are empty, and no dropout runs.
 
-#ifndef MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP  // <motionlang/core/batch_sums.hpp>
-#define MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP
-/// Sums over the parts of a batch, for networks that normalise by the statistics of the whole batch.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The view that a part of a batch has of the others. Each part has its own object, in its Context.
-/// Models  the parts of train/meeting_parts.hpp
-class BatchSums {
- public:
-  virtual ~BatchSums() = default;
-  /// Replaces each number by its sum over all parts, whose bits do not depend on the number of processes. It waits for
-  /// the other parts, so all parts must call it equally often, with equally many numbers.
-  virtual void add(std::span<double> numbers) const = 0;
-  /// True for the one part of a process that changes what its parts share, such as running statistics.
-  virtual bool keeps_statistics() const = 0;
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
@@ -8224,7 +8200,6 @@ struct Context {
   std::optional<Philox> dropout{};
   mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
   bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
-  const BatchSums* sums = nullptr;  // of a part of a batch: batch norm takes the statistics of all parts
 
   /// The generator of the next dropout mask. Only when `dropout` is set.
   Philox next_mask() const { return dropout->split(drawn++); }
@@ -21350,6 +21325,130 @@ MOTIONLANG_NAMESPACE_END
 ///     save_module("model.safetensors", model);
 ///     load_module(model, "model.safetensors");                          // into a model of the same sizes
 ///     load_module(model, open_weights("logs/last.ckpt"), "denoiser.");   // any TensorSet (weights/weight_file.hpp)
+///
+/// Matrices in whole numbers of 8 bits (weights/int8_matrix.hpp) are read like other weights.
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_HPP  // <motionlang/weights/int8_matrix.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_HPP
+/// Matrices of weights as whole numbers of 8 bits: half of the place of F16. write_safetensors_copy writes them, and
+/// load_module reads them like other weights.
+///
+///     X[row, column] = codes[row, column] * scales[row, column / 64]
+///
+/// Tensors    X (rows, columns) I8, -127 to 127; X.scales (rows, groups of 64 columns) F16, the last group may be
+///            shorter
+/// Rounding   a scale is the least half that brings the largest value of its group to at most 127; ties to even. So a
+///            value is at most half a scale away from its original, and a copy of a copy has the same bits
+/// Notation   X, the name of the tensor -> codes and X.scales
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+inline constexpr Index int8_group = 64;                // columns with one scale
+inline constexpr const char* int8_scales = ".scales";  // behind the name of the matrix
+
+/// A matrix in that form, with its own memory.
+struct Int8Matrix {
+  std::vector<std::int8_t> codes{};
+  std::vector<std::uint16_t> scales{};  // halves
+  Index rows = 0, columns = 0;
+};
+
+/// The number of groups of a row.
+constexpr Index int8_groups(Index columns) { return (columns + int8_group - 1) / int8_group; }
+
+/// Values (rows, columns). Throws numeric_error 301 for NaN, infinity, and a value that is too large for a scale.
+Int8Matrix int8_matrix(std::span<const float> values, Index rows, Index columns, const std::string& name);
+
+/// The scales of a tensor, or NULL if it is not a matrix in that form. Throws io_error 407 for scales of another type
+/// or shape.
+const TensorView* int8_scales_of(const TensorSet& file, const TensorView& tensor);
+/// True for the scales of such a matrix in the same file.
+bool is_int8_scales(const TensorSet& file, const TensorView& tensor);
+
+/// The values of such a matrix. Throws shape_error 205 if `out` has another size.
+template <class S>
+void copy_int8_values(const TensorView& codes, const TensorView& scales, std::span<S> out) {
+  const auto code = values_of<std::int8_t>(codes);
+  const auto scale = values_of<float>(scales);
+  if (code.size() != out.size())
+    raise<shape_error>(205, "tensor '", codes.name, "' of shape ", codes.shape, " does not have ",
+                       counted(out.size(), "value"));
+  const auto columns = static_cast<std::size_t>(codes.shape[1]);
+  const auto groups = static_cast<std::size_t>(scales.shape[1]);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::size_t row = i / columns, group = i % columns / static_cast<std::size_t>(int8_group);
+    out[i] = static_cast<S>(static_cast<float>(code[i]) * scale[row * groups + group]);
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_IPP  // <motionlang/weights/int8_matrix.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_IPP
+// Bodies of int8_matrix.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The least half that is not below a number, which is not negative.
+inline std::uint16_t half_at_least(float x) {
+  const std::uint16_t nearest = float_to_half(x);
+  return half_to_float(nearest) < x ? static_cast<std::uint16_t>(nearest + 1) : nearest;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Int8Matrix int8_matrix(std::span<const float> values, Index rows, Index columns,
+                                       const std::string& name) {
+  if (std::ssize(values) != rows * columns)
+    raise<shape_error>(205, "int8_matrix: ", counted(values.size(), "value"), " for '", name, "' of ", rows,
+                       " rows of ", columns);
+  constexpr float largest_code = 127, largest_half = 65504;
+  Int8Matrix out{.codes = {}, .scales = {}, .rows = rows, .columns = columns};
+  out.codes.reserve(values.size());
+  for (Index row = 0; row < rows; ++row) {
+    for (Index first = 0; first < columns; first += int8_group) {
+      const auto group = values.subspan(static_cast<std::size_t>(row * columns + first),
+                                        static_cast<std::size_t>(std::min(int8_group, columns - first)));
+      float most = 0;
+      for (const float x : group) {
+        if (!(std::abs(x) <= largest_code * largest_half))
+          raise<numeric_error>(301, "int8_matrix: '", name, "' has ", x, " in row ", row, ", too large for a scale");
+        most = std::max(most, std::abs(x));
+      }
+      out.scales.push_back(detail::half_at_least(most / largest_code));
+      const float scale = half_to_float(out.scales.back());
+      for (const float x : group) {
+        const float code = scale == 0 ? 0 : std::nearbyint(x / scale);
+        out.codes.push_back(static_cast<std::int8_t>(std::max(-largest_code, std::min(code, largest_code))));
+      }
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY const TensorView* int8_scales_of(const TensorSet& file, const TensorView& tensor) {
+  if (tensor.dtype != DType::I8 || tensor.shape.rank() != 2) return nullptr;
+  const TensorView* const scales = file.find(tensor.name + int8_scales);
+  if (scales == nullptr) return nullptr;
+  const FileShape expected{tensor.shape[0], int8_groups(tensor.shape[1])};
+  if (scales->dtype != DType::F16 || scales->shape != expected)
+    raise<io_error>(407, file.name(), ": tensor '", scales->name, "' is ", scales->dtype, " ", scales->shape,
+                    ", the scales of '", tensor.name, "' are ", DType::F16, " ", expected);
+  return scales;
+}
+
+MOTIONLANG_BODY bool is_int8_scales(const TensorSet& file, const TensorView& tensor) {
+  const std::string_view name = tensor.name, end = int8_scales;
+  if (!name.ends_with(end)) return false;
+  const TensorView* const codes = file.find(name.substr(0, name.size() - end.size()));
+  return codes != nullptr && int8_scales_of(file, *codes) == &tensor;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -21402,6 +21501,22 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
         shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
   }
 }
+/// The same for a matrix in whole numbers of 8 bits (weights/int8_matrix.hpp).
+template <Backend B>
+void assign_int8_tensor(typename B::tensor& tensor, const TensorView& codes, const TensorView& scales,
+                        const std::string& where) {
+  if constexpr (AutodiffBackend<B>) {
+    assign_int8_tensor<typename B::inner>(B::mutable_value(tensor), codes, scales, where);
+  } else {
+    using S = typename B::scalar;
+    const Shape shape = B::shape(tensor);
+    if (codes.shape != shape)
+      raise<io_error>(407, where, ": tensor '", codes.name, "' is ", codes.shape, ", the model has ", shape);
+    tensor = written_tensor<B>(shape, [&](S* to) {
+      copy_int8_values(codes, scales, std::span<S>(to, static_cast<std::size_t>(shape.count())));
+    });
+  }
+}
 /// The purpose of loading a module. For inference, prepare_loaded makes it ready in the same pass over the file: all
 /// its matrices are weights, and it is not trained or changed afterwards.
 enum class LoadFor { any_use, inference };
@@ -21433,7 +21548,10 @@ struct TensorLoader {
       report.missing.push_back(name);
       return;
     }
-    assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
+    if (const TensorView* scales = int8_scales_of(file, *view))
+      assign_int8_tensor<B>(*tensor.data, *view, *scales, file.name());
+    else
+      assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
     if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
     MappedFile::forget_if_mapped(view->bytes);  // read again when needed
   }
@@ -21630,7 +21748,7 @@ KeyReport load_module_partly(M& module, const TensorSet& file, const std::string
     if (!finite) fill(LoadFor::any_use);  // reports which value is not finite
   }
   for (const TensorView& t : file.tensors()) {
-    if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
+    if (!t.name.starts_with(prefix) || known.contains(t.name) || is_int8_scales(file, t)) continue;
     if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
   }
   return report;

@@ -380,6 +380,45 @@ def names_of_projects(browser, server, project, problems):
     wait(browser, "!motionlang.state().making", MADE)
 
 
+def cancelled_save(browser, server, project, problems):
+    """A save that arrives, but whose answer does not, is known again: the next one goes to the same file."""
+    wait(browser, "!motionlang.state().making", MADE)
+    click(browser, "#fresh")
+    made(browser, state(browser)["motions"])
+    wait(browser, "!motionlang.state().making && !motionlang.state().stale", MADE)
+    while state(browser)["timelines"] > 1:  # a project that has no file yet
+        click(browser, "#sheet option[value='0']")
+        click(browser, "#drop")
+    click(browser, ".bar[data-bar='0']")
+    write(browser, "#words", "turn left")
+    name = "turn_left_project.json"
+    lose = ("window.asked = fetch; window.fetch = async (to, about) => { const answer = await asked(to, about);"
+            "if (JSON.parse(about.body).kind !== 'store') return answer;"
+            "throw new TypeError('the answer is lost'); }")
+    for round in range(2):  # a new file, and one that is there
+        time.sleep(1)  # until it is stored and checked
+        set_seed(browser, 300 + round)
+        browser.run(lose)
+        click(browser, "#saveProject")
+        wait(browser, "/does not answer/.test(document.getElementById('status').textContent)", 20)
+        browser.run("window.fetch = asked")
+        expect(problems, f"round {round}: it did not arrive", json.loads((project / name).read_text(
+            encoding="utf-8"))["timelines"][0]["seed"] == 300 + round)
+        set_seed(browser, 400 + round)
+        save_project(browser, name, problems)
+        expect(problems, f"round {round}: the save after that is elsewhere: {status_of(browser)}", json.loads((
+            project / name).read_text(encoding="utf-8"))["timelines"][0]["seed"] == 400 + round and
+            not list(project.glob("turn_left_project_*")))
+    browser.run(lose)
+    click(browser, "#saveProject")
+    wait(browser, "/does not answer/.test(document.getElementById('status').textContent)", 20)
+    browser.run("window.fetch = asked")
+    words = (project / name).read_bytes().replace(b": 401", b": 55")  # somebody else writes there
+    server.ask({"kind": "store", "name": name, "bytes": base64.b64encode(words).decode()})
+    save_project(browser, "turn_left_project_2.json", problems)
+    expect(problems, "what somebody else wrote is lost", (project / name).read_bytes() == words)
+
+
 def refused_video(browser, folder, problems):
     """A video that the folder does not take becomes a download."""
     browser.post("/goog/cdp/execute", {"cmd": "Browser.setDownloadBehavior",
@@ -436,6 +475,7 @@ def in_browser(server, driver_port, project, problems):
         expect(problems, "a reload loses the token or the project",
                made(first, 1) and state(first)["project"]["bars"][0]["text"] == "walk backwards")
         names_of_projects(first, server, project, problems)
+        cancelled_save(first, server, project, problems)
         refused_video(first, project.parent, problems)
         click(first, "#whole")
         wait(first, "document.getElementById('progress').value > 0", MADE)

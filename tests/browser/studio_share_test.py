@@ -5,6 +5,7 @@
 
 The folder gets the files that are saved. Exit status: 0 passed, 1 failed.
 """
+import base64
 import json
 import pathlib
 import struct
@@ -284,6 +285,8 @@ def pictures(browser, folder, problems):
     expect(problems, "the video is not a WebM", data.startswith(b"\x1aE\xdf\xa3") and b"webm" in data[:64])
     expect(problems, f"{frames} frames", frames >= 10)
 
+    gif = moving(browser, folder, problems)
+    click(browser, "#kind option[value='.webm']")
     files = set(folder.iterdir())
     click(browser, "#save")
     wait(browser, "document.getElementById('progress').value > 0.1", 20)
@@ -294,7 +297,56 @@ def pictures(browser, folder, problems):
     expect(problems, "a cancelled video is saved", set(folder.iterdir()) == files)
     expect(problems, "a cancelled video ends the model", state(browser)["frames"] == before["frames"] and
            generate(browser))
-    return video
+    return video, gif
+
+
+GIF = """const [data, done] = [Uint8Array.from(atob(arguments[0]), (c) => c.charCodeAt(0)), arguments[1]];
+(async () => {
+  const out = { apart: [] };
+  const decoder = new ImageDecoder({ data, type: "image/gif" }), canvas = document.createElement("canvas");
+  await decoder.completed;
+  out.frames = decoder.tracks.selectedTrack.frameCount;
+  const first = (await decoder.decode()).image, width = first.displayWidth, height = first.displayHeight;
+  Object.assign(canvas, { width, height });
+  Object.assign(out, { width, height });
+  const context = canvas.getContext("2d"), view = document.getElementById("view");
+  for (const frameIndex of [0, Math.floor(out.frames / 2), out.frames - 1]) {
+    const { image: frame } = await decoder.decode({ frameIndex, completeFramesOnly: true });
+    out.delay = frame.duration;
+    context.drawImage(frame, 0, 0);
+    const made = context.getImageData(0, 0, width, height).data, usual = quality;
+    quality = 1;
+    seek(frameIndex * frame.duration / 1e6);
+    render();
+    context.drawImage(view, 0, 0, width, height);
+    quality = usual;
+    const shown = context.getImageData(0, 0, width, height).data;
+    let sum = 0;
+    for (let i = 0; i < made.length; ++i) sum += Math.abs(made[i] - shown[i]);
+    out.apart.push(sum / made.length);
+  }
+  done(out);
+})().catch((reason) => done({ wrong: String(reason) }));"""
+
+
+def moving(browser, folder, problems):
+    """A GIF of 20 pictures a second, which the browser reads, and which are those of the view."""
+    files = set(folder.iterdir())
+    click(browser, "#kind option[value='.gif']")
+    click(browser, "#save")
+    gif = new_file(folder, files, ".gif")
+    wait(browser, "!motionlang.state().making", 20)
+    data = gif.read_bytes()
+    # that script uses the page's own names, which are not members of window
+    browser.run("document.body.append(Object.assign(document.createElement('script'), { textContent: "
+                + json.dumps("window.readGif = function () {" + GIF + "}") + " }))")
+    seen = browser.post("/execute/async", {"script": "readGif(arguments[0], arguments[1])",
+                                           "args": [base64.b64encode(data).decode()]})
+    print(f"a GIF of {len(data)} bytes: {seen}; {status(browser)}")
+    expect(problems, f"the GIF: {seen}", data.startswith(b"GIF89a") and seen.get("frames") == 60 and
+           seen["delay"] == 50000 and 300 < seen["width"] <= 480)
+    expect(problems, f"its pictures are others: {seen}", max(seen.get("apart") or [99]) < 4)
+    return gif
 
 
 def watched(browser, video, problems):
@@ -337,16 +389,6 @@ def examples(browser, problems):
         bars_of(browser) == [("walk forward", 0, 2.5)])
 
 
-def no_search(browser, problems):
-    """The file says what searches need."""
-    click(browser, "#find")
-    expect(problems, "it does not say what searches need", wait(
-        browser, "/motionlang studio --project/.test(document.getElementById('findHelp').innerText) && "
-        "document.getElementById('findForm').hidden", 5))
-    picture(browser, "find")
-    click(browser, "#findClose")
-
-
 def main(driver_path, page, folder):
     folder, page = pathlib.Path(folder), pathlib.Path(page).resolve().as_uri()
     driver, port = start_driver(driver_path)
@@ -360,14 +402,17 @@ def main(driver_path, page, folder):
         restored(browser, project, kept, whole, motion, problems)
         trimmed(browser, folder, kept, problems)
         largest(browser, folder, whole, problems)
-        no_search(browser, problems)
         click(browser, "#steps option[value='fast']")
-        video = pictures(browser, folder, problems)
+        video, gif = pictures(browser, folder, problems)
         examples(browser, problems)
         broken(browser, folder, whole, problems)
         unreadable(browser, problems)
         problems += severe(browser)
         watched(browser, video, problems)
+        browser.post("/url", {"url": gif.resolve().as_uri()})
+        expect(problems, "an image element does not take the GIF", browser.post("/execute/async", {"script":
+            "const done = arguments[0]; document.images[0].decode().then(() => done(true), () => done(false))",
+            "args": []}))
     finally:
         if browser:
             browser.close()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Opens the studio in Chromium, and makes, edits and saves a motion as a person does.
 
-    studio_test.py <chromedriver> <studio.html> <program motionlang> <folder>
+    studio_test.py <chromedriver> <studio.html> <program motionlang> <the page's model> <folder>
 
 The folder gets the saved files, which the program reads. Exit status: 0 passed, 1 failed.
 """
@@ -199,7 +199,7 @@ def cancelling(browser, problems):
     expect(problems, "nothing is made after a cancelled motion", made(browser, count + 1))
 
 
-def files(browser, program, folder, problems):
+def files(browser, program, model, folder, problems):
     """Saved files are read by the program, and have the bytes of those that the program makes of the same timeline."""
     browser.post("/goog/cdp/execute", {"cmd": "Browser.setDownloadBehavior",
                                        "params": {"behavior": "allow", "downloadPath": str(folder)}})
@@ -217,7 +217,8 @@ def files(browser, program, folder, problems):
         expect(problems, f"{kind}: {positions[kind][0]}, {apart} m apart", positions[kind][0] == shape and apart < 1e-3)
     timeline = folder / "timeline.txt"
     timeline.write_text(state(browser)["timeline"], encoding="utf-8")
-    run(program, "generate", "--timeline", str(timeline), "--seed", "7", "--out", str(folder / "out"))
+    run(program, "generate", "--timeline", str(timeline), "--seed", "7", "--model", model,
+        "--out", str(folder / "out"))
     for kind in (".npy", ".bvh"):
         expect(problems, f"the {kind} of the page is not that of the program",
                contents[kind] == (folder / f"out/timeline{kind}").read_bytes())
@@ -252,7 +253,7 @@ def elsewhere(browser, link, timeline, problems):
            state(browser)["timeline"] == timeline)
 
 
-def main(driver_path, page, program, folder):
+def main(driver_path, page, program, model, folder):
     folder, size, page = pathlib.Path(folder), os.path.getsize(page), pathlib.Path(page).resolve().as_uri()
     driver, port = start_driver(driver_path)
     problems = []
@@ -264,7 +265,7 @@ def main(driver_path, page, program, folder):
         browser.post("/url", {"url": page})
         for steps in (first_motion, texts, bars, cancelling):
             steps(browser, problems)
-        files(browser, program, folder, problems)
+        files(browser, program, model, folder, problems)
         link, timeline = kept(browser, page, problems)
         problems += severe(browser)
         browser.close()

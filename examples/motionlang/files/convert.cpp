@@ -245,8 +245,10 @@ void add_convert(CLI::App& app) {
       c->add_option("--tensors", o->tensors,
                     "Weights: path to the tensors in the file, such as state_dict or a/b. The default is to find it");
   const CLI::Option* store =
-      c->add_option("--store", o->store, "Weights: type to which floating-point values are rounded")
-          ->transform(CLI::IsMember({"F32", "F16", "BF16"}, CLI::ignore_case));
+      c->add_option("--store", o->store,
+                    "Weights: type to which floating-point values are rounded. I8: matrices become whole numbers of "
+                    "8 bits with a scale for 64 columns of a row")
+          ->transform(CLI::IsMember({"F32", "F16", "BF16", "I8"}, CLI::ignore_case));
   c->add_option("--fps", o->time.fps,
                 "Frames per second of the result. The default is the rate of the input, or 30 for a GLB file whose "
                 "keys follow no frame rate")

@@ -13,6 +13,7 @@
 #include <motionlang/generate/timelines_of_text.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/search/kept_index.hpp>
+#include <motionlang/search/searched_folder.hpp>
 #include <motionlang/search/text_answer.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/view/rig_viewer.hpp>
@@ -146,6 +147,11 @@ motionlang_hits hits_of(const motionlang_index& index, const ml::TextAnswer& ans
   out.shown = answer.shown;
   for (const ml::UnknownWord& w : answer.unheard) out.unknown_words += (out.unknown_words.empty() ? "" : " ") + w.word;
   return out;
+}
+const motionlang_hits::Hit& hit_at(const motionlang_hits* hits, int64_t i) {
+  const auto count = motionlang_hits_count(hits);
+  if (i < 0 || i >= count) ml::raise<ml::shape_error>(203, "hit ", i, " of ", count);
+  return hits->hits[static_cast<std::size_t>(i)];
 }
 std::span<const std::byte> memory(const void* bytes, int64_t size) {
   if (size < 0) ml::raise<ml::config_error>(101, ml::counted(size, "byte"));
@@ -507,9 +513,7 @@ int64_t motionlang_hits_count(const motionlang_hits* hits) { return hits == null
 int motionlang_hits_at(const motionlang_hits* hits, int64_t i, motionlang_hit* hit) {
   return done([&] {
     motionlang_hit& out = given(hit, "hit");
-    const auto count = motionlang_hits_count(hits);
-    if (i < 0 || i >= count) ml::raise<ml::shape_error>(203, "hit ", i, " of ", count);
-    const auto& [clip, found, score] = hits->hits[static_cast<std::size_t>(i)];
+    const auto& [clip, found, score] = hit_at(hits, i);
     out = {clip.path.c_str(),
            clip.name.c_str(),
            clip.captions.empty() ? "" : clip.captions.front().c_str(),
@@ -517,6 +521,16 @@ int motionlang_hits_at(const motionlang_hits* hits, int64_t i, motionlang_hit* h
            found.start,
            found.end,
            score};
+  });
+}
+int motionlang_hits_motion(const motionlang_hits* hits, int64_t i, double margin, double stretch[2],
+                           motionlang_motion** motion) {
+  return made(motion, "motion", [&] {
+    const auto& [clip, found, score] = hit_at(hits, i);
+    if (!(margin >= 0)) ml::raise<ml::config_error>(101, "margin is ", margin, " s");
+    ml::FolderPiece piece = ml::piece_of_file(clip.path, clip.name, found.start, found.end, margin);
+    if (stretch != nullptr) stretch[0] = piece.start, stretch[1] = piece.end;
+    return motionlang_motion{std::move(piece.motion)};
   });
 }
 int motionlang_hits_shown(const motionlang_hits* hits) { return hits != nullptr && hits->shown ? 1 : 0; }

@@ -275,6 +275,10 @@ typedef struct motionlang_hit {
 MOTIONLANG_C_API int64_t motionlang_hits_count(const motionlang_hits* hits);
 /* The texts belong to the hits. Error 203 if there is no such hit. */
 MOTIONLANG_C_API int motionlang_hits_at(const motionlang_hits* hits, int64_t i, motionlang_hit* hit);
+/* The motion of a hit, with up to `margin` seconds before and after it. stretch: where the hit begins and ends in the
+ * result, in seconds; may be NULL. Error 401 if the file is gone. */
+MOTIONLANG_C_API int motionlang_hits_motion(const motionlang_hits* hits, int64_t i, double margin, double stretch[2],
+                                            motionlang_motion** motion);
 /* 0: no clip shows the text, and the hits are only the nearest. Otherwise 1. */
 MOTIONLANG_C_API int motionlang_hits_shown(const motionlang_hits* hits);
 /* Words of the text that the model knows nothing about, with blanks between them; "" if there are none. They belong to

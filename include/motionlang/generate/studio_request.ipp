@@ -118,7 +118,7 @@ MOTIONLANG_BODY bool is_studio_file(std::string_view name) {
       detail::is_device(name))
     return false;
   if (!detail::is_one_of(name.substr(dot), {".txt", ".bvh", ".glb", ".gltf", ".vrm", ".vrma", ".npz", ".npy", ".html",
-                                            ".svg", ".json", ".png", ".webm", ".mp4"}))
+                                            ".svg", ".json", ".png", ".gif", ".webm", ".mp4"}))
     return false;
   return std::all_of(name.begin(), name.end(), [&](char c) { return is_plain(c) || c == '.' || c == ' '; });
 }

@@ -46,6 +46,12 @@ struct FolderPiece {
   double start = 0, end = 0;  // of the moment, in seconds of `motion`
 };
 
+/// The motion of a file from `start` to `end`, with `margin` seconds before and after it, as far as the file has them.
+/// animation: of a file with several motions; "": the first one. Throws io_error 401 if the file has no such motion, and
+/// what read_motions throws.
+FolderPiece piece_of_file(const std::filesystem::path& file, const std::string& animation, double start, double end,
+                          double margin);
+
 struct SearchedFolderOptions {
   std::filesystem::path index{};  // file in which the vectors are for the next time; "": they are only in memory
   MomentOptions moments{};        // of a new index

@@ -29,6 +29,21 @@ inline std::shared_ptr<const SearchEncoder> given_encoder(std::shared_ptr<const 
 
 }  // namespace detail
 
+MOTIONLANG_BODY FolderPiece piece_of_file(const std::filesystem::path& file, const std::string& animation, double start,
+                                          double end, double margin) {
+  for (Motion& whole : read_motions(file, options_for_file({}, file))) {
+    if (!animation.empty() && whole.name != animation) continue;
+    const double from = std::max(start - margin, 0.0), to = std::min(end + margin, whole.seconds());
+    const auto first = static_cast<double>(frames_between(whole, from, to).first);
+    FolderPiece out{.motion = edit_time(whole, {.from = from, .to = to})};
+    const double before = first / whole.fps, length = out.motion.seconds();
+    out.start = std::clamp(start - before, 0.0, length);
+    out.end = std::clamp(end - before, out.start, length);
+    return out;
+  }
+  raise<io_error>(401, file.filename().string(), ": there is no motion '", animation, "' in it any more");
+}
+
 MOTIONLANG_BODY SearchedFolder::SearchedFolder(const FilePath& folder, std::shared_ptr<const SearchEncoder> encoder,
                                                SearchedFolderOptions options)
     : folder_(detail::searched_place(folder)),
@@ -89,17 +104,7 @@ MOTIONLANG_BODY FolderPiece SearchedFolder::piece(const FolderMoment& moment, do
   if (moment.file.empty() || !is_below(path, folder_) || !is_own_file(path) ||
       std::filesystem::weakly_canonical(path, failed) != path || is_linked_motion(path))
     raise<io_error>(401, moment.file, ": there is no such motion in the folder");
-  for (Motion& whole : read_motions(path, options_for_file({}, path))) {
-    if (!moment.animation.empty() && whole.name != moment.animation) continue;
-    const double from = std::max(moment.start - margin, 0.0), to = std::min(moment.end + margin, whole.seconds());
-    const auto first = static_cast<double>(frames_between(whole, from, to).first);
-    FolderPiece out{.motion = edit_time(whole, {.from = from, .to = to})};
-    const double before = first / whole.fps, length = out.motion.seconds();
-    out.start = std::clamp(moment.start - before, 0.0, length);
-    out.end = std::clamp(moment.end - before, out.start, length);
-    return out;
-  }
-  raise<io_error>(401, moment.file, ": there is no motion '", moment.animation, "' in it any more");
+  return piece_of_file(path, moment.animation, moment.start, moment.end, margin);
 }
 
 MOTIONLANG_NAMESPACE_END

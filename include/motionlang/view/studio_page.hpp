@@ -27,6 +27,9 @@ struct StudioParts {
   std::string program;               // motionlang_wasm.js
   std::span<const std::byte> code;   // motionlang_wasm.wasm, packed by gzip
   std::span<const std::byte> model;  // weights of STMC, .safetensors, packed by gzip
+  // TMR, with which the page searches: config.json and weights.safetensors of its folder, packed by gzip; empty: it
+  // does not search
+  std::span<const std::byte> search_config{}, search_weights{};
   std::vector<StudioPrompt> prompts{};
   std::string title = "motionlang studio";
   bool asks_server = false;  // the page asks the server that it comes from; it has no program, code and model then

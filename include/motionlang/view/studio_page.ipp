@@ -4,6 +4,8 @@
 
 #include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/view/detail/page_parts.hpp>
+#include <motionlang/view/detail/studio_page_gif.hpp>
+#include <motionlang/view/detail/studio_page_search.hpp>
 #include <motionlang/view/detail/studio_page_sharing.hpp>
 #include <motionlang/view/detail/studio_page_source.hpp>
 #include <motionlang/view/detail/viewer_page.hpp>
@@ -57,15 +59,17 @@ MOTIONLANG_BODY std::string studio_html(const StudioParts& parts) {
     if (bytes.empty()) return std::string();
     return concat_text("<script type=\"text/plain\" id=\"", id, "\">", seven_bit_text(bytes), "</script>\n");
   };
-  return self_contained_page(parts.title, concat_text(page_colours, viewer_style, studio_style),
-                             concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel,
-                                         "</div>\n<footer>", viewer_controls, studio_timeline, "</footer>\n",
-                                         studio_dialog, packed("code", parts.code), packed("model", parts.model)),
-                             page,
-                             {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project,
-                              studio_script_whole, studio_script_engine, studio_script_look, studio_script_takes,
-                              studio_script_aids, studio_script_edits, studio_script_sharing, studio_script_files},
-                             parts.asks_server ? "; connect-src 'self'" : " 'wasm-unsafe-eval'; worker-src blob:");
+  return self_contained_page(
+      parts.title, concat_text(page_colours, viewer_style, studio_style),
+      concat_text(studio_header, "<div id=\"work\">", viewer_stage, studio_panel, "</div>\n<footer>", viewer_controls,
+                  studio_timeline, "</footer>\n", studio_dialog, packed("code", parts.code),
+                  packed("model", parts.model), packed("searchConfig", parts.search_config),
+                  packed("searchWeights", parts.search_weights)),
+      page,
+      {viewer_script_pose, viewer_script_draw, viewer_script_player, studio_script_project, studio_script_whole,
+       studio_script_engine, studio_script_look, studio_script_takes, studio_script_aids, studio_script_edits,
+       studio_script_gif, studio_script_sharing, studio_script_search, studio_script_files},
+      parts.asks_server ? "; connect-src 'self'" : " 'wasm-unsafe-eval'; worker-src blob:");
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -71,4 +71,43 @@ EMSCRIPTEN_KEEPALIVE int motionlang_wasm_viewer_data_on(const motionlang_motion*
   return motionlang_viewer_data_on(motion, character, size, name, json);
 }
 
+/// Makes the index of a folder, or updates it. Writes the numbers of clips and of files that could not be read.
+EMSCRIPTEN_KEEPALIVE int motionlang_wasm_update_index(const char* index, const char* folder, const char* model,
+                                                      double* numbers) {
+  motionlang_index_options options = motionlang_default_index_options();
+  options.model = model;
+  options.progress = [](void*, int64_t done, int64_t total) -> int32_t {
+    return motionlang_wasm_progress(static_cast<int>(done), static_cast<int>(total));
+  };
+  motionlang_index_report report{};
+  const int error = motionlang_update_index(index, folder, &options, &report);
+  numbers[0] = static_cast<double>(report.clips);
+  numbers[1] = static_cast<double>(report.skipped);
+  return error;
+}
+/// The moments that are nearest to words.
+EMSCRIPTEN_KEEPALIVE int motionlang_wasm_search(const motionlang_index* index, const char* words, int32_t count,
+                                                motionlang_hits** hits) {
+  motionlang_search_options options = motionlang_default_search_options();
+  options.top = count;
+  options.what = MOTIONLANG_SEARCH_MOMENTS;
+  return motionlang_search_text(index, words, &options, hits);
+}
+EMSCRIPTEN_KEEPALIVE int32_t motionlang_wasm_hits_count(const motionlang_hits* hits) {
+  return static_cast<int32_t>(motionlang_hits_count(hits));
+}
+/// Writes start, end and score of motionlang_hit, and its path and name.
+EMSCRIPTEN_KEEPALIVE int motionlang_wasm_hit(const motionlang_hits* hits, int32_t i, double* numbers,
+                                             const char** texts) {
+  motionlang_hit hit{};
+  const int error = motionlang_hits_at(hits, i, &hit);
+  numbers[0] = hit.start, numbers[1] = hit.end, numbers[2] = hit.score;
+  texts[0] = hit.path, texts[1] = hit.name;
+  return error;
+}
+EMSCRIPTEN_KEEPALIVE int motionlang_wasm_hit_motion(const motionlang_hits* hits, int32_t i, double margin,
+                                                    double* stretch, motionlang_motion** motion) {
+  return motionlang_hits_motion(hits, i, margin, stretch, motion);
+}
+
 }  // extern "C"

@@ -67,15 +67,23 @@ function(motionlang_wasm source models)
   target_link_libraries(motionlang_write_studio PRIVATE motionlang::instantiated)
   set(page ${CMAKE_CURRENT_BINARY_DIR}/studio.html)
   set(model ${models}/stmc_free.safetensors)
+  set(search ${models}/tmr_free)
+  # The matrices of the model become whole numbers of 8 bits (weights/int8_matrix.hpp).
+  add_custom_command(OUTPUT ${wasm}/model.safetensors COMMAND motionlang_write_studio int8 ${model} ${wasm}/model.safetensors
+                     DEPENDS motionlang_write_studio ${model} COMMENT "Packing the model of the studio" VERBATIM)
+  foreach(part studio_wasm.wasm model.safetensors config.json weights.safetensors)
+    list(APPEND packing COMMAND ${CMAKE_COMMAND} -D FILE=${part} -P ${source}/wasm/gzip.cmake)
+  endforeach()
   add_custom_command(OUTPUT ${page}
-                     COMMAND ${CMAKE_COMMAND} -E copy ${model} model.safetensors
-                     COMMAND ${CMAKE_COMMAND} -D FILE=studio_wasm.wasm -P ${source}/wasm/gzip.cmake
-                     COMMAND ${CMAKE_COMMAND} -D FILE=model.safetensors -P ${source}/wasm/gzip.cmake
-                     COMMAND motionlang_write_studio studio_wasm.js studio_wasm.wasm.gz model.safetensors.gz ${models}/gallery.txt ${page}
-                     DEPENDS ${wasm}/studio_wasm.js motionlang_write_studio ${model} ${models}/gallery.txt ${source}/wasm/gzip.cmake
+                     COMMAND ${CMAKE_COMMAND} -E copy ${search}/config.json ${search}/weights.safetensors .
+                     ${packing}
+                     COMMAND motionlang_write_studio page studio_wasm.js studio_wasm.wasm.gz model.safetensors.gz config.json.gz
+                             weights.safetensors.gz ${models}/gallery.txt ${page}
+                     DEPENDS ${wasm}/studio_wasm.js ${wasm}/model.safetensors motionlang_write_studio ${search}/config.json
+                             ${search}/weights.safetensors ${models}/gallery.txt ${source}/wasm/gzip.cmake
                      WORKING_DIRECTORY ${wasm} COMMENT "Writing studio.html" VERBATIM)
   add_custom_target(studio DEPENDS ${page})
-  set_target_properties(studio PROPERTIES PAGE ${page})
+  set_target_properties(studio PROPERTIES PAGE ${page} MODEL ${wasm}/model.safetensors)
 endfunction()
 
 if(MOTIONLANG_EMXX AND TARGET Eigen3::Eigen AND TARGET nlohmann_json::nlohmann_json)

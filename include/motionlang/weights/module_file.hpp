@@ -4,6 +4,8 @@
 ///     save_module("model.safetensors", model);
 ///     load_module(model, "model.safetensors");                          // into a model of the same sizes
 ///     load_module(model, open_weights("logs/last.ckpt"), "denoiser.");   // any TensorSet (weights/weight_file.hpp)
+///
+/// Matrices in whole numbers of 8 bits (weights/int8_matrix.hpp) are read like other weights.
 #pragma once
 
 #include <algorithm>  // find_if
@@ -22,6 +24,7 @@
 #include <motionlang/file/safetensors.hpp>
 #include <motionlang/tensor/gradient.hpp>
 #include <motionlang/tensor/module.hpp>
+#include <motionlang/weights/int8_matrix.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -74,6 +77,22 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
         shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
   }
 }
+/// The same for a matrix in whole numbers of 8 bits (weights/int8_matrix.hpp).
+template <Backend B>
+void assign_int8_tensor(typename B::tensor& tensor, const TensorView& codes, const TensorView& scales,
+                        const std::string& where) {
+  if constexpr (AutodiffBackend<B>) {
+    assign_int8_tensor<typename B::inner>(B::mutable_value(tensor), codes, scales, where);
+  } else {
+    using S = typename B::scalar;
+    const Shape shape = B::shape(tensor);
+    if (codes.shape != shape)
+      raise<io_error>(407, where, ": tensor '", codes.name, "' is ", codes.shape, ", the model has ", shape);
+    tensor = written_tensor<B>(shape, [&](S* to) {
+      copy_int8_values(codes, scales, std::span<S>(to, static_cast<std::size_t>(shape.count())));
+    });
+  }
+}
 /// The purpose of loading a module. For inference, prepare_loaded makes it ready in the same pass over the file: all
 /// its matrices are weights, and it is not trained or changed afterwards.
 enum class LoadFor { any_use, inference };
@@ -105,7 +124,10 @@ struct TensorLoader {
       report.missing.push_back(name);
       return;
     }
-    assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
+    if (const TensorView* scales = int8_scales_of(file, *view))
+      assign_int8_tensor<B>(*tensor.data, *view, *scales, file.name());
+    else
+      assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
     if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
     MappedFile::forget_if_mapped(view->bytes);  // read again when needed
   }
@@ -302,7 +324,7 @@ KeyReport load_module_partly(M& module, const TensorSet& file, const std::string
     if (!finite) fill(LoadFor::any_use);  // reports which value is not finite
   }
   for (const TensorView& t : file.tensors()) {
-    if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
+    if (!t.name.starts_with(prefix) || known.contains(t.name) || is_int8_scales(file, t)) continue;
     if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
   }
   return report;

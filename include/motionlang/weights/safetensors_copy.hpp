@@ -10,8 +10,10 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// stored  element type to which floating-point tensors are rounded; none: unchanged
-/// Throws  io_error 401, and what write_safetensors throws
+/// stored  element type to which floating-point tensors are rounded; none: unchanged. I8: matrices of at least
+///         int8_matrix_least numbers become whole numbers of 8 bits (weights/int8_matrix.hpp), and the rest stays
+/// Throws  io_error 401, and what write_safetensors, TensorStore::add and int8_matrix throw
+inline constexpr Index int8_matrix_least = 4096;
 void write_safetensors_copy(const FilePath& path, const WeightFile& weights, std::optional<DType> stored = {});
 
 MOTIONLANG_NAMESPACE_END

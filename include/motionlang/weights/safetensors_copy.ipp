@@ -2,9 +2,11 @@
 // Bodies of safetensors_copy.hpp.
 #pragma once
 
-#include <map>  // metadata
+#include <list>  // matrices, which views point to
+#include <map>   // metadata
 
 #include <motionlang/core/utf8.hpp>
+#include <motionlang/weights/int8_matrix.hpp>
 #include <motionlang/weights/module_file.hpp>
 #include <motionlang/weights/safetensors_copy.hpp>
 
@@ -19,11 +21,23 @@ MOTIONLANG_BODY void write_safetensors_copy(const FilePath& path, const WeightFi
   metadata.try_emplace("format", "pt");
   TensorStore store;
   std::vector<TensorView> tensors;
+  std::list<Int8Matrix> matrices;
   for (const TensorView& t : weights.tensors()) {
-    if (stored && t.dtype >= DType::F16 && t.dtype <= DType::F64)
+    const bool real = t.dtype >= DType::F16 && t.dtype <= DType::F64;
+    if (stored == DType::I8) {
+      if (!real || t.shape.rank() != 2 || t.shape.count() < int8_matrix_least) {
+        tensors.push_back(t);
+        continue;
+      }
+      const Int8Matrix& m = matrices.emplace_back(int8_matrix(values_of<float>(t), t.shape[0], t.shape[1], t.name));
+      tensors.push_back(tensor_view(t.name, t.shape, std::span<const std::int8_t>(m.codes)));
+      tensors.push_back(
+          {t.name + int8_scales, DType::F16, {m.rows, int8_groups(m.columns)}, std::as_bytes(std::span(m.scales))});
+    } else if (stored && real) {
       store.add(t.name, t.shape, std::span<const double>(values_of<double>(t)), *stored);
-    else
+    } else {
       tensors.push_back(t);
+    }
   }
   const auto rounded = store.views();
   tensors.insert(tensors.end(), rounded.begin(), rounded.end());

@@ -548,6 +548,23 @@ TEST_CASE("an index is made, updated and searched by words and by a motion") {
   REQUIRE(motionlang_search_motion(index, jump.motion, &how, &hits) == 0);
   CHECK(motionlang_hits_count(hits) == 3);
   CHECK(motionlang_hits_shown(hits) == 1);  // motions are not compared with texts
+  motionlang_hit moment{};
+  REQUIRE(motionlang_hits_at(hits, 0, &moment) == 0);
+  double stretch[2] = {};
+  for (const double margin : {0.0, 0.5}) {
+    Made piece;
+    REQUIRE(motionlang_hits_motion(hits, 0, margin, stretch, &piece.motion) == 0);
+    CHECK(stretch[1] - stretch[0] == doctest::Approx(moment.end - moment.start).epsilon(0.05));
+    const double seconds = static_cast<double>(motionlang_frames(piece.motion)) / motionlang_fps(piece.motion);
+    CHECK(seconds <= moment.end - moment.start + 2 * margin + 0.1);
+    CHECK(stretch[0] <= margin + 1e-9);
+  }
+  Made none;
+  CHECK(motionlang_hits_motion(hits, 0, 0, nullptr, &none.motion) == 0);
+  motionlang_free_motion(none.motion);
+  CHECK(motionlang_hits_motion(hits, 3, 0, stretch, &none.motion) == 203);
+  CHECK(motionlang_hits_motion(hits, 0, -1, stretch, &none.motion) == 101);
+  CHECK(none.motion == nullptr);
   motionlang_free_hits(hits);
   how.what = 7;
   CHECK(motionlang_search_text(index, "x", &how, &hits) == 103);

@@ -170,8 +170,9 @@ TEST_CASE("texts and files have limits") {
 }
 
 TEST_CASE("names of files are plain") {
-  for (const char* name : {"walk.bvh", "a_b-c 2.glb", "x.tar.npz", "A.txt", "me.gltf", "_.bvh", "cone.bvh", "com10.bvh",
-                           "com.bvh", "my con.bvh", "x.nul.bvh", "my_project.json", "walk.png", "walk.webm", "w.mp4"})
+  for (const char* name :
+       {"walk.bvh", "a_b-c 2.glb", "x.tar.npz", "A.txt", "me.gltf", "_.bvh", "cone.bvh", "com10.bvh", "com.bvh",
+        "my con.bvh", "x.nul.bvh", "my_project.json", "walk.png", "walk.gif", "walk.webm", "w.mp4"})
     CHECK_MESSAGE(ml::is_studio_file(name), name);
   for (const char* name : {"",         ".",           "..",          ".bvh",    "walk",     "walk.exe",
                            "walk.BVH", "../walk.bvh", "/walk.bvh",   "a/b.bvh", "a\\b.bvh", ".motionlang.index",

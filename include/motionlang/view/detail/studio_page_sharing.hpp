@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The source of the studio's page, continued: the project as a file, pictures and videos, examples to start from, and
-/// search. studio_page.hpp puts it between the parts of studio_page_source.hpp.
+/// The source of the studio's page, continued: the project as a file, pictures and videos, and examples to start from.
+/// studio_page.hpp puts it between the parts of studio_page_source.hpp.
 #pragma once
 
 #include <string_view>  // source
@@ -127,12 +127,34 @@ function fileOfProject() {
   const found = [...ownFiles].reverse().find(([, { ids }]) => book.some((p) => ids.includes(p.id)));
   return found && { name: found[0], mark: found[1].mark };
 }
+/** Contents that were sent to files without an answer, by name: a save that was cancelled may have been done. */
+const unanswered = new Map();
+const equalBytes = (a, b) => a.length === b.length && a.every((byte, i) => byte === b[i]);
+/** The mark of a file if it has contents that were sent without an answer. */
+async function markOfSent(name) {
+  const sent = unanswered.get(name);
+  if (!sent) return "";
+  try {
+    const found = await engine.ask("open", { name }), contents = unpackedBytes(found.bytes);
+    return sent.some((bytes) => equalBytes(bytes, contents)) ? found.mark : "";
+  } catch (reason) {
+    if (reason.cancelled) throw reason;
+    return "";
+  }
+}
 /** Stores the project in its file of the folder. If somebody else has changed that, it gets another one. */
 async function storeProject(bytes) {
   const ids = idsOf(book), own = fileOfProject();
   const stores = async (name, over) => {  // only over contents that this page knows
+    const earlier = unanswered.get(name) || [];
+    unanswered.set(name, [bytes, ...earlier].slice(0, 4));
     const { mark } = await engine.ask("store", { name, bytes, over });
-    if (!mark) return false;
+    unanswered.set(name, earlier);  // it is done, or refused
+    if (!mark) {
+      const sent = await markOfSent(name);
+      return sent !== "" && sent !== over && stores(name, sent);
+    }
+    unanswered.delete(name);
     ownFile({ name, mark }, ids);
     store();  // a reload finds it
     return true;
@@ -142,7 +164,7 @@ async function storeProject(bytes) {
   const taken = (await engine.ask("files")).map((name) => name.toLowerCase());
   for (let i = 1;; ++i) {
     const name = start + (i > 1 ? `_${i}` : "") + ".json";
-    if (!taken.includes(name.toLowerCase()) && await stores(name, ""))
+    if ((unanswered.has(name) || !taken.includes(name.toLowerCase())) && await stores(name, ""))
       return `${name} is in the project's folder` + (own ? `. Somebody else has changed ${own.name}.` : ".");
   }
 }
@@ -269,59 +291,6 @@ element("examples").addEventListener("change", async ({ target }) => {
   seek(0);
   if (!making) await generate();
 });
-
-// ---- Search in the project's folder, which the server does.
-
-let sought = 0;  // searches so far
-function showIndexed(done, total) {
-  element("findSays").textContent = `Reading the folder: ${done} of ${total} files.`;
-}
-press("find", () => {
-  const can = engine.folder && engine.search;
-  element("findHelp").hidden = can;
-  element("findForm").hidden = !can;
-  element("findDialog").showModal();
-  if (can) element("sought").select();
-});
-press("findClose", () => element("findDialog").close());
-element("findForm").addEventListener("submit", async (event) => {
-  event.preventDefault();
-  const words = element("sought").value.trim(), mine = ++sought;
-  if (!words) return;
-  const answer = (line) => { if (mine === sought) element("findSays").textContent = line; };
-  answer("Searching.");
-  try {
-    const { moments, shows, unknown, clips: count, skipped } = await engine.ask("search", { words, count: 12 });
-    if (mine !== sought) return;
-    const many = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
-    answer((count === 0 ? "The folder has no motion that can be searched."
-      : shows ? `The nearest moments of ${many(count, "clip")}.` : "Nothing shows this. The nearest moments:") +
-      (unknown.length ? ` The model does not know: ${unknown.join(", ")}.` : "") +
-      (skipped ? ` ${many(skipped, "file")} could not be read.` : ""));
-    element("found").replaceChildren();
-    for (const moment of moments) {
-      const item = text("li", "", element("found")), button = text("button", "Keep", item);
-      const about = `${moment.name}, ${shown(moment.start)} to ${shown(moment.end)}`;
-      button.type = "button";
-      button.setAttribute("aria-label", `Keep ${about}`);
-      item.append(" ", about);
-      text("small", `${Math.round(100 * moment.score)} %`, item);
-      button.addEventListener("click", () => keepFound(moment));
-    }
-  } catch (reason) {
-    if (!reason.cancelled) answer(reason.message);
-  }
-});
-/** Puts a moment on the timeline, with some time before and after it to which its bar can be drawn out. */
-async function keepFound({ number }) {
-  try {
-    const { name, bytes, from, seconds } = await engine.ask("moment", { motion: number });
-    await keepMotion(new File([unpackedBytes(bytes)], name), { from, seconds });
-    element("findDialog").close();
-  } catch (reason) {
-    if (!reason.cancelled) element("findSays").textContent = reason.message;
-  }
-}
 )page";
 
 }  // namespace detail

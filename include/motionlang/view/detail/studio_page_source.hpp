@@ -103,7 +103,9 @@ footer { padding: 6px 16px 8px; }
 #found { margin: 0 0 10px; padding-left: 26px; max-height: 44vh; overflow-y: auto; }
 #found li { margin: 4px 0; }
 #found small { color: var(--faint); margin-left: 8px; }
-#sought { flex: 1; }
+#sought, #findWhere { flex: 1; }
+#findWhere { min-width: 200px; margin: 0; }
+#findSays { margin: 4px 0; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 16px; }
 dt { font-weight: 600; }
 dd { margin: 0; }
@@ -190,7 +192,8 @@ inline constexpr std::string_view studio_header = R"page(
       <option value=".bvh">BVH</option><option value=".glb">GLB</option><option value=".vrma">VRMA</option>
       <option value=".npz">AMASS .npz</option><option value=".npy">joints .npy</option>
       <option value=".html">viewer page</option><option value=".svg">film strip</option>
-      <option value=".png">picture PNG</option><option value=".webm">video WebM</option>
+      <option value=".png">picture PNG</option><option value=".gif">moving GIF</option>
+      <option value=".webm">video WebM</option>
     </select>
     <button id="save" type="button" disabled>Save</button>
     <button id="keysHelp" type="button" aria-label="Keys" title="?">?</button>
@@ -271,13 +274,19 @@ inline constexpr std::string_view studio_dialog = R"page(
 </dialog>
 <dialog id="findDialog" closedby="any" aria-labelledby="aboutFind">
   <h2 id="aboutFind">Find a motion</h2>
-  <p id="findHelp">Searching needs the program: its model does not fit into this file. Start
-    <code>motionlang studio --project FOLDER</code> and open its link. Then words find moments in the motions of that
-    folder.</p>
+  <p id="findHelp">This page has no model for searches. Start <code>motionlang studio --project FOLDER</code> and open
+    its link. Then words find moments in the motions of that folder.</p>
+  <div id="findFrom" class="line" hidden>
+    <p id="findWhere"></p>
+    <button id="findFolder" type="button">Choose a folder</button>
+    <button id="findFiles" type="button">Choose files</button>
+    <input id="searchFolder" type="file" webkitdirectory hidden>
+    <input id="searchFiles" type="file" multiple accept=".bvh,.amc,.npz,.npy,.glb,.gltf,.vrma" hidden></div>
   <form id="findForm" class="line" hidden>
     <input id="sought" maxlength="200" autocomplete="off" aria-label="What the person does">
     <button class="main">Find</button></form>
-  <p id="findSays" role="status"></p>
+  <div class="line"><p id="findSays" role="status"></p>
+    <button id="findStop" type="button" hidden>Stop reading</button></div>
   <ol id="found" aria-label="What was found"></ol>
   <button id="findClose" type="button">Close</button>
 </dialog>
@@ -304,6 +313,9 @@ inline constexpr std::string_view studio_worker = R"page(
 ;"use strict";
 let wasm = null, loaded = 0, count = 0;  // the module, a pointer to the model, the number of motions so far
 const made = new Map(), read = new Map();  // pointers to motions that were made, by number, and that were read, by name
+let doing = "";  // the kind of the question that is answered now
+const searches = { folder: "/searched/", model: "/search_model", file: "/searched.index", index: 0, hits: 0,
+                   clips: 0, skipped: 0 };
 
 /** The bytes of a text with seven bits a character, unpacked. */
 const unpacked = (text) => {
@@ -380,16 +392,17 @@ const withClip = (clip, use) => {
 };
 
 const answers = {
-  async load({ code, model }) {
+  async load({ code, model, search }) {
     wasm = await motionlangModule({
       wasmBinary: await unpacked(code),
       progress: (done, total) => {
-        postMessage({ done, total });
+        postMessage({ done, total, kind: doing });
         return true;
       } });
     wasm.FS.writeFile("/model.safetensors", new Uint8Array(await unpacked(model)));
     wasm._motionlang_set_threads(1);
     loaded = withText("/model.safetensors", (file) => result((place) => wasm._motionlang_load_model(file, place)));
+    searches.packed = search;
     return { fps: wasm._motionlang_model_fps(loaded) };
   },
   check: ({ timeline }) => takenJson(withText(timeline, (words) =>
@@ -426,6 +439,67 @@ const answers = {
       wasm._motionlang_free_motions(motions);
     }
   },
+  /** Files to search, { path, bytes }, of which an index is made, or to which one is extended. */
+  async index({ files }) {
+    if (searches.packed) {
+      wasm.FS.mkdirTree(searches.model);
+      for (const [name, text] of Object.entries(searches.packed))
+        wasm.FS.writeFile(`${searches.model}/${name}`, new Uint8Array(await unpacked(text)));
+      searches.packed = null;
+    }
+    for (const { path, bytes } of files) {
+      const parts = path.split("/").filter((part) => part && part !== "." && part !== "..");
+      const file = searches.folder + parts.join("/");
+      wasm.FS.mkdirTree(file.slice(0, file.lastIndexOf("/")));
+      wasm.FS.writeFile(file, new Uint8Array(bytes));
+    }
+    withMemory(16, (at) => withText(searches.file, (file) => withText(searches.folder, (folder) =>
+      withText(searches.model, (model) => {
+        ask(wasm._motionlang_wasm_update_index(file, folder, model, at));
+        [searches.clips, searches.skipped] = wasm.HEAPF64.subarray(at >> 3, (at >> 3) + 2);
+      }))));
+    wasm._motionlang_free_index(searches.index);
+    searches.index = 0;
+  },
+  /** The moments of those files that are nearest to words. */
+  search({ words, count: most }) {
+    const { clips, skipped, file } = searches, answer = { moments: [], shows: true, unknown: [], clips, skipped };
+    if (clips === 0) return answer;
+    searches.index ||= withText(file, (name) => result((place) => wasm._motionlang_open_index(name, 0, 0, place)));
+    wasm._motionlang_free_hits(searches.hits);
+    searches.hits = 0;
+    const hits = searches.hits = withText(words, (text) =>
+      result((place) => wasm._motionlang_wasm_search(searches.index, text, most, place)));
+    for (let number = 0; number < wasm._motionlang_wasm_hits_count(hits); ++number) {
+      withMemory(32, (at) => {
+        ask(wasm._motionlang_wasm_hit(hits, number, at, at + 24));
+        const [start, end, score] = wasm.HEAPF64.subarray(at >> 3, (at >> 3) + 3);
+        const [path, motion] = [24, 28].map((behind) => wasm.UTF8ToString(wasm.HEAP32[at + behind >> 2]));
+        const name = path.slice(searches.folder.length) + (motion && ` (${motion})`);
+        answer.moments.push({ number, name, start, end, score });
+      });
+    }
+    answer.shows = wasm._motionlang_hits_shown(hits) === 1;
+    answer.unknown = wasm.UTF8ToString(wasm._motionlang_hits_unknown_words(hits)).split(" ").filter(Boolean);
+    return answer;
+  },
+  /** A moment as a file, with two seconds before and after it, and where it is in there. */
+  moment: ({ motion: number }) => withMemory(32, (at) => {
+    if (number >= wasm._motionlang_wasm_hits_count(searches.hits))
+      throw new Error("this moment is gone; search again");
+    ask(wasm._motionlang_wasm_hit(searches.hits, number, at, at + 24));
+    const path = wasm.UTF8ToString(wasm.HEAP32[at + 24 >> 2]), stem = path.slice(path.lastIndexOf("/") + 1);
+    const name = `${stem.replace(/\.[^.]*$/, "")}_${wasm.HEAPF64[at >> 3].toFixed(1)}s.glb`;
+    const motion = result((place) => wasm._motionlang_wasm_hit_motion(searches.hits, number, 2, at, place));
+    const [from, to] = wasm.HEAPF64.subarray(at >> 3, (at >> 3) + 2);
+    try {
+      const bytes = taken(withText(".glb", (kind) =>
+        result((place) => wasm._motionlang_motion_bytes(motion, kind, place))));
+      return { name, from, seconds: to - from, bytes };
+    } finally {
+      wasm._motionlang_free_motion(motion);
+    }
+  }),
   /** A motion on the character of a file. */
   show: ({ motion, name, bytes }) => takenJson(withBytes(bytes, (at) => withText(name, (file) => result((place) =>
     wasm._motionlang_wasm_viewer_data_on(known(made, motion), at, bytes.byteLength, file, place))))),
@@ -446,6 +520,7 @@ let turnOf = Promise.resolve();  // one request after the other
 onmessage = ({ data }) => {
   turnOf = turnOf.then(async () => {
     try {
+      doing = data.kind;
       postMessage({ id: data.id, value: await answers[data.kind](data.about) });
     } catch (reason) {
       postMessage({ id: data.id, error: String(reason && reason.message || reason) });
@@ -645,7 +720,10 @@ class WorkerEngine {
     };
     this.worker.onerror = (event) => this.fail(new Error(event.message || "the worker did not start"));
     const packed = (id) => element(id).textContent;
-    this.ready = this.ask("load", { code: packed("code"), model: packed("model") });
+    const search = { "config.json": "searchConfig", "weights.safetensors": "searchWeights" };
+    this.searches = Object.values(search).every((id) => element(id));
+    for (const name in search) if (this.searches) search[name] = packed(search[name]);
+    this.ready = this.ask("load", { code: packed("code"), model: packed("model"), search: this.searches && search });
     this.ready.catch(() => {});  // whoever asks for something hears it
   }
   ask(kind, about = {}) {
@@ -762,7 +840,7 @@ function say(words, wrong = false) {
   element("status").classList.toggle("wrong", wrong);
 }
 const engine = new Engine(({ done, total, kind }) => {
-  if (kind === "search") return showIndexed(done, total);
+  if (kind === "search" || kind === "index") return showIndexed(done, total);
   if (!making) return;
   const spent = (performance.now() - making.began) / 1000, left = spent / done * (total - done);
   element("progress").value = done / total;
@@ -1654,6 +1732,7 @@ press("save", async () => {
   const format = element("kind").value;
   if (making) return say("Wait until the motion is made, then save.");
   if (format === ".webm") return saveVideo();
+  if (format === ".gif") return saveGif();
   try {
     if (format === ".png") return await savePicture();
     const motion = await held(shownTake), name = fileName() + format;
@@ -1827,11 +1906,26 @@ element("file").addEventListener("change", async ({ target }) => {
 addEventListener("dragover", (event) => {
   if (event.dataTransfer.types.includes("Files")) event.preventDefault();
 });
+/** A folder is searched; so are motions that come together, except those that the project lacks. */
 addEventListener("drop", async (event) => {
   const files = [...event.dataTransfer.files], asCharacter = event.shiftKey;
+  const { items } = event.dataTransfer, folder = [...items].some((i) => i.webkitGetAsEntry?.()?.isDirectory);
   if (files.length === 0) return;
   event.preventDefault();  // the page stays
-  for (const file of files) await take(file, asCharacter);
+  if (folder) {
+    const things = droppedThings(items);
+    try {
+      searchIn(await filesIn(await things));
+    } catch (reason) {
+      say(`The folder cannot be read: ${reason.message}`, true);
+    }
+    return;
+  }
+  const lacked = new Set(book.map(clipOf).filter((b) => b && !clips.has(b.clip)).map((b) => nameOfClip(b.clip)));
+  const others = files.filter((file) => isMotionFile(file.name) && !lacked.has(file.name));
+  const finding = element("findDialog").open, together = engine.searches && (others.length > 1 || finding);
+  for (const file of files) if (!together || !others.includes(file)) await take(file, asCharacter);
+  if (together && others.length) searchIn(others.map((file) => [file.name, file]));
 });
 
 addEventListener("keydown", (event) => {
