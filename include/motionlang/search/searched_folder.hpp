@@ -47,8 +47,8 @@ struct FolderPiece {
 };
 
 /// The motion of a file from `start` to `end`, with `margin` seconds before and after it, as far as the file has them.
-/// animation: of a file with several motions; "": the first one. Throws io_error 401 if the file has no such motion, and
-/// what read_motions throws.
+/// animation: of a file with several motions; "": the first one. Throws io_error 401 if the file has no such motion,
+/// and what read_motions throws.
 FolderPiece piece_of_file(const std::filesystem::path& file, const std::string& animation, double start, double end,
                           double margin);
 

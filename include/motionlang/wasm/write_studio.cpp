@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Writes the page of the studio, and its model:
 //     motionlang_write_studio int8 <weights.safetensors> <model.safetensors>
-//     motionlang_write_studio page <module.js> <code.wasm.gz> <model.gz> <search config.gz> <search weights.gz> <prompts>
-//                             <studio.html>
+//     motionlang_write_studio page <module.js> <code.wasm.gz> <model.gz> <search config.gz> <search weights.gz>
+//                             <prompts> <studio.html>
 #include <iostream>
 #include <memory>
 #include <string>

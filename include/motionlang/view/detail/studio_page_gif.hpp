@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The source of the studio's page, continued: a writer of animated GIF files. studio_page.hpp puts it between the parts
-/// of studio_page_source.hpp.
+/// The source of the studio's page, continued: a writer of animated GIF files. studio_page.hpp puts it between the
+/// parts of studio_page_source.hpp.
 /// Source  "Graphics Interchange Format, Version 89a" (CompuServe, 1990); Heckbert, "Color Image Quantization for Frame
 ///         Buffer Display" (SIGGRAPH 1982), whose boxes are cut here where their colours differ most
 #pragma once
