@@ -305,6 +305,7 @@ GIF = """const [data, done] = [Uint8Array.from(atob(arguments[0]), (c) => c.char
   const out = { apart: [] };
   const decoder = new ImageDecoder({ data, type: "image/gif" }), canvas = document.createElement("canvas");
   await decoder.completed;
+  await decoder.tracks.ready;
   out.frames = decoder.tracks.selectedTrack.frameCount;
   const first = (await decoder.decode()).image, width = first.displayWidth, height = first.displayHeight;
   Object.assign(canvas, { width, height });
@@ -334,7 +335,7 @@ def moving(browser, folder, problems):
     files = set(folder.iterdir())
     click(browser, "#kind option[value='.gif']")
     click(browser, "#save")
-    gif = new_file(folder, files, ".gif")
+    gif = new_file(folder, files, ".gif", MADE)
     wait(browser, "!motionlang.state().making", 20)
     data = gif.read_bytes()
     # that script uses the page's own names, which are not members of window

@@ -145,7 +145,7 @@ const saveGif = () => work("Making the GIF.", async () => {
   const high = Math.max(1, Math.round(wide * view.clientHeight / view.clientWidth));
   const canvas = Object.assign(document.createElement("canvas"), { width: wide, height: high });
   const context = canvas.getContext("2d", { willReadFrequently: true });
-  const delay = Math.max(4, Math.round(100 / fps)), count = Math.max(1, Math.round(100 * seconds / delay));
+  const delay = Math.max(4, Math.round(100 / fps)), count = Math.round(100 * seconds / delay) + 1;
   let cancelled = false;
   making.cancel = () => { cancelled = true; };
   const pictureAt = (at) => {
