@@ -145,7 +145,7 @@ element("findForm").addEventListener("submit", async (event) => {
     element("found").replaceChildren();
     for (const moment of moments) {
       const item = text("li", "", element("found")), button = text("button", "Keep", item);
-      const about = `${moment.name}, ${shown(moment.start)} to ${shown(moment.end)}`;
+      const about = `${moment.name}, ${moment.start.toFixed(1)} to ${moment.end.toFixed(1)}\u00a0s`;
       button.type = "button";
       button.setAttribute("aria-label", `Keep ${about}`);
       item.append(" ", about);
