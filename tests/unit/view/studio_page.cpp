@@ -47,6 +47,20 @@ TEST_CASE("one file with code and model in it, which asks for nothing and may ru
   CHECK(data["rest"]["parents"].size() == 24);
 }
 
+TEST_CASE("with a model for searches the page has its two files") {
+  const std::string part = "x", config = "{}", weights = "the weights";
+  const std::string page = ml::studio_html({.program = part,
+                                            .code = bytes(part),
+                                            .model = bytes(part),
+                                            .search_config = bytes(config),
+                                            .search_weights = bytes(weights)});
+  for (const auto& [id, contents] : {std::pair{"searchConfig", config}, std::pair{"searchWeights", weights}}) {
+    const std::string element = "id=\"" + std::string(id) + "\">" + ml::detail::seven_bit_text(bytes(contents));
+    CHECK_MESSAGE(page.find(element + "</script>") != std::string::npos, id);
+  }
+  CHECK(occurrences(page, "</script>") == 6);
+}
+
 TEST_CASE("a page that asks a server has no program, code and model, and asks nobody else") {
   const std::string page = ml::studio_html({.program = "", .code = {}, .model = {}, .asks_server = true});
   CHECK(page.find("script-src 'unsafe-inline'; connect-src 'self'\">") != std::string::npos);
@@ -85,7 +99,7 @@ TEST_CASE("every button and field of the page has a name") {
     CHECK_MESSAGE((inside_label || tag.find("aria-label=") != std::string::npos || tag.ends_with("hidden")), tag);
     ++count;
   }
-  CHECK(count == 8);
+  CHECK(count == 10);
 }
 
 TEST_CASE("a page without one of its parts is an error") {
