@@ -2,12 +2,14 @@
 // another size are refused in every process that takes them, without a wait.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include <motionlang/train/batch_parts.hpp>
+#include <motionlang/train/meeting_parts.hpp>
 #include <motionlang/train/mpi.hpp>
 
 #include "../support/check_error.hpp"
@@ -107,6 +109,23 @@ TEST_CASE("sums of parts of another size are refused in all processes, if their 
     CAPTURE(other);
     CHECK_ERROR(sum(other), "[motionlang.shape.204] a message of ");
     CHECK(sum(1000) == std::vector<float>(1000, 6.0f));
+  }
+}
+
+TEST_CASE("parts that meet have the sums of one process, also where ranks have no part") {
+  for (const Index parts : {1, 2, 3, 8}) {
+    CAPTURE(parts);
+    const auto of_part = [](Index i, const ml::BatchSums& sums) {
+      std::vector<double> numbers{0.1 * static_cast<double>(i + 1), 1 / static_cast<double>(i + 3)};
+      for (int meeting = 0; meeting < 50; ++meeting) {
+        sums.add(numbers);
+        for (double& x : numbers) x = std::sin(x + static_cast<double>(i));
+      }
+      return numbers;
+    };
+    ml::PartThreads threads;
+    const auto alone = ml::sum_of_meeting_parts<double>({}, parts, threads, of_part);
+    CHECK(ml::sum_of_meeting_parts<double>(ml::AnyCommunicator(all()), parts, threads, of_part) == alone);
   }
 }
 
