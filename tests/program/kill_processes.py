@@ -137,6 +137,8 @@ def main():
                 compare()
                 shutil.rmtree(folder / "killed")
                 trainings, steps = trainings + 1, 0
+                if trainings > 4 * o.kills:
+                    sys.exit("%d trainings ended before a kill: more --steps-each are needed" % trainings)
                 continue
             if checkpoint.exists():
                 now = steps_of(checkpoint)

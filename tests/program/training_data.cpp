@@ -511,7 +511,7 @@ TEST_CASE("HumanML3D is made from AMASS; missing files are reported first; the s
   const Outcome missing = run(command, place.path);
   CHECK(missing.code == 1);
   CHECK_MESSAGE(contains(missing.text,
-                         "1 of 3 sources of index.csv are missing below AMASS and repository/pose_data, "
+                         "1 of 3 sources of index.csv are missing below AMASS and in pose_data of repository, "
                          "such as ./pose_data/KIT/3/kick_poses.npy; --missing leaves their clips out"),
                 missing.text);
   const Outcome made = with("--missing");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Makes HumanML3D from AMASS, as its three notebooks do: joints of the user's body models, mirrored copies, features,
-/// and statistics. A stopped run goes on where it was: clips that exist are not made again.
+/// and statistics. A stopped run goes on where it was: clips that exist are not made again. Other options need another
+/// folder.
 ///
 ///     const auto made = make_humanml3d<EigenBackend<float>>({.repository = "HumanML3D", .amass = "AMASS",
 ///                                                            .bodies = "body_models"}, "data/HumanML3D");
@@ -20,7 +21,7 @@
 #include <vector>      // joints
 
 #include <motionlang/core/progress.hpp>
-#include <motionlang/datasets/humanml3d_source.hpp>
+#include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/datasets/left_out.hpp>
 #include <motionlang/features/guoh3d_extraction.hpp>
 #include <motionlang/formats/amass_sequence.hpp>
@@ -44,7 +45,7 @@ struct MadeHumanMl3d {
   Index made = 0;         // clips, mirrored ones as well
   Index there = 0;        // clips that existed
   Index not_finite = 0;   // clips with NaN, which the statistics leave out, as published
-  Index captionless = 0;  // clips without captions
+  Index captionless = 0;  // clips that were made and have no captions
   LeftOut left_out{};     // clips that could not be made, and why
 };
 
@@ -60,21 +61,28 @@ struct PlacedSource {
 /// Rows whose file is missing have none, or are reported in one io_error 401.
 std::vector<PlacedSource> placed_sources(const HumanMl3dSources& sources, bool missing);
 
+/// Writes into a new folder how its features are made, and compares that in an old one. Throws config_error 102.
+void require_same_making(const std::filesystem::path& out, const HumanMl3dMaking& making);
+
 /// True if the clip, and its mirrored copy if wanted, have all their files.
 bool has_humanml3d_clips(const std::filesystem::path& out, const std::string& id, bool mirrored);
 
-/// Writes the clip of these joints, (frames, 22), and its mirrored copy. Returns false if the clip has no captions.
-bool write_humanml3d_clips(const HumanMl3dSources& sources, const std::filesystem::path& out, const std::string& id,
-                           std::span<const Vec3<double>> joints, const HumanMl3dMaking& making);
+/// The clip of these joints, (frames, 22), and its mirrored copy. Captions are those that have no file.
+std::vector<HumanMl3dClip> humanml3d_clips(const HumanMl3dSources& sources, const std::string& id,
+                                           std::span<const Vec3<double>> joints, const HumanMl3dMaking& making);
+
+/// Writes a clip and the published file of its captions. Returns false if it has no captions.
+bool write_made_clip(const HumanMl3dSources& sources, const std::filesystem::path& out, const HumanMl3dClip& clip);
 
 /// Lists of ids and statistics over all clips of the index that exist.
 void finish_humanml3d(const HumanMl3dSources& sources, const std::filesystem::path& out,
                       std::span<const PlacedSource> rows, bool mirrored, MadeHumanMl3d& made);
 
-/// Calls `make` for all rows on several threads. It returns false for a clip without captions. What it throws is a
-/// reason to leave the row out.
-void make_rows(std::span<const PlacedSource> rows, const std::filesystem::path& out, bool mirrored,
-               const std::function<bool(const PlacedSource&)>& make, MadeHumanMl3d& made, Progress progress);
+/// Writes the clips that `make` returns for a row, for all rows on several threads. What `make` throws is a reason to
+/// leave the row out. A file that cannot be written stops the work.
+void make_rows(const HumanMl3dSources& sources, std::span<const PlacedSource> rows, const std::filesystem::path& out,
+               bool mirrored, const std::function<std::vector<HumanMl3dClip>(const PlacedSource&)>& make,
+               MadeHumanMl3d& made, Progress progress);
 
 /// The joints of a clip of HumanAct12, (frames, 24) or more, and their number in a frame.
 std::pair<std::vector<Vec3<double>>, Index> humanact12_joints(const std::filesystem::path& npy);
@@ -83,11 +91,13 @@ std::pair<std::vector<Vec3<double>>, Index> humanact12_joints(const std::filesys
 
 /// progress  counts the rows of index.csv; false stops the work with `cancelled`, and clips that were made stay
 /// Throws    io_error 401 if the texts are missing, or a source and `missing` is not set; what read_humanml3d_index,
-///           find_body_file and read_body throw
+///           find_body_file and read_body throw; 401 if a file cannot be written; config_error 102 if clips in `out`
+///           were made with other options
 template <Backend B>
 MadeHumanMl3d make_humanml3d(const HumanMl3dSources& sources, const std::filesystem::path& out,
                              const HumanMl3dMaking& making = {}, Progress progress = {}) {
   const auto rows = detail::placed_sources(sources, making.missing);
+  detail::require_same_making(out, making);
   const auto body = [&](BodyGender gender) {
     return read_body<B>(find_body_file(FilePath(sources.bodies), BodyKind::smplh, gender),
                         {.betas = 10, .extra_points = false});
@@ -118,9 +128,9 @@ MadeHumanMl3d make_humanml3d(const HumanMl3dSources& sources, const std::filesys
   };
   MadeHumanMl3d made;
   detail::make_rows(
-      rows, out, making.mirrored,
+      sources, rows, out, making.mirrored,
       [&](const detail::PlacedSource& source) {
-        return detail::write_humanml3d_clips(sources, out, source.id, joints_of(source), making);
+        return detail::humanml3d_clips(sources, source.id, joints_of(source), making);
       },
       made, progress);
   detail::finish_humanml3d(sources, out, rows, making.mirrored, made);

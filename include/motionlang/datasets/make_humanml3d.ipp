@@ -4,6 +4,7 @@
 
 #include <algorithm>  // find
 #include <optional>   // failures
+#include <set>        // ids
 
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/datasets/amass_releases.hpp>
@@ -25,7 +26,8 @@ inline std::filesystem::path source_file(const HumanMl3dSources& sources, const 
   namespace fs = std::filesystem;
   fs::path below;
   for (const fs::path& part : fs::path(source_path)) {
-    if (part == "..") raise<io_error>(403, "index.csv: the path '", source_path, "' leads out of its folder");
+    if (part == ".." || part.has_root_path())
+      raise<io_error>(403, "index.csv: the path '", source_path, "' leads out of its folder");
     if (part != "." && part != "pose_data") below /= part;
   }
   std::error_code ignored;
@@ -39,15 +41,22 @@ inline std::filesystem::path source_file(const HumanMl3dSources& sources, const 
   return {};
 }
 
+inline std::filesystem::path texts_of(const HumanMl3dSources& sources) {
+  return sources.repository / "HumanML3D" / "texts";
+}
+
 MOTIONLANG_BODY std::vector<PlacedSource> placed_sources(const HumanMl3dSources& sources, bool missing) {
-  const auto texts = sources.repository / "HumanML3D" / "texts";
+  const auto texts = texts_of(sources);
   if (!std::filesystem::is_directory(texts))
     raise<io_error>(401, texts.string(), " is missing: unpack HumanML3D/texts.zip of the repository there");
   std::vector<PlacedSource> out;
   std::vector<std::string> without;
+  std::set<std::string> ids;
   for (HumanMl3dSource& row : read_humanml3d_index(FilePath(sources.repository / "index.csv"))) {
     std::string id = std::filesystem::path(row.new_name).stem().string();
     if (!is_clip_id(id)) raise<io_error>(403, "index.csv: '", row.new_name, "' cannot be the name of a clip");
+    if (!ids.insert(id).second || !ids.insert(mirrored_id(id)).second)
+      raise<io_error>(403, "index.csv: the clip '", id, "', or its mirrored copy, has two rows");
     auto file = source_file(sources, row.source_path);
     if (file.empty()) without.push_back(row.source_path);
     out.push_back({std::move(row), std::move(id), std::move(file)});
@@ -57,10 +66,27 @@ MOTIONLANG_BODY std::vector<PlacedSource> placed_sources(const HumanMl3dSources&
     const std::size_t all = without.size();
     without.resize(std::min(all, shown));
     raise<io_error>(401, all, " of ", counted(out.size(), "source"), " of index.csv are missing below ",
-                    sources.amass.string(), " and ", (sources.repository / "pose_data").string(), ", such as ",
+                    sources.amass.string(), " and in pose_data of ", sources.repository.string(), ", such as ",
                     join_text(without), "; `missing` leaves their clips out");
   }
   return out;
+}
+
+MOTIONLANG_BODY void require_same_making(const std::filesystem::path& out, const HumanMl3dMaking& making) {
+  const Guoh3dOptions& f = making.features;
+  const ChainRotationOptions& r = f.rotations;
+  const std::string now = concat_text("sigma ", r.facing.sigma, ", legacy_forward ", r.facing.legacy_forward,
+                                      ", fix_first_frame ", r.fix_first_frame, ", fix_opposite_bones ",
+                                      r.fix_opposite_bones, ", fix_yaw_sign ", f.fix_yaw_sign, "\n");
+  const auto file = out / "made_with.txt";
+  if (std::filesystem::exists(file)) {
+    if (const std::string before = read_file(FilePath(file)); before != now)
+      raise<config_error>(102, file.string(), ": clips here were made with '", before.substr(0, before.find('\n')),
+                          "', and now with '", now.substr(0, now.find('\n')), "'");
+    return;
+  }
+  make_folder(FilePath(out));
+  write_file(FilePath(file), now);
 }
 
 MOTIONLANG_BODY bool has_humanml3d_clips(const std::filesystem::path& out, const std::string& id, bool mirrored) {
@@ -72,33 +98,38 @@ MOTIONLANG_BODY bool has_humanml3d_clips(const std::filesystem::path& out, const
   return whole(id) && (!mirrored || whole(mirrored_id(id)));
 }
 
-MOTIONLANG_BODY bool write_humanml3d_clips(const HumanMl3dSources& sources, const std::filesystem::path& out,
-                                           const std::string& id, std::span<const Vec3<double>> joints,
-                                           const HumanMl3dMaking& making) {
+MOTIONLANG_BODY std::vector<HumanMl3dClip> humanml3d_clips(const HumanMl3dSources& sources, const std::string& id,
+                                                           std::span<const Vec3<double>> joints,
+                                                           const HumanMl3dMaking& making) {
   const ChainSkeleton& skeleton = humanml3d_chains();
-  const auto texts = sources.repository / "HumanML3D" / "texts";
-  const auto captions_of = [&](const std::string& name) {
-    const auto file = texts / (name + ".txt");
-    return std::filesystem::exists(file) ? read_captions(FilePath(file)) : std::vector<MotionCaption>();
-  };
-  auto captions = captions_of(id);
-  const auto write = [&](const std::string& name, std::span<const Vec3<double>> clip, std::vector<MotionCaption> said) {
+  const auto clip_of = [&](const std::string& name, std::span<const Vec3<double>> clip) {
     const auto rows = guoh3d_features(skeleton, clip, making.features);
-    auto made = humanml3d_clip_of_rows(name, {rows.begin(), rows.end()});
-    made.captions = std::move(said);
-    write_humanml3d_clip(FilePath(out), made);
+    return humanml3d_clip_of_rows(name, {rows.begin(), rows.end()});
   };
-  write(id, joints, captions);
-  if (making.mirrored) {
-    auto said = captions_of(mirrored_id(id));
-    if (said.empty()) {
-      for (const MotionCaption& c : captions) said.push_back(motionlang::mirrored(c));
-    }
-    const auto partners = humanml3d_mirror_partners(static_cast<int>(skeleton.size()));
-    const auto clip = mirror_joints(joints, std::span<const int>(partners));
-    write(mirrored_id(id), clip, std::move(said));
+  std::vector<HumanMl3dClip> out;
+  out.push_back(clip_of(id, joints));
+  if (!making.mirrored) return out;
+  const auto partners = humanml3d_mirror_partners(static_cast<int>(skeleton.size()));
+  out.push_back(clip_of(mirrored_id(id), mirror_joints(joints, std::span<const int>(partners))));
+  const auto texts = texts_of(sources);
+  const auto file = texts / (id + ".txt");
+  if (std::filesystem::exists(file) && !std::filesystem::exists(texts / (mirrored_id(id) + ".txt"))) {
+    for (const MotionCaption& c : read_captions(FilePath(file))) out.back().captions.push_back(mirrored(c));
   }
-  return !captions.empty();
+  return out;
+}
+
+MOTIONLANG_BODY bool write_made_clip(const HumanMl3dSources& sources, const std::filesystem::path& out,
+                                     const HumanMl3dClip& clip) {
+  const auto file = texts_of(sources) / (clip.id + ".txt");
+  if (!std::filesystem::exists(file)) {
+    write_humanml3d_clip(FilePath(out), clip);
+    return !clip.captions.empty();
+  }
+  const std::string said = read_file(FilePath(file));  // as it is, like the notebooks
+  write_humanml3d_clip(FilePath(out), clip);
+  write_file(FilePath(out / "texts" / (clip.id + ".txt")), said);
+  return !said.empty();
 }
 
 MOTIONLANG_BODY std::pair<std::vector<Vec3<double>>, Index> humanact12_joints(const std::filesystem::path& npy) {
@@ -111,11 +142,13 @@ MOTIONLANG_BODY std::pair<std::vector<Vec3<double>>, Index> humanact12_joints(co
   return {std::move(out), array.shape[1]};
 }
 
-MOTIONLANG_BODY void make_rows(std::span<const PlacedSource> rows, const std::filesystem::path& out, bool mirrored,
-                               const std::function<bool(const PlacedSource&)>& make, MadeHumanMl3d& made,
-                               Progress progress) {
+MOTIONLANG_BODY void make_rows(const HumanMl3dSources& sources, std::span<const PlacedSource> rows,
+                               const std::filesystem::path& out, bool mirrored,
+                               const std::function<std::vector<HumanMl3dClip>(const PlacedSource&)>& make,
+                               MadeHumanMl3d& made, Progress progress) {
   struct Result {
-    bool there = false, captions = true;
+    bool there = false;
+    Index captionless = 0;
     std::optional<std::string> failure{};
   };
   constexpr Index together = 32;
@@ -128,15 +161,19 @@ MOTIONLANG_BODY void make_rows(std::span<const PlacedSource> rows, const std::fi
       Result& result = results[static_cast<std::size_t>(i)];
       if (has_humanml3d_clips(out, source.id, mirrored)) {
         result.there = true;
-      } else if (source.file.empty()) {
-        result.failure = "without their source";
-      } else {
-        guard<error>([&] { result.captions = make(source); },
-                     [&](const error& e) {
-                       result.failure = e.what();
-                       return true;
-                     });
+        return;
       }
+      if (source.file.empty()) {
+        result.failure = "without their source";
+        return;
+      }
+      std::vector<HumanMl3dClip> clips;
+      guard<error>([&] { clips = make(source); },
+                   [&](const error& e) {
+                     result.failure = e.what();
+                     return true;
+                   });
+      for (const HumanMl3dClip& clip : clips) result.captionless += write_made_clip(sources, out, clip) ? 0 : 1;
     });
     const Index clips = mirrored ? 2 : 1;
     for (std::size_t i = 0; i < some.size(); ++i) {
@@ -145,7 +182,7 @@ MOTIONLANG_BODY void make_rows(std::span<const PlacedSource> rows, const std::fi
         made.left_out.add(*result.failure, some[i].id, clips);
       else
         (result.there ? made.there : made.made) += clips;
-      if (!result.captions) made.captionless += clips;
+      made.captionless += result.captionless;
     }
     progress(first + std::ssize(some), std::ssize(rows));
   }

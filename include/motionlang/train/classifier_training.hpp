@@ -53,7 +53,7 @@ class ClassifierTraining : public ActionTask<ClassifierConfig, Classifier<A>, Cl
   }
   /// True for ST-GCN, whose norms use the statistics of the whole batch.
   bool parts_meet(Index) const { return learner_.model.stgcn.has_value(); }
-  std::vector<ModuleTensor<A>> statistics() { return untrained<A>(this->parameters()); }
+  std::vector<ModuleTensor<A>> batch_statistics() { return untrained<A>(this->parameters()); }
   std::vector<Measure> validate();
 
  private:

@@ -12,7 +12,7 @@
 
 #include <algorithm>  // copy
 #include <span>       // numbers
-#include <utility>    // exchange, move
+#include <utility>    // move
 #include <vector>     // sums
 
 #include <motionlang/core/batch_sums.hpp>
@@ -102,7 +102,11 @@ std::vector<S> sum_of_meeting_parts(const AnyCommunicator& c, Index parts, PartT
   threads.begin(std::ssize(own), [&](Index k) { part(first + k).result = compute(first + k, part(first + k)); });
   for (;;) {
     bool meet = !own.empty() && own.front().meets();
-    if (parts < c.size()) meet = answer_of_first(c, meet);  // some ranks have no parts
+    if (parts < c.size()) {  // some ranks have no parts
+      const bool of_first = answer_of_first(c, meet);
+      if (!own.empty()) own.front().require(of_first == meet);
+      meet = of_first;
+    }
     if (!meet) break;
     for (std::size_t k = 1; k < own.size(); ++k) own[k].require(own[k].meets());
     const auto sums = sum_for_all<double>(c, parts, [&](Index i) {

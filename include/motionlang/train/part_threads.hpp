@@ -26,7 +26,7 @@ class PartThreads {
   ~PartThreads();
 
   /// Makes work(k) ready in the threads k = 0 ... count - 1, and runs nothing yet. Stops earlier work.
-  void begin(Index count, std::function<void(Index)> work);
+  void begin(Index count, const std::function<void(Index)>& work);
   /// Runs thread k until it pauses, which returns true, or its work ends. Throws what the work throws.
   bool resume(Index k);
   /// For the work of thread k: the caller of resume goes on, and this thread waits for the next one.

@@ -94,7 +94,7 @@ MOTIONLANG_BODY PartThreads::PartThreads(PartThreads&&) noexcept = default;
 MOTIONLANG_BODY PartThreads& PartThreads::operator=(PartThreads&&) noexcept = default;
 MOTIONLANG_BODY PartThreads::~PartThreads() = default;
 
-MOTIONLANG_BODY void PartThreads::begin(Index count, std::function<void(Index)> work) {
+MOTIONLANG_BODY void PartThreads::begin(Index count, const std::function<void(Index)>& work) {
   stop();
   while (std::ssize(threads_) < count) threads_.push_back(std::make_unique<Thread>(std::ssize(threads_)));
   for (Index k = 0; k < count; ++k) {

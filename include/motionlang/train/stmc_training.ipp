@@ -41,6 +41,7 @@ MOTIONLANG_BODY Index draw_t(Philox& rng, Index steps, double focus) {
 }
 
 MOTIONLANG_BODY double snr_weight(double abar, double cap) {
+  if (!(cap >= 1)) raise<config_error>(101, "snr_weight: a cap of ", cap, ", at least 1 is needed");
   return abar >= 1 ? cap : std::clamp(abar / (1 - abar), 1.0, cap);
 }
 

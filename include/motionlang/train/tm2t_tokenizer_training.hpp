@@ -88,7 +88,7 @@ class Tm2tTokenizerTraining
   }
   /// The discriminator normalises by the statistics of the whole batch.
   bool parts_meet(Index step) const { return judges(step); }
-  std::vector<ModuleTensor<A>> statistics() { return untrained<A>(judge_parameters()); }
+  std::vector<ModuleTensor<A>> batch_statistics() { return untrained<A>(judge_parameters()); }
   /// The loss without the discriminator, and the perplexity, which is the effective number of codes in use.
   std::vector<Measure> validate();
 

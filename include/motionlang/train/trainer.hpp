@@ -90,7 +90,7 @@ concept DividedTask = TrainingTask<T> &&
 template <class T>
 concept MeetingTask = DividedTask<T> && requires(T& task, const T& same, Index step) {
   { same.parts_meet(step) } -> std::convertible_to<bool>;
-  { task.statistics() } -> std::same_as<std::vector<ModuleTensor<typename T::A>>>;
+  { task.batch_statistics() } -> std::same_as<std::vector<ModuleTensor<typename T::A>>>;
 };
 /// Trainings that make several updates in a step, each with a loss of its own by the weights that the one before has
 /// changed. `loss` makes all but the last one itself.
@@ -385,7 +385,7 @@ struct StepParts {
       if (task.parts_meet(step)) {
         auto out = sum_of_meeting_parts<Number>(
             communicator, parts, threads, [&](Index i, const BatchSums& sums) { return of_part(i, &sums); }, messages);
-        if (parts < communicator.size()) tensors_of_first<A>(communicator, task.statistics());
+        if (parts < communicator.size()) tensors_of_first<A>(communicator, task.batch_statistics());
         return out;
       }
     }

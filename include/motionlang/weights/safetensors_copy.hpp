@@ -10,10 +10,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// Smaller matrices, and what is no matrix, keep their type when `stored` is I8.
+inline constexpr Index int8_matrix_least = 4096;  // numbers
+
 /// stored  element type to which floating-point tensors are rounded; none: unchanged. I8: matrices of at least
-///         int8_matrix_least numbers become whole numbers of 8 bits (weights/int8_matrix.hpp), and the rest stays
+///         int8_matrix_least numbers become whole numbers of 8 bits (weights/int8_matrix.hpp), and the rest stays.
+///         Such matrices become floating-point numbers again with any other type
 /// Throws  io_error 401, and what write_safetensors, TensorStore::add and int8_matrix throw
-inline constexpr Index int8_matrix_least = 4096;
 void write_safetensors_copy(const FilePath& path, const WeightFile& weights, std::optional<DType> stored = {});
 
 MOTIONLANG_NAMESPACE_END

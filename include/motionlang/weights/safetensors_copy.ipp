@@ -24,8 +24,15 @@ MOTIONLANG_BODY void write_safetensors_copy(const FilePath& path, const WeightFi
   std::list<Int8Matrix> matrices;
   for (const TensorView& t : weights.tensors()) {
     const bool real = t.dtype >= DType::F16 && t.dtype <= DType::F64;
-    if (stored == DType::I8) {
-      if (!real || t.shape.rank() != 2 || t.shape.count() < int8_matrix_least) {
+    const TensorView* const scales = int8_scales_of(weights, t);
+    const bool scaled = scales != nullptr || is_int8_scales(weights, t);
+    if (scaled && stored && stored != DType::I8) {
+      if (scales == nullptr) continue;  // the matrix of these scales takes them up
+      std::vector<double> values(static_cast<std::size_t>(t.shape.count()));
+      copy_int8_values(t, *scales, std::span<double>(values));
+      store.add(t.name, t.shape, std::span<const double>(values), *stored);
+    } else if (stored == DType::I8) {
+      if (scaled || !real || t.shape.rank() != 2 || t.shape.count() < int8_matrix_least) {
         tensors.push_back(t);
         continue;
       }

@@ -82,6 +82,7 @@ TEST_CASE("HumanML3D from AMASS: what exists is not made again") {
   CHECK(data.mean() == before);
   CHECK(data.load("M000000").frames == 27);
 
+  CHECK_ERROR(s.make({.missing = true, .features = ml::guoh3d_corrected()}), "[motionlang.config.102]");
   const auto stop = [](ml::Index, ml::Index) { return false; };
   CHECK_THROWS_AS(ml::make_humanml3d<B>(s.sources, s / "other", {.missing = true}, stop), ml::cancelled);
   CHECK(std::filesystem::exists(s / "other/texts/M000001.txt"));  // what was made stays
@@ -103,7 +104,15 @@ TEST_CASE("HumanML3D from AMASS: missing files are reported before the work") {
   CHECK_FALSE(std::filesystem::exists(s.out));
   ml::write_file(s.sources.repository / "index.csv", std::string_view("source_path,start_frame,end_frame,new_name\n"
                                                                       "../secret.npy,0,1,000000.npy\n"));
+  CHECK_ERROR(s.make(), "[motionlang.io.403] index.csv: the path '../secret.npy' leads out of its folder");
+  const auto index = [&](const char* rows) {
+    ml::write_file(s.sources.repository / "index.csv",
+                   "source_path,start_frame,end_frame,new_name\n" + std::string(rows));
+  };
+  index("/secret.npy,0,1,000000.npy\n");
   CHECK_ERROR(s.make(), "[motionlang.io.403]");
+  index("./pose_data/a.npy,0,1,000000.npy\n./pose_data/b.npy,0,1,M000000.npy\n");
+  CHECK_ERROR(s.make(), "[motionlang.io.403] index.csv: the clip 'M000000', or its mirrored copy, has two rows");
   std::filesystem::remove_all(s.sources.repository / "HumanML3D/texts");
   CHECK_ERROR(s.make(), "unpack HumanML3D/texts.zip");
 }

@@ -54,9 +54,10 @@ TEST_CASE("with a model for searches the page has its two files") {
                                             .model = bytes(part),
                                             .search_config = bytes(config),
                                             .search_weights = bytes(weights)});
-  for (const auto& [id, contents] : {std::pair{"searchConfig", config}, std::pair{"searchWeights", weights}}) {
-    const std::string element = "id=\"" + std::string(id) + "\">" + ml::detail::seven_bit_text(bytes(contents));
-    CHECK_MESSAGE(page.find(element + "</script>") != std::string::npos, id);
+  for (const auto& part_of_page : {std::pair{"searchConfig", config}, std::pair{"searchWeights", weights}}) {
+    const std::string element =
+        "id=\"" + std::string(part_of_page.first) + "\">" + ml::detail::seven_bit_text(bytes(part_of_page.second));
+    CHECK_MESSAGE(page.find(element + "</script>") != std::string::npos, part_of_page.first);
   }
   CHECK(occurrences(page, "</script>") == 6);
 }

@@ -35,7 +35,7 @@ function drawSearched() {
   if (!inPage) return;
   const kept = [...clips.values()].length;
   element("findWhere").textContent = searched.size ? `${many(searched.size, "file")} to search.`
-    : kept ? "The motions that this project keeps are searched, until there are others."
+    : kept ? "The motions that this project keeps are searched, and others that you choose."
     : "Drop a folder of motions on the page, or choose one.";
 }
 function openFind() {
@@ -92,8 +92,9 @@ async function filesIn(things, before = "") {
 }
 /** The worker reads the files that it still lacks, some at a time, so that somebody can stop it. */
 async function readSearched() {
-  const files = searched.size ? [...searched]
-    : [...clips.values()].map(({ name, bytes }) => [name, new File([bytes], name)]);
+  const kept = [...clips.values()].filter(({ name }) => !searched.has(name))
+    .map(({ name, bytes }) => [name, new File([bytes], name, { lastModified: 0 })]);
+  const files = [...kept, ...searched];
   const mark = ([path, file]) => `to search: ${path} ${file.size} ${file.lastModified}`;
   const fresh = files.filter((one) => !engine.has.has(mark(one)));
   halted = false;

@@ -127,16 +127,18 @@ function fileOfProject() {
   const found = [...ownFiles].reverse().find(([, { ids }]) => book.some((p) => ids.includes(p.id)));
   return found && { name: found[0], mark: found[1].mark };
 }
-/** Contents that were sent to files without an answer, by name: a save that was cancelled may have been done. */
+/** Contents of projects, [bytes, ids], that were sent to files without an answer, by name: a save that was cancelled may
+    have been done. */
 const unanswered = new Map();
+const unansweredHere = (name) => (unanswered.get(name) || []).filter(([, ids]) => book.some((p) => ids.includes(p.id)));
 const equalBytes = (a, b) => a.length === b.length && a.every((byte, i) => byte === b[i]);
 /** The mark of a file if it has contents that were sent without an answer. */
 async function markOfSent(name) {
-  const sent = unanswered.get(name);
-  if (!sent) return "";
+  const sent = unansweredHere(name);
+  if (sent.length === 0) return "";
   try {
     const found = await engine.ask("open", { name }), contents = unpackedBytes(found.bytes);
-    return sent.some((bytes) => equalBytes(bytes, contents)) ? found.mark : "";
+    return sent.some(([bytes]) => equalBytes(bytes, contents)) ? found.mark : "";
   } catch (reason) {
     if (reason.cancelled) throw reason;
     return "";
@@ -147,9 +149,10 @@ async function storeProject(bytes) {
   const ids = idsOf(book), own = fileOfProject();
   const stores = async (name, over) => {  // only over contents that this page knows
     const earlier = unanswered.get(name) || [];
-    unanswered.set(name, [bytes, ...earlier].slice(0, 4));
+    unanswered.set(name, [[bytes, ids], ...earlier].slice(0, 4));
     const { mark } = await engine.ask("store", { name, bytes, over });
-    unanswered.set(name, earlier);  // it is done, or refused
+    if (earlier.length) unanswered.set(name, earlier);  // it is done, or refused
+    else unanswered.delete(name);
     if (!mark) {
       const sent = await markOfSent(name);
       return sent !== "" && sent !== over && stores(name, sent);
@@ -164,7 +167,7 @@ async function storeProject(bytes) {
   const taken = (await engine.ask("files")).map((name) => name.toLowerCase());
   for (let i = 1;; ++i) {
     const name = start + (i > 1 ? `_${i}` : "") + ".json";
-    if ((unanswered.has(name) || !taken.includes(name.toLowerCase())) && await stores(name, ""))
+    if ((unansweredHere(name).length || !taken.includes(name.toLowerCase())) && await stores(name, ""))
       return `${name} is in the project's folder` + (own ? `. Somebody else has changed ${own.name}.` : ".");
   }
 }

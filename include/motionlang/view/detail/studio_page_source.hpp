@@ -1922,7 +1922,7 @@ addEventListener("drop", async (event) => {
     return;
   }
   const lacked = new Set(book.map(clipOf).filter((b) => b && !clips.has(b.clip)).map((b) => nameOfClip(b.clip)));
-  const others = files.filter((file) => isMotionFile(file.name) && !lacked.has(file.name));
+  const others = files.filter((file) => !asCharacter && isMotionFile(file.name) && !lacked.has(file.name));
   const finding = element("findDialog").open, together = engine.searches && (others.length > 1 || finding);
   for (const file of files) if (!together || !others.includes(file)) await take(file, asCharacter);
   if (together && others.length) searchIn(others.map((file) => [file.name, file]));
