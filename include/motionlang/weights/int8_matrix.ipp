@@ -11,11 +11,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The least half that is not below a number, which is not negative. It is 0 or normal: with coarser ones below, the
-/// codes of a copy of a copy would differ.
+/// A scale: the least normal half that is not below a number, or 0 if all codes are 0 with the least normal half.
+/// Halves below that are coarser, and the codes of a copy of a copy would differ.
 inline std::uint16_t half_at_least(float x) {
   constexpr float least = 6.103515625e-5F;  // 2^-14
-  if (x > 0 && x < least) return float_to_half(least);
+  if (127 * x <= least / 2) return 0;       // all codes are 0
+  if (x < least) return float_to_half(least);
   const std::uint16_t nearest = float_to_half(x);
   return half_to_float(nearest) < x ? static_cast<std::uint16_t>(nearest + 1) : nearest;
 }

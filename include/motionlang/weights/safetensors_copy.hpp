@@ -10,7 +10,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Smaller matrices, and what is no matrix, keep their type when `stored` is I8.
+/// Smaller matrices, vectors and single numbers keep their type when `stored` is I8.
 inline constexpr Index int8_matrix_least = 4096;  // numbers
 
 /// stored  element type to which floating-point tensors are rounded; none: unchanged. I8: matrices of at least
