@@ -15244,6 +15244,10 @@ struct AddedClip {
   std::size_t captions = 0;  // captions of this id that the data set already has
 };
 
+/// A clip without captions from rows of features, (frames, 12 J - 1), and the joints that they stand for. Throws
+/// shape_error 205.
+HumanMl3dClip humanml3d_clip_of_rows(const std::string& id, std::vector<float> rows, const HumanMl3dForm& form = {});
+
 /// Writes features and joints of a motion, on the joints of the features or on SMPL's, and adds its id to all.txt.
 /// Existing captions of this id stay.
 /// fps      frames per second of the clip; 0: those of the features
@@ -15260,6 +15264,16 @@ MOTIONLANG_NAMESPACE_END
 // Bodies of humanml3d_clip.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY HumanMl3dClip humanml3d_clip_of_rows(const std::string& id, std::vector<float> rows,
+                                                     const HumanMl3dForm& form) {
+  HumanMl3dClip clip{id, std::ssize(rows) / form.width(), std::move(rows), {}, {}};
+  const std::vector<double> values(clip.features.begin(), clip.features.end());
+  for (const auto& p : guoh3d_joints(std::span<const double>(values), form.joints)) {
+    for (const double x : {p.x, p.y, p.z}) clip.joints.push_back(static_cast<float>(x));
+  }
+  return clip;
+}
 
 MOTIONLANG_BODY AddedClip add_humanml3d_clip(const std::filesystem::path& folder, const std::string& id,
                                              const Motion& motion, const DataSetForm& form, double fps, bool replace) {
@@ -15280,11 +15294,7 @@ MOTIONLANG_BODY AddedClip add_humanml3d_clip(const std::filesystem::path& folder
       !replace && std::filesystem::exists(there) && read_npy(there).to<float>() != made.values)
     raise<config_error>(102, there.string(), ": the clip '", id,
                         "' exists already with another motion; `replace` overwrites it");
-  HumanMl3dClip clip{id, made.rows, std::move(made.values), {}, {}};
-  const std::vector<double> rows(clip.features.begin(), clip.features.end());
-  for (const auto& p : guoh3d_joints(std::span<const double>(rows), form.form.joints)) {
-    for (const double x : {p.x, p.y, p.z}) clip.joints.push_back(static_cast<float>(x));
-  }
+  HumanMl3dClip clip = humanml3d_clip_of_rows(id, std::move(made.values), form.form);
   if (std::filesystem::exists(folder / "texts" / (id + ".txt"))) clip.captions = HumanMl3dFolder(folder).captions(id);
   write_humanml3d_clip(folder, clip, form.form);
   if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
@@ -15444,6 +15454,353 @@ MOTIONLANG_BODY std::string LabelTags::join(std::span<const std::string> labels,
     return words;
   });
 }
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_DATASETS_MAKE_HUMANML3D_HPP  // <motionlang/datasets/make_humanml3d.hpp>
+#define MOTIONLANG_HAS_DATASETS_MAKE_HUMANML3D_HPP
+/// Makes HumanML3D from AMASS, as its three notebooks do: joints of the user's body models, mirrored copies, features,
+/// and statistics. A stopped run goes on where it was: clips that exist are not made again. Other options need another
+/// folder.
+///
+///     const auto made = make_humanml3d<EigenBackend<float>>({.repository = "HumanML3D", .amass = "AMASS",
+///                                                            .bodies = "body_models"}, "data/HumanML3D");
+///
+/// Repository  a checkout of github.com/EricGuo5513/HumanML3D with its archives unpacked: index.csv,
+///             HumanML3D/texts/*.txt and the lists beside them, pose_data/humanact12
+/// AMASS       the files of SMPL+H, of any release (amass_releases.hpp)
+/// Source      Guo et al. (CVPR 2022), HumanML3D raw_pose_processing.ipynb, motion_representation.ipynb and
+///             cal_mean_variance.ipynb
+/// Differs     sums of the statistics are double. A caption of a mirrored clip that has no file is the mirrored caption
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct HumanMl3dSources {
+  std::filesystem::path repository;  // with index.csv
+  std::filesystem::path amass;
+  std::filesystem::path bodies;  // SMPL-H, male and female (find_body_file)
+};
+
+struct HumanMl3dMaking {
+  bool mirrored = true;      // also makes the clips whose names begin with M
+  bool missing = false;      // leaves out clips whose source is missing; otherwise that is an error, before the work
+  Guoh3dOptions features{};  // as published
+};
+
+struct MadeHumanMl3d {
+  Index made = 0;         // clips, mirrored ones as well
+  Index there = 0;        // clips that existed
+  Index not_finite = 0;   // clips with NaN, which the statistics leave out, as published
+  Index captionless = 0;  // clips that were made and have no captions
+  LeftOut left_out{};     // clips that could not be made, and why
+};
+
+namespace detail {
+
+/// A row of index.csv and its file.
+struct PlacedSource {
+  HumanMl3dSource row;
+  std::string id;
+  std::filesystem::path file;  // empty if it is missing
+};
+
+/// Rows whose file is missing have none, or are reported in one io_error 401.
+std::vector<PlacedSource> placed_sources(const HumanMl3dSources& sources, bool missing);
+
+/// Writes into a new folder how its features are made, and compares that in an old one. Throws config_error 102.
+void require_same_making(const std::filesystem::path& out, const HumanMl3dMaking& making);
+
+/// True if the clip, and its mirrored copy if wanted, have all their files.
+bool has_humanml3d_clips(const std::filesystem::path& out, const std::string& id, bool mirrored);
+
+/// The clip of these joints, (frames, 22), and its mirrored copy. Captions are those that have no file.
+std::vector<HumanMl3dClip> humanml3d_clips(const HumanMl3dSources& sources, const std::string& id,
+                                           std::span<const Vec3<double>> joints, const HumanMl3dMaking& making);
+
+/// Writes a clip and the published file of its captions. Returns false if it has no captions.
+bool write_made_clip(const HumanMl3dSources& sources, const std::filesystem::path& out, const HumanMl3dClip& clip);
+
+/// Lists of ids and statistics over all clips of the index that exist.
+void finish_humanml3d(const HumanMl3dSources& sources, const std::filesystem::path& out,
+                      std::span<const PlacedSource> rows, bool mirrored, MadeHumanMl3d& made);
+
+/// Writes the clips that `make` returns for a row, for all rows on several threads. What `make` throws is a reason to
+/// leave the row out. A file that cannot be written stops the work.
+void make_rows(const HumanMl3dSources& sources, std::span<const PlacedSource> rows, const std::filesystem::path& out,
+               bool mirrored, const std::function<std::vector<HumanMl3dClip>(const PlacedSource&)>& make,
+               MadeHumanMl3d& made, Progress progress);
+
+/// The joints of a clip of HumanAct12, (frames, 24) or more, and their number in a frame.
+std::pair<std::vector<Vec3<double>>, Index> humanact12_joints(const std::filesystem::path& npy);
+
+}  // namespace detail
+
+/// progress  counts the rows of index.csv; false stops the work with `cancelled`, and clips that were made stay
+/// Throws    io_error 401 if the texts are missing, or a source and `missing` is not set; what read_humanml3d_index,
+///           find_body_file and read_body throw; 401 if a file cannot be written; config_error 102 if clips in `out`
+///           were made with other options
+template <Backend B>
+MadeHumanMl3d make_humanml3d(const HumanMl3dSources& sources, const std::filesystem::path& out,
+                             const HumanMl3dMaking& making = {}, Progress progress = {}) {
+  const auto rows = detail::placed_sources(sources, making.missing);
+  detail::require_same_making(out, making);
+  const auto body = [&](BodyGender gender) {
+    return read_body<B>(find_body_file(FilePath(sources.bodies), BodyKind::smplh, gender),
+                        {.betas = 10, .extra_points = false});
+  };
+  const Body<B> male = body(BodyGender::male), female = body(BodyGender::female);
+  const auto joints_of = [&](const detail::PlacedSource& source) {
+    std::vector<Vec3<double>> joints;
+    const auto add = [&](const auto& posed) {
+      for (const auto& p : posed)
+        joints.push_back({static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)});
+    };
+    if (is_humanact12(source.row.source_path)) {
+      const auto [recorded, count] = detail::humanact12_joints(source.file);
+      const auto pose = [&, &all = recorded, n = count](std::span<const Index> numbers) {
+        std::vector<Vec3<double>> some;
+        for (const Index k : numbers) some.insert(some.end(), all.begin() + k * n, all.begin() + (k + 1) * n);
+        return some;
+      };
+      add(humanml3d_source_joints<double>(source.row, std::ssize(recorded) / count, 20, pose));
+    } else {
+      const AmassSequence sequence = read_amass_sequence(FilePath(source.file));
+      const BodyModel<B>& model = (humanml3d_uses_male_body(sequence.gender) ? male : female).model;
+      add(humanml3d_source_joints<typename B::scalar>(
+          source.row, sequence.frames, sequence.fps,
+          [&](std::span<const Index> numbers) { return posed_joints(model, sequence, numbers); }));
+    }
+    return joints;
+  };
+  MadeHumanMl3d made;
+  detail::make_rows(
+      sources, rows, out, making.mirrored,
+      [&](const detail::PlacedSource& source) {
+        return detail::humanml3d_clips(sources, source.id, joints_of(source), making);
+      },
+      made, progress);
+  detail::finish_humanml3d(sources, out, rows, making.mirrored, made);
+  return made;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_MAKE_HUMANML3D_IPP  // <motionlang/datasets/make_humanml3d.ipp>
+#define MOTIONLANG_HAS_DATASETS_MAKE_HUMANML3D_IPP
+// Bodies of make_humanml3d.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// "./pose_data/KIT/3/kick_poses.npy" -> AMASS/KIT/3/kick_poses.npz, under the names of any release. Empty if it is
+/// missing.
+inline std::filesystem::path source_file(const HumanMl3dSources& sources, const std::string& source_path) {
+  namespace fs = std::filesystem;
+  fs::path below;
+  for (const fs::path& part : fs::path(source_path)) {
+    if (part == ".." || part.has_root_path())
+      raise<io_error>(403, "index.csv: the path '", source_path, "' leads out of its folder");
+    if (part != "." && part != "pose_data") below /= part;
+  }
+  std::error_code ignored;
+  if (is_humanact12(source_path)) {
+    const fs::path file = sources.repository / "pose_data" / below;
+    return fs::is_regular_file(file, ignored) ? file : fs::path();
+  }
+  for (const std::string& name : amass_paths(below.replace_extension(".npz").generic_string())) {
+    if (fs::is_regular_file(sources.amass / name, ignored)) return sources.amass / name;
+  }
+  return {};
+}
+
+inline std::filesystem::path texts_of(const HumanMl3dSources& sources) {
+  return sources.repository / "HumanML3D" / "texts";
+}
+
+MOTIONLANG_BODY std::vector<PlacedSource> placed_sources(const HumanMl3dSources& sources, bool missing) {
+  const auto texts = texts_of(sources);
+  if (!std::filesystem::is_directory(texts))
+    raise<io_error>(401, texts.string(), " is missing: unpack HumanML3D/texts.zip of the repository there");
+  std::vector<PlacedSource> out;
+  std::vector<std::string> without;
+  std::set<std::string> ids;
+  for (HumanMl3dSource& row : read_humanml3d_index(FilePath(sources.repository / "index.csv"))) {
+    std::string id = std::filesystem::path(row.new_name).stem().string();
+    if (!is_clip_id(id)) raise<io_error>(403, "index.csv: '", row.new_name, "' cannot be the name of a clip");
+    if (!ids.insert(id).second || !ids.insert(mirrored_id(id)).second)
+      raise<io_error>(403, "index.csv: the clip '", id, "', or its mirrored copy, has two rows");
+    auto file = source_file(sources, row.source_path);
+    if (file.empty()) without.push_back(row.source_path);
+    out.push_back({std::move(row), std::move(id), std::move(file)});
+  }
+  if (!missing && !without.empty()) {
+    constexpr std::size_t shown = 5;
+    const std::size_t all = without.size();
+    without.resize(std::min(all, shown));
+    raise<io_error>(401, all, " of ", counted(out.size(), "source"), " of index.csv are missing below ",
+                    sources.amass.string(), " and in pose_data of ", sources.repository.string(), ", such as ",
+                    join_text(without), "; `missing` leaves their clips out");
+  }
+  return out;
+}
+
+MOTIONLANG_BODY void require_same_making(const std::filesystem::path& out, const HumanMl3dMaking& making) {
+  const Guoh3dOptions& f = making.features;
+  const ChainRotationOptions& r = f.rotations;
+  const std::string now = concat_text("sigma ", r.facing.sigma, ", legacy_forward ", r.facing.legacy_forward,
+                                      ", fix_first_frame ", r.fix_first_frame, ", fix_opposite_bones ",
+                                      r.fix_opposite_bones, ", fix_yaw_sign ", f.fix_yaw_sign, "\n");
+  const auto file = out / "made_with.txt";
+  if (std::filesystem::exists(file)) {
+    if (const std::string before = read_file(FilePath(file)); before != now)
+      raise<config_error>(102, file.string(), ": clips here were made with '", before.substr(0, before.find('\n')),
+                          "', and now with '", now.substr(0, now.find('\n')), "'");
+    return;
+  }
+  make_folder(FilePath(out));
+  write_file(FilePath(file), now);
+}
+
+MOTIONLANG_BODY bool has_humanml3d_clips(const std::filesystem::path& out, const std::string& id, bool mirrored) {
+  const auto whole = [&](const std::string& name) {
+    return std::filesystem::exists(rows_file(out, name)) &&
+           std::filesystem::exists(out / "new_joints" / (name + ".npy")) &&
+           std::filesystem::exists(out / "texts" / (name + ".txt"));
+  };
+  return whole(id) && (!mirrored || whole(mirrored_id(id)));
+}
+
+MOTIONLANG_BODY std::vector<HumanMl3dClip> humanml3d_clips(const HumanMl3dSources& sources, const std::string& id,
+                                                           std::span<const Vec3<double>> joints,
+                                                           const HumanMl3dMaking& making) {
+  const ChainSkeleton& skeleton = humanml3d_chains();
+  const auto clip_of = [&](const std::string& name, std::span<const Vec3<double>> clip) {
+    const auto rows = guoh3d_features(skeleton, clip, making.features);
+    return humanml3d_clip_of_rows(name, {rows.begin(), rows.end()});
+  };
+  std::vector<HumanMl3dClip> out;
+  out.push_back(clip_of(id, joints));
+  if (!making.mirrored) return out;
+  const auto partners = humanml3d_mirror_partners(static_cast<int>(skeleton.size()));
+  out.push_back(clip_of(mirrored_id(id), mirror_joints(joints, std::span<const int>(partners))));
+  const auto texts = texts_of(sources);
+  const auto file = texts / (id + ".txt");
+  if (std::filesystem::exists(file) && !std::filesystem::exists(texts / (mirrored_id(id) + ".txt"))) {
+    for (const MotionCaption& c : read_captions(FilePath(file))) out.back().captions.push_back(mirrored(c));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY bool write_made_clip(const HumanMl3dSources& sources, const std::filesystem::path& out,
+                                     const HumanMl3dClip& clip) {
+  const auto file = texts_of(sources) / (clip.id + ".txt");
+  if (!std::filesystem::exists(file)) {
+    write_humanml3d_clip(FilePath(out), clip);
+    return !clip.captions.empty();
+  }
+  const std::string said = read_file(FilePath(file));  // as it is, like the notebooks
+  write_humanml3d_clip(FilePath(out), clip);
+  write_file(FilePath(out / "texts" / (clip.id + ".txt")), said);
+  return !said.empty();
+}
+
+MOTIONLANG_BODY std::pair<std::vector<Vec3<double>>, Index> humanact12_joints(const std::filesystem::path& npy) {
+  const NpyArray array = read_npy(FilePath(npy));
+  if (array.shape.size() != 3 || array.shape[2] != 3 || array.shape[1] < 22)
+    raise<io_error>(407, npy.string(), " has the shape ", join_text(array.shape, " x "), ", expected frames x 24 x 3");
+  const auto values = array.to<double>();
+  std::vector<Vec3<double>> out;
+  for (std::size_t i = 0; i + 2 < values.size(); i += 3) out.push_back({values[i], values[i + 1], values[i + 2]});
+  return {std::move(out), array.shape[1]};
+}
+
+MOTIONLANG_BODY void make_rows(const HumanMl3dSources& sources, std::span<const PlacedSource> rows,
+                               const std::filesystem::path& out, bool mirrored,
+                               const std::function<std::vector<HumanMl3dClip>(const PlacedSource&)>& make,
+                               MadeHumanMl3d& made, Progress progress) {
+  struct Result {
+    bool there = false;
+    Index captionless = 0;
+    std::optional<std::string> failure{};
+  };
+  constexpr Index together = 32;
+  for (Index first = 0; first < std::ssize(rows); first += together) {
+    const auto some = rows.subspan(static_cast<std::size_t>(first),
+                                   static_cast<std::size_t>(std::min(together, std::ssize(rows) - first)));
+    std::vector<Result> results(some.size());
+    parallel_for(std::ssize(some), [&](Index i) {
+      const PlacedSource& source = some[static_cast<std::size_t>(i)];
+      Result& result = results[static_cast<std::size_t>(i)];
+      if (has_humanml3d_clips(out, source.id, mirrored)) {
+        result.there = true;
+        return;
+      }
+      if (source.file.empty()) {
+        result.failure = "without their source";
+        return;
+      }
+      std::vector<HumanMl3dClip> clips;
+      guard<error>([&] { clips = make(source); },
+                   [&](const error& e) {
+                     result.failure = e.what();
+                     return true;
+                   });
+      for (const HumanMl3dClip& clip : clips) result.captionless += write_made_clip(sources, out, clip) ? 0 : 1;
+    });
+    const Index clips = mirrored ? 2 : 1;
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const Result& result = results[i];
+      if (result.failure)
+        made.left_out.add(*result.failure, some[i].id, clips);
+      else
+        (result.there ? made.there : made.made) += clips;
+      made.captionless += result.captionless;
+    }
+    progress(first + std::ssize(some), std::ssize(rows));
+  }
+}
+
+MOTIONLANG_BODY void finish_humanml3d(const HumanMl3dSources& sources, const std::filesystem::path& out,
+                                      std::span<const PlacedSource> rows, bool mirrored, MadeHumanMl3d& made) {
+  std::vector<std::string> ids;
+  for (const bool copies : {false, true}) {
+    for (const PlacedSource& source : rows) {
+      const std::string id = copies ? mirrored_id(source.id) : source.id;
+      if ((mirrored || !copies) && std::filesystem::exists(rows_file(out, id))) ids.push_back(id);
+    }
+  }
+  FeatureStatistics statistics;
+  const HumanMl3dFolder folder{FilePath(out)};
+  const Guoh3dSlots slots{folder.form().joints};
+  for (const std::string& id : ids) {
+    const auto values = folder.features(id);
+    if (!statistics.add_finite(std::span<const float>(values), slots.size())) ++made.not_finite;
+  }
+  if (statistics.count() > 0) {
+    const auto deviation = group_means(statistics.population_deviation(), slots.groups());
+    const std::vector<float> mean(statistics.mean().begin(), statistics.mean().end());
+    write_humanml3d_statistics(FilePath(out), mean, std::vector<float>(deviation.begin(), deviation.end()));
+  }
+  for (const char* name : {"train", "val", "test", "train_val", "all"}) {
+    const auto list = sources.repository / "HumanML3D" / concat_text(name, ".txt");
+    std::vector<std::string> kept;
+    if (std::filesystem::exists(list)) {
+      for (std::string& id : read_ids(FilePath(list))) {
+        if (std::filesystem::exists(rows_file(out, id))) kept.push_back(std::move(id));
+      }
+    } else if (std::string_view(name) == "all") {
+      kept = ids;
+    } else {
+      continue;
+    }
+    write_ids(FilePath(out / concat_text(name, ".txt")), kept);
+  }
+}
+
+}  // namespace detail
 
 MOTIONLANG_NAMESPACE_END
 #endif
@@ -17938,6 +18295,99 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_WEIGHTS_RUN_FOLDER_IPP
 // Bodies of run_folder.hpp.
 
+#ifndef MOTIONLANG_HAS_WEIGHTS_KNOWN_SYSTEMS_HPP  // <motionlang/weights/known_systems.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_KNOWN_SYSTEMS_HPP
+/// The systems whose models this library loads: their names, and where a published folder has its weights. A new system
+/// is a row of this table, and a rule in run_folder.ipp that tells its folder from others.
+///
+///     const KnownSystem* system = known_system("temos");   // system->title == "TEMOS"; null for an unknown name
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Where weights may be: the first of `names` in a folder, else the file with the largest number whose name begins and
+/// ends with these texts.
+struct WeightsPlace {
+  std::string_view folder{};                // below that of the run; "": that one
+  std::array<std::string_view, 2> names{};  // "": none
+  std::string_view begins{}, ends{};
+};
+
+struct KnownSystem {
+  std::string_view name;                  // as model folders and RunFolder::system say it
+  std::string_view title;                 // as people write it
+  std::string_view folder_of{};           // the system whose folders look the same; "": none
+  bool diffusion = false;                 // a diffusion model of texts, whose motions STMC composes
+  bool trained_generates = false;         // load_trained_motion_model.hpp loads what our training of it wrote
+  bool modules = false;                   // the published folder has a file of weights for each module
+  std::array<WeightsPlace, 3> weights{};  // in the order of preference; an empty one ends them
+};
+
+/// All of them.
+std::span<const KnownSystem> known_systems();
+
+/// The row with this name; null if there is none.
+const KnownSystem* known_system(std::string_view name);
+/// True for the name of a diffusion model of texts.
+bool is_diffusion_system(std::string_view name);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_KNOWN_SYSTEMS_IPP  // <motionlang/weights/known_systems.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_KNOWN_SYSTEMS_IPP
+// Bodies of known_systems.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::array<WeightsPlace, 3> lightning_places{
+    {{"logs/checkpoints", {"last.ckpt"}, "latest-epoch=", ".ckpt"},
+     {"checkpoints", {"last.ckpt"}, "latest-epoch=", ".ckpt"}}};
+
+inline constexpr std::array<KnownSystem, 9> system_table{{
+    {.name = "stmc", .title = "STMC", .diffusion = true, .weights = lightning_places},
+    {.name = "mdm",
+     .title = "MDM",
+     .diffusion = true,
+     .weights = {{{"", {}, "model0", ".pt"}, {"", {}, "model", ".pt"}}}},
+    {.name = "motiondiffuse",
+     .title = "MotionDiffuse",
+     .diffusion = true,
+     .weights = {{{"model", {"latest.tar"}, "ckpt_", ".tar"}, {"", {"latest.tar"}, "ckpt_", ".tar"}}}},
+    {.name = "actor",
+     .title = "ACTOR",
+     .trained_generates = true,
+     .weights = {{{"", {}, "checkpoint_", ".pth.tar"}, {"", {}, "retraincheckpoint_", ".pth.tar"}}}},
+    {.name = "temos", .title = "TEMOS", .trained_generates = true, .weights = lightning_places},
+    {.name = "teach", .title = "TEACH", .folder_of = "temos", .trained_generates = true},
+    {.name = "sinc", .title = "SINC", .folder_of = "temos", .trained_generates = true},
+    {.name = "tmr", .title = "TMR", .trained_generates = true, .modules = true, .weights = lightning_places},
+    {.name = "tm2t",
+     .title = "TM2T",
+     .weights = {{{"model", {"finest.tar", "latest.tar"}, "E", ".tar"},
+                  {"", {"finest.tar", "latest.tar"}, "E", ".tar"}}}},
+}};
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::span<const KnownSystem> known_systems() { return detail::system_table; }
+
+MOTIONLANG_BODY const KnownSystem* known_system(std::string_view name) {
+  for (const KnownSystem& s : known_systems()) {
+    if (s.name == name) return &s;
+  }
+  return nullptr;
+}
+
+MOTIONLANG_BODY bool is_diffusion_system(std::string_view name) {
+  const KnownSystem* const known = known_system(name);
+  return known != nullptr && known->diffusion;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
@@ -17973,26 +18423,27 @@ MOTIONLANG_BODY std::vector<std::filesystem::path> listed(const std::filesystem:
   return out;
 }
 
-/// The first of `names` in a folder, else the last file whose name begins and ends with these texts; empty if there is
-/// none.
-inline std::filesystem::path best_file(const std::filesystem::path& folder, std::initializer_list<const char*> names,
-                                       std::string_view begin, std::string_view end) {
+/// The file at a place of a run; empty if there is none.
+inline std::filesystem::path file_at(const std::filesystem::path& run, const WeightsPlace& place) {
+  const std::filesystem::path folder = run / place.folder;
   std::error_code ignored;
-  for (const char* name : names) {
-    if (std::filesystem::is_regular_file(folder / name, ignored)) return folder / name;
+  for (const std::string_view name : place.names) {
+    if (!name.empty() && std::filesystem::is_regular_file(folder / name, ignored)) return folder / name;
   }
   std::filesystem::path best;
+  if (place.ends.empty()) return best;
   for (const auto& p : listed(folder)) {
     const std::string name = p.filename().string();
-    if (name.starts_with(begin) && name.ends_with(end) && std::filesystem::is_regular_file(p, ignored)) best = p;
+    if (name.starts_with(place.begins) && name.ends_with(place.ends) && std::filesystem::is_regular_file(p, ignored))
+      best = p;
   }
   return best;
 }
 
-/// The first that is not empty.
-inline std::filesystem::path first_found(std::initializer_list<std::filesystem::path> paths) {
-  for (const auto& p : paths) {
-    if (!p.empty()) return p;
+/// The file at the first of these places that has one.
+inline std::filesystem::path first_file(const std::filesystem::path& run, std::span<const WeightsPlace> places) {
+  for (const WeightsPlace& place : places) {
+    if (auto found = file_at(run, place); !found.empty()) return found;
   }
   return {};
 }
@@ -18033,7 +18484,8 @@ inline void unpack(RunFolder& run) {
   const bool same_form = to_string(*system) == "tm2t" || run.option("config/num_actions") != nullptr;
   if ((published == nullptr || to_string(*published) != "true") && !same_form) return;
   run.system = to_string(*system);
-  if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // their folders look alike
+  if (const KnownSystem* known = known_system(run.system); known != nullptr && !known->folder_of.empty())
+    run.system = known->folder_of;
   run.options = options_of_config(run);
   run.packed = true;
 }
@@ -18062,48 +18514,33 @@ inline void add_statistics(RunFolder& run) {
 inline void find_weights(RunFolder& run) {
   namespace fs = std::filesystem;
   const fs::path& folder = run.folder;
-  const auto lightning = [&](const fs::path& sub) {
-    return best_file(folder / sub, {"last.ckpt"}, "latest-epoch=", ".ckpt");
-  };
-  const fs::path whole =
-      best_file(folder, {"weights.safetensors", "model.safetensors"}, "model", ".safetensors.index.json");
-  const fs::path checkpoint = best_file(folder, {}, "checkpoint_", ".pth.tar");
-  const fs::path model = best_file(folder, {}, "model0", ".pt");
+  constexpr WeightsPlace whole_place{
+      "", {"weights.safetensors", "model.safetensors"}, "model", ".safetensors.index.json"};
+  const fs::path whole = file_at(folder, whole_place);
   fs::path split;  // a folder of one file for each module
   for (const auto& p : listed(folder)) {
     if (p.filename().string().ends_with("_weights") && split.filename() != "last_weights") split = p;
   }
-  if (run.system.empty() && !checkpoint.empty()) run.system = "actor";
-  if (run.system.empty() && !split.empty()) run.system = "tmr";
-  if (run.system.empty() && !model.empty() && whole.empty()) run.system = "mdm";
-
-  if (run.packed)
+  if (run.system.empty()) {  // no options: the checkpoints tell
+    run.system = !file_at(folder, {"", {}, "checkpoint_", ".pth.tar"}).empty()          ? "actor"
+                 : !split.empty()                                                       ? "tmr"
+                 : !file_at(folder, {"", {}, "model0", ".pt"}).empty() && whole.empty() ? "mdm"
+                                                                                        : "";
+  }
+  const KnownSystem* const known = known_system(run.system);
+  if (known == nullptr || run.packed || (known->modules && !whole.empty()))
     run.weights = whole;
-  else if (run.system == "stmc" || run.system == "temos")
-    run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
-  else if (run.system == "mdm")
-    run.weights = first_found({model, best_file(folder, {}, "model", ".pt")});
-  else if (run.system == "actor")
-    run.weights = first_found({checkpoint, best_file(folder, {}, "retraincheckpoint_", ".pth.tar")});
-  else if (run.system == "motiondiffuse")
-    run.weights = first_found({best_file(folder / "model", {"latest.tar"}, "ckpt_", ".tar"),
-                               best_file(folder, {"latest.tar"}, "ckpt_", ".tar")});
-  else if (run.system == "tm2t")
-    run.weights = first_found({best_file(folder / "model", {"finest.tar", "latest.tar"}, "E", ".tar"),
-                               best_file(folder, {"finest.tar", "latest.tar"}, "E", ".tar")});
-  else if (run.system != "tmr" || !whole.empty())
-    run.weights = first_found({whole, best_file(folder, {"pytorch_model.bin"}, "pytorch_model", ".bin.index.json")});
+  else if (!known->modules || split.empty())
+    run.weights = first_file(folder, known->weights);
+  if (known == nullptr && run.weights.empty())
+    run.weights = file_at(folder, {"", {"pytorch_model.bin"}, "pytorch_model", ".bin.index.json"});
 
   const auto add_parts = [&](const fs::path& of) {
     for (const auto& p : listed(of)) {
       if (p.extension() == ".pt") run.parts.emplace(p.stem().string(), p);
     }
   };
-  if (run.weights.empty() && !split.empty()) {
-    add_parts(split);
-  } else if (run.weights.empty() && run.system == "tmr") {
-    run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
-  }
+  if (run.weights.empty() && !split.empty()) add_parts(split);
   add_statistics(run);
   if (run.weights.empty() && split.empty()) add_parts(folder);  // unknown system: every file is a part
 }
@@ -18286,8 +18723,8 @@ struct FolderPiece {
 };
 
 /// The motion of a file from `start` to `end`, with `margin` seconds before and after it, as far as the file has them.
-/// animation: of a file with several motions; "": the first one. Throws io_error 401 if the file has no such motion, and
-/// what read_motions throws.
+/// animation: of a file with several motions; "": the first one. Throws io_error 401 if the file has no such motion,
+/// and what read_motions throws.
 FolderPiece piece_of_file(const std::filesystem::path& file, const std::string& animation, double start, double end,
                           double margin);
 
@@ -19046,8 +19483,8 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Tensors    X (rows, columns) I8, -127 to 127; X.scales (rows, groups of 64 columns) F16, the last group may be
 ///            shorter
-/// Rounding   a scale is the least half that brings the largest value of its group to at most 127; ties to even. So a
-///            value is at most half a scale away from its original, and a copy of a copy has the same bits
+/// Rounding   a scale is the least normal half that brings the largest value of its group to at most 127, or 0; ties to
+///            even. So a value is at most half a scale away from its original, and a copy of a copy has the same bits
 /// Notation   X, the name of the tensor -> codes and X.scales
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -19100,8 +19537,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The least half that is not below a number, which is not negative.
+/// A scale: the least normal half that is not below a number, or 0 if all codes are 0 with the least normal half.
+/// Halves below that are coarser, and the codes of a copy of a copy would differ.
 inline std::uint16_t half_at_least(float x) {
+  constexpr float least = 6.103515625e-5F;  // 2^-14
+  if (127 * x <= least / 2) return 0;       // all codes are 0
+  if (x < least) return float_to_half(least);
   const std::uint16_t nearest = float_to_half(x);
   return half_to_float(nearest) < x ? static_cast<std::uint16_t>(nearest + 1) : nearest;
 }
@@ -21113,16 +21554,8 @@ MOTIONLANG_BODY WeightFile WeightFile::from_run(const RunFolder& run, const Weig
     raise<io_error>(404, run.folder.string(), ": no weights in this folder (.pt, .ckpt, .tar, .safetensors)");
   if (run.parts.empty() && (run.system.empty() || run.system == "motionlang" || run.system == "hugging face"))
     return open_weights(run.weights, options);
-  std::string format = "folder";
-  for (const auto& [system, name] : {std::pair<std::string_view, const char*>{"stmc", "STMC run folder"},
-                                     {"tmr", "TMR run folder"},
-                                     {"mdm", "MDM run folder"},
-                                     {"actor", "ACTOR run folder"},
-                                     {"temos", "TEMOS run folder"},
-                                     {"motiondiffuse", "MotionDiffuse run folder"},
-                                     {"tm2t", "TM2T run folder"}}) {
-    if (run.system == system) format = name;
-  }
+  const KnownSystem* const known = known_system(run.system);
+  std::string format = known == nullptr ? "folder" : concat_text(known->title, " run folder");
   const auto owners = std::make_shared<std::vector<std::shared_ptr<const void>>>();
   WeightFile out(run.folder.string(), owners, std::move(format));
   if (!run.weights.empty()) out.add(open_weights(run.weights, options), "", *owners);
@@ -22704,7 +23137,7 @@ MOTIONLANG_BODY RunFolder published_run(const RunFolder& run) {
     out.system = system == nullptr ? "" : to_string(*system);
     out.options = options_of_config(run);
   }
-  if (out.system != "stmc" && out.system != "mdm" && out.system != "motiondiffuse")
+  if (!is_diffusion_system(out.system))
     raise<io_error>(404, run.folder.string(), ": ", out.system.empty() ? "of no known system" : "of " + out.system,
                     "; diffusion models are those of stmc, mdm and motiondiffuse");
   if (run.weights.empty())
@@ -24468,8 +24901,9 @@ struct Classifier {
   struct Place {
     Index first = 0, all = 0;  // all = 0: these windows are the batch
   };
-  Recognition<B> train(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng, Place place = {}) {
-    return gru ? by_gru(x, clips, rng, place) : stgcn->train(x);
+  Recognition<B> train(const Sequences<B>& x, const ActorClipsConfig& clips, const Philox& rng, Place place = {},
+                       const Context& context = {}) {
+    return gru ? by_gru(x, clips, rng, place) : stgcn->train(x, context);
   }
 
  private:
@@ -25203,7 +25637,7 @@ MOTIONLANG_BODY std::string describe_folder(const FilePath& folder) {
     say("provenance", model.provenance);
   }
   if (system == "mdm" && run.system == "mdm" && is_mdm_action_run(run)) system = "mdm of actions";
-  if (system != "stmc" && system != "mdm" && system != "motiondiffuse") {
+  if (!is_diffusion_system(system)) {
     const auto summary = [&] {
       for (const auto& [key, value] : model_summary(run)) say(key, value);
     };
@@ -26020,7 +26454,7 @@ struct ModelSystem {
   bool ours = false;  // it was trained here
 
   /// True if its motions are those of a diffusion model of texts, so that timelines are measured.
-  bool is_diffusion() const { return name == "stmc" || name == "mdm" || name == "motiondiffuse"; }
+  bool is_diffusion() const;
 };
 /// A .safetensors file, alone or in a folder without a config.json, is an STMC of ours. Throws what find_run and
 /// read_model_folder throw.
@@ -26033,6 +26467,8 @@ MOTIONLANG_NAMESPACE_END
 // Bodies of model_system.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY bool ModelSystem::is_diffusion() const { return is_diffusion_system(name); }
 
 MOTIONLANG_BODY ModelSystem model_system(const FilePath& model) {
   namespace fs = std::filesystem;
@@ -26194,10 +26630,13 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// Smaller matrices, vectors and single numbers keep their type when `stored` is I8.
+inline constexpr Index int8_matrix_least = 4096;  // numbers
+
 /// stored  element type to which floating-point tensors are rounded; none: unchanged. I8: matrices of at least
-///         int8_matrix_least numbers become whole numbers of 8 bits (weights/int8_matrix.hpp), and the rest stays
+///         int8_matrix_least numbers become whole numbers of 8 bits (weights/int8_matrix.hpp), and the rest stays.
+///         Such matrices become floating-point numbers again with any other type
 /// Throws  io_error 401, and what write_safetensors, TensorStore::add and int8_matrix throw
-inline constexpr Index int8_matrix_least = 4096;
 void write_safetensors_copy(const FilePath& path, const WeightFile& weights, std::optional<DType> stored = {});
 
 MOTIONLANG_NAMESPACE_END
@@ -26222,8 +26661,15 @@ MOTIONLANG_BODY void write_safetensors_copy(const FilePath& path, const WeightFi
   std::list<Int8Matrix> matrices;
   for (const TensorView& t : weights.tensors()) {
     const bool real = t.dtype >= DType::F16 && t.dtype <= DType::F64;
-    if (stored == DType::I8) {
-      if (!real || t.shape.rank() != 2 || t.shape.count() < int8_matrix_least) {
+    const TensorView* const scales = int8_scales_of(weights, t);
+    const bool scaled = scales != nullptr || is_int8_scales(weights, t);
+    if (scaled && stored && stored != DType::I8) {
+      if (scales == nullptr) continue;  // the matrix of these scales takes them up
+      std::vector<double> values(static_cast<std::size_t>(t.shape.count()));
+      copy_int8_values(t, *scales, std::span<double>(values));
+      store.add(t.name, t.shape, std::span<const double>(values), *stored);
+    } else if (stored == DType::I8) {
+      if (scaled || !real || t.shape.rank() != 2 || t.shape.count() < int8_matrix_least) {
         tensors.push_back(t);
         continue;
       }
@@ -31814,8 +32260,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_GIF_HPP  // <motionlang/view/detail/studio_page_gif.hpp>
 #define MOTIONLANG_HAS_VIEW_DETAIL_STUDIO_PAGE_GIF_HPP
-/// The source of the studio's page, continued: a writer of animated GIF files. studio_page.hpp puts it between the parts
-/// of studio_page_source.hpp.
+/// The source of the studio's page, continued: a writer of animated GIF files. studio_page.hpp puts it between the
+/// parts of studio_page_source.hpp.
 /// Source  "Graphics Interchange Format, Version 89a" (CompuServe, 1990); Heckbert, "Color Image Quantization for Frame
 ///         Buffer Display" (SIGGRAPH 1982), whose boxes are cut here where their colours differ most
 
@@ -31955,7 +32401,7 @@ const saveGif = () => work("Making the GIF.", async () => {
   const high = Math.max(1, Math.round(wide * view.clientHeight / view.clientWidth));
   const canvas = Object.assign(document.createElement("canvas"), { width: wide, height: high });
   const context = canvas.getContext("2d", { willReadFrequently: true });
-  const delay = Math.max(4, Math.round(100 / fps)), count = Math.max(1, Math.round(100 * seconds / delay));
+  const delay = Math.max(4, Math.round(100 / fps)), count = Math.round(100 * seconds / delay) + 1;
   let cancelled = false;
   making.cancel = () => { cancelled = true; };
   const pictureAt = (at) => {
@@ -32027,7 +32473,7 @@ function drawSearched() {
   if (!inPage) return;
   const kept = [...clips.values()].length;
   element("findWhere").textContent = searched.size ? `${many(searched.size, "file")} to search.`
-    : kept ? "The motions that this project keeps are searched, until there are others."
+    : kept ? "The motions that this project keeps are searched, and others that you choose."
     : "Drop a folder of motions on the page, or choose one.";
 }
 function openFind() {
@@ -32084,8 +32530,9 @@ async function filesIn(things, before = "") {
 }
 /** The worker reads the files that it still lacks, some at a time, so that somebody can stop it. */
 async function readSearched() {
-  const files = searched.size ? [...searched]
-    : [...clips.values()].map(({ name, bytes }) => [name, new File([bytes], name)]);
+  const kept = [...clips.values()].filter(({ name }) => !searched.has(name))
+    .map(({ name, bytes }) => [name, new File([bytes], name, { lastModified: 0 })]);
+  const files = [...kept, ...searched];
   const mark = ([path, file]) => `to search: ${path} ${file.size} ${file.lastModified}`;
   const fresh = files.filter((one) => !engine.has.has(mark(one)));
   halted = false;
@@ -32137,7 +32584,7 @@ element("findForm").addEventListener("submit", async (event) => {
     element("found").replaceChildren();
     for (const moment of moments) {
       const item = text("li", "", element("found")), button = text("button", "Keep", item);
-      const about = `${moment.name}, ${shown(moment.start)} to ${shown(moment.end)}`;
+      const about = `${moment.name}, ${moment.start.toFixed(1)} to ${moment.end.toFixed(1)}\u00a0s`;
       button.type = "button";
       button.setAttribute("aria-label", `Keep ${about}`);
       item.append(" ", about);
@@ -32291,16 +32738,18 @@ function fileOfProject() {
   const found = [...ownFiles].reverse().find(([, { ids }]) => book.some((p) => ids.includes(p.id)));
   return found && { name: found[0], mark: found[1].mark };
 }
-/** Contents that were sent to files without an answer, by name: a save that was cancelled may have been done. */
+/** Contents of projects, [bytes, ids], that were sent to files without an answer, by name: a save that was cancelled may
+    have been done. */
 const unanswered = new Map();
+const unansweredHere = (name) => (unanswered.get(name) || []).filter(([, ids]) => book.some((p) => ids.includes(p.id)));
 const equalBytes = (a, b) => a.length === b.length && a.every((byte, i) => byte === b[i]);
 /** The mark of a file if it has contents that were sent without an answer. */
 async function markOfSent(name) {
-  const sent = unanswered.get(name);
-  if (!sent) return "";
+  const sent = unansweredHere(name);
+  if (sent.length === 0) return "";
   try {
     const found = await engine.ask("open", { name }), contents = unpackedBytes(found.bytes);
-    return sent.some((bytes) => equalBytes(bytes, contents)) ? found.mark : "";
+    return sent.some(([bytes]) => equalBytes(bytes, contents)) ? found.mark : "";
   } catch (reason) {
     if (reason.cancelled) throw reason;
     return "";
@@ -32311,9 +32760,10 @@ async function storeProject(bytes) {
   const ids = idsOf(book), own = fileOfProject();
   const stores = async (name, over) => {  // only over contents that this page knows
     const earlier = unanswered.get(name) || [];
-    unanswered.set(name, [bytes, ...earlier].slice(0, 4));
+    unanswered.set(name, [[bytes, ids], ...earlier].slice(0, 4));
     const { mark } = await engine.ask("store", { name, bytes, over });
-    unanswered.set(name, earlier);  // it is done, or refused
+    if (earlier.length) unanswered.set(name, earlier);  // it is done, or refused
+    else unanswered.delete(name);
     if (!mark) {
       const sent = await markOfSent(name);
       return sent !== "" && sent !== over && stores(name, sent);
@@ -32328,7 +32778,7 @@ async function storeProject(bytes) {
   const taken = (await engine.ask("files")).map((name) => name.toLowerCase());
   for (let i = 1;; ++i) {
     const name = start + (i > 1 ? `_${i}` : "") + ".json";
-    if ((unanswered.has(name) || !taken.includes(name.toLowerCase())) && await stores(name, ""))
+    if ((unansweredHere(name).length || !taken.includes(name.toLowerCase())) && await stores(name, ""))
       return `${name} is in the project's folder` + (own ? `. Somebody else has changed ${own.name}.` : ".");
   }
 }
@@ -34382,7 +34832,7 @@ addEventListener("drop", async (event) => {
     return;
   }
   const lacked = new Set(book.map(clipOf).filter((b) => b && !clips.has(b.clip)).map((b) => nameOfClip(b.clip)));
-  const others = files.filter((file) => isMotionFile(file.name) && !lacked.has(file.name));
+  const others = files.filter((file) => !asCharacter && isMotionFile(file.name) && !lacked.has(file.name));
   const finding = element("findDialog").open, together = engine.searches && (others.length > 1 || finding);
   for (const file of files) if (!together || !others.includes(file)) await take(file, asCharacter);
   if (together && others.length) searchIn(others.map((file) => [file.name, file]));

@@ -2411,18 +2411,19 @@ struct Philox {
   /// Uniform in [0, 1).
   double uniform() { return bits() * 0x1p-32; }
 
+  /// first  begins at this number of what the same call draws from 0 on, without drawing those before it
   template <Scalar S>
-  void uniform(std::span<S> out) {
-    fill(out, [](const Block& b, std::array<double, 4>& v) {
+  void uniform(std::span<S> out, std::uint64_t first = 0) {
+    fill(out, first, [](const Block& b, std::array<double, 4>& v) {
       for (std::size_t i = 0; i < 4; ++i) v[i] = (b[i] >> 8) * 0x1p-24;  // 24 bits: exact in float, never 1
     });
   }
   void uniform(std::span<float> out) { uniform<float>(out); }
 
-  /// Standard normal numbers.
+  /// Standard normal numbers. first: as for `uniform`.
   template <Scalar S>
-  void normal(std::span<S> out) {
-    fill(out, [](const Block& b, std::array<double, 4>& v) {
+  void normal(std::span<S> out, std::uint64_t first = 0) {
+    fill(out, first, [](const Block& b, std::array<double, 4>& v) {
       for (std::size_t i = 0; i < 4; i += 2) {
         const double radius = std::sqrt(-2.0 * std::log((b[i] + 0.5) * 0x1p-32));
         const double angle = 2.0 * std::numbers::pi * (b[i + 1] * 0x1p-32);
@@ -2435,11 +2436,13 @@ struct Philox {
 
  private:
   template <Scalar S, class F>
-  void fill(std::span<S> out, F values_of) {
+  void fill(std::span<S> out, std::uint64_t first, F values_of) {
+    position += first / 4;
+    auto j = static_cast<std::size_t>(first % 4);  // in the block
     std::array<double, 4> v{};
-    for (std::size_t i = 0; i < out.size(); i += 4) {
+    for (std::size_t i = 0; i < out.size(); j = 0) {
       values_of(block(position++), v);
-      for (std::size_t j = 0; j < 4 && i + j < out.size(); ++j) out[i + j] = static_cast<S>(v[j]);
+      for (; j < 4 && i < out.size(); ++j) out[i++] = static_cast<S>(v[j]);
     }
   }
 };
@@ -8191,6 +8194,27 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_CORE_CONTEXT_HPP
 /// Settings of a model call besides its inputs. By default they are empty, and no dropout runs.
 
+#ifndef MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP  // <motionlang/core/batch_sums.hpp>
+#define MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP
+/// Sums over the parts of a batch, for networks that normalise by the statistics of the whole batch.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The view that a part of a batch has of the others. Each part has its own object, in its Context.
+/// Models  the parts of train/meeting_parts.hpp
+class BatchSums {
+ public:
+  virtual ~BatchSums() = default;
+  /// Replaces each number by its sum over all parts, whose bits do not depend on the number of processes. It waits for
+  /// the other parts, so all parts must call it equally often, with equally many numbers.
+  virtual void add(std::span<double> numbers) const = 0;
+  /// True for the one part of a process that changes what its parts share, such as running statistics.
+  virtual bool keeps_statistics() const = 0;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
@@ -8200,6 +8224,7 @@ struct Context {
   std::optional<Philox> dropout{};
   mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
   bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
+  const BatchSums* sums = nullptr;  // of a part of a batch: batch norm takes the statistics of all parts
 
   /// The generator of the next dropout mask. Only when `dropout` is set.
   Philox next_mask() const { return dropout->split(drawn++); }
@@ -21337,8 +21362,8 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Tensors    X (rows, columns) I8, -127 to 127; X.scales (rows, groups of 64 columns) F16, the last group may be
 ///            shorter
-/// Rounding   a scale is the least half that brings the largest value of its group to at most 127; ties to even. So a
-///            value is at most half a scale away from its original, and a copy of a copy has the same bits
+/// Rounding   a scale is the least normal half that brings the largest value of its group to at most 127, or 0; ties to
+///            even. So a value is at most half a scale away from its original, and a copy of a copy has the same bits
 /// Notation   X, the name of the tensor -> codes and X.scales
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -21391,8 +21416,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The least half that is not below a number, which is not negative.
+/// A scale: the least normal half that is not below a number, or 0 if all codes are 0 with the least normal half.
+/// Halves below that are coarser, and the codes of a copy of a copy would differ.
 inline std::uint16_t half_at_least(float x) {
+  constexpr float least = 6.103515625e-5F;  // 2^-14
+  if (127 * x <= least / 2) return 0;       // all codes are 0
+  if (x < least) return float_to_half(least);
   const std::uint16_t nearest = float_to_half(x);
   return half_to_float(nearest) < x ? static_cast<std::uint16_t>(nearest + 1) : nearest;
 }
