@@ -7,6 +7,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/nn/transformer_encoder.hpp>
 #include <motionlang/weights/int8_matrix.hpp>
+#include <motionlang/weights/module_file.hpp>
 #include <motionlang/weights/safetensors_copy.hpp>
 
 #include "../../support/check_error.hpp"
