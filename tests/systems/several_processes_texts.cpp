@@ -248,7 +248,7 @@ TEST_CASE("TM2T: from motions to texts, and from texts to motions") {
     // The terms of each update are sums over the parts.
     config.text_to_motion.alignment_from = 0;
     // The norms of the judge amplify rounding: the same case in double differs by 8e-14, 400 times its epsilon.
-  for (const Index update : {0, 1}) check_parts(make(), update, 1e-4);
+    for (const Index update : {0, 1}) check_parts(make(), update, 1e-4);
     config.text_to_motion.alignment = false;
   }
   config.text_to_motion.network = "transformer";
