@@ -52,7 +52,7 @@ void add_humanml3d(CLI::App& app) {
   folder_option(*c, "--bodies", o->sources.bodies,
                 "Folder of the bodies of SMPL-H, such as smplh/male/model.npz and smplh/female/model.npz")
       ->required();
-  path_option(*c, "--out", o->out, "Folder for the data set")->required();
+  c->add_option("--out", o->out, "Folder for the data set")->required();
   c->add_flag("--mirrored,!--no-mirrored", o->making.mirrored, "Also make mirrored clips, whose names begin with M")
       ->capture_default_str();
   c->add_flag("--missing", o->making.missing,
