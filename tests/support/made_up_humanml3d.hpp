@@ -51,7 +51,7 @@ struct HumanMl3d : TemporaryFolder {
     fs::create_directories(sources.amass / "HDM05/a");
     ml::write_file(sources.repository / "index.csv",
                    std::string_view("source_path,start_frame,end_frame,new_name\n"
-                                    "./pose_data/MPI_HDM05/a/walk_poses.npy,2,30,000000.npy\n"
+                                    "./pose_data/MPI_HDM05/a/walk_poses.npy,2,60,000000.npy\n"
                                     "./pose_data/humanact12/P01.npy,0,0,000001.npy\n"
                                     "./pose_data/KIT/3/kick_poses.npy,0,40,000002.npy\n"));
     ml::write_file(sources.repository / "HumanML3D/texts/000000.txt",

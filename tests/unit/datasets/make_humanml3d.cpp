@@ -50,7 +50,7 @@ TEST_CASE("HumanML3D from AMASS: clips, mirrored copies, captions, lists and sta
 
   const ml::HumanMl3dFolder data(s.out);
   const Joints joints = s.first_joints();
-  REQUIRE(joints.size() == 28 * 22);  // 2 to 30 behind the lead of 60 frames
+  REQUIRE(joints.size() == 58 * 22);  // 2 to 60 behind the lead of 60 frames
   CHECK(data.features("000000") == s.features(joints));
   const auto partners = ml::humanml3d_mirror_partners(22);
   CHECK(data.features("M000000") ==
@@ -80,7 +80,7 @@ TEST_CASE("HumanML3D from AMASS: what exists is not made again") {
   CHECK(again.made == 2);
   CHECK(again.there == 2);
   CHECK(data.mean() == before);
-  CHECK(data.load("M000000").frames == 27);
+  CHECK(data.load("M000000").frames == 57);
 
   CHECK_ERROR(s.make({.missing = true, .features = ml::guoh3d_corrected()}), "[motionlang.config.102]");
   const auto stop = [](ml::Index, ml::Index) { return false; };
