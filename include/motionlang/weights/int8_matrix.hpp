@@ -7,7 +7,8 @@
 /// Tensors    X (rows, columns) I8, -127 to 127; X.scales (rows, groups of 64 columns) F16, the last group may be
 ///            shorter
 /// Rounding   a scale is the least normal half that brings the largest value of its group to at most 127, or 0; ties to
-///            even. So a value is at most half a scale away from its original, and a copy of a copy has the same bits
+///            even. So a value is at most half a scale away from its original, or 2^-15 if that is more. A copy of a
+///            copy has the same bits
 /// Notation   X, the name of the tensor -> codes and X.scales
 #pragma once
 
