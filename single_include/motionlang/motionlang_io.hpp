@@ -12551,6 +12551,10 @@ std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption> captio
 /// Throws io_error 401, 403 for an id that leads out of the folder, shape_error 205 if the values do not fit the form,
 /// timeline_error 510 as format_captions
 void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, const HumanMl3dForm& form = {});
+/// The same with these captions, as their file has them, in place of those of the clip. Throws the same without
+/// timeline_error 510.
+void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
+                          const HumanMl3dForm& form = {});
 /// Writes Mean.npy and Std.npy, for example from FeatureStatistics. Throws io_error 401, and shape_error 205 for
 /// another width.
 void write_humanml3d_statistics(const FilePath& folder, std::span<const float> mean, std::span<const float> deviation,
@@ -12651,10 +12655,14 @@ MOTIONLANG_BODY std::vector<HumanMl3dItem> humanml3d_items(std::span<const Motio
 
 MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip,
                                           const HumanMl3dForm& form) {
+  const FilePath texts = detail::below(folder, concat_text("texts/", clip.id, ".txt"));
+  write_humanml3d_clip(folder, clip, format_captions(clip.captions, texts.string()), form);
+}
+
+MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
+                                          const HumanMl3dForm& form) {
   if (!detail::is_clip_id(clip.id) || clip.id.find('/') != clip.id.npos)
     raise<io_error>(403, folder.string(), ": '", clip.id, "' is not a name of a file");
-  const FilePath texts = detail::below(folder, concat_text("texts/", clip.id, ".txt"));
-  const std::string captions = format_captions(clip.captions, texts.string());
   const auto features = NpyArray::of(std::span<const float>(clip.features), {clip.frames, form.width()});
   const auto joints = NpyArray::of(std::span<const float>(clip.joints), {clip.frames, form.joints, 3});
   auto file = [&](std::string_view kind, std::string_view extension) {
@@ -15702,8 +15710,7 @@ MOTIONLANG_BODY bool write_made_clip(const HumanMl3dSources& sources, const std:
     return !clip.captions.empty();
   }
   const std::string said = read_file(FilePath(file));  // as it is, like the notebooks
-  write_humanml3d_clip(FilePath(out), clip);
-  write_file(FilePath(out / "texts" / (clip.id + ".txt")), said);
+  write_humanml3d_clip(FilePath(out), clip, said);
   return !said.empty();
 }
 
@@ -18319,7 +18326,7 @@ struct KnownSystem {
   bool diffusion = false;                 // a diffusion model of texts, whose motions STMC composes
   bool trained_generates = false;         // load_trained_motion_model.hpp loads what our training of it wrote
   bool modules = false;                   // the published folder has a file of weights for each module
-  std::array<WeightsPlace, 3> weights{};  // in the order of preference; an empty one ends them
+  std::array<WeightsPlace, 2> weights{};  // in the order of preference; empty: none
 };
 
 /// All of them.
@@ -18340,7 +18347,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-inline constexpr std::array<WeightsPlace, 3> lightning_places{
+inline constexpr std::array<WeightsPlace, 2> lightning_places{
     {{"logs/checkpoints", {"last.ckpt"}, "latest-epoch=", ".ckpt"},
      {"checkpoints", {"last.ckpt"}, "latest-epoch=", ".ckpt"}}};
 
@@ -18522,10 +18529,10 @@ inline void find_weights(RunFolder& run) {
     if (p.filename().string().ends_with("_weights") && split.filename() != "last_weights") split = p;
   }
   if (run.system.empty()) {  // no options: the checkpoints tell
-    run.system = !file_at(folder, {"", {}, "checkpoint_", ".pth.tar"}).empty()          ? "actor"
-                 : !split.empty()                                                       ? "tmr"
-                 : !file_at(folder, {"", {}, "model0", ".pt"}).empty() && whole.empty() ? "mdm"
-                                                                                        : "";
+    const auto has_first = [&](const char* system) {
+      return !file_at(folder, known_system(system)->weights.front()).empty();
+    };
+    run.system = has_first("actor") ? "actor" : !split.empty() ? "tmr" : has_first("mdm") && whole.empty() ? "mdm" : "";
   }
   const KnownSystem* const known = known_system(run.system);
   if (known == nullptr || run.packed || (known->modules && !whole.empty()))
@@ -19630,12 +19637,13 @@ bool all_finite(std::span<const S> numbers) {
 }  // namespace detail
 
 /// Gives a tensor the values of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A variable stays the same variable. NaN is accepted. Throws io_error 407 for another shape.
+/// A variable stays the same variable. NaN is accepted. scales: of a matrix in whole numbers of 8 bits
+/// (int8_scales_of). Throws io_error 407 for another shape.
 template <Backend B>
 void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
-                   const std::string& where) {
+                   const std::string& where, const TensorView* scales = nullptr) {
   if constexpr (AutodiffBackend<B>) {
-    assign_tensor<typename B::inner>(B::mutable_value(tensor), view, owner, where);
+    assign_tensor<typename B::inner>(B::mutable_value(tensor), view, owner, where, scales);
   } else {
     using S = typename B::scalar;
     const Shape shape = B::shape(tensor);
@@ -19643,28 +19651,17 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
       raise<io_error>(407, where, ": tensor '", view.name, "' is ", view.shape, ", the model has ", shape);
     if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
       const auto numbers = direct<S>(view);
-      if (numbers && owner != nullptr) {
+      if (numbers && owner != nullptr && scales == nullptr) {
         tensor = typename B::tensor(numbers->data(), view.shape, owner);
         return;
       }
     }
-    tensor = written_tensor<B>(
-        shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
-  }
-}
-/// The same for a matrix in whole numbers of 8 bits (weights/int8_matrix.hpp).
-template <Backend B>
-void assign_int8_tensor(typename B::tensor& tensor, const TensorView& codes, const TensorView& scales,
-                        const std::string& where) {
-  if constexpr (AutodiffBackend<B>) {
-    assign_int8_tensor<typename B::inner>(B::mutable_value(tensor), codes, scales, where);
-  } else {
-    using S = typename B::scalar;
-    const Shape shape = B::shape(tensor);
-    if (codes.shape != shape)
-      raise<io_error>(407, where, ": tensor '", codes.name, "' is ", codes.shape, ", the model has ", shape);
     tensor = written_tensor<B>(shape, [&](S* to) {
-      copy_int8_values(codes, scales, std::span<S>(to, static_cast<std::size_t>(shape.count())));
+      const std::span<S> values(to, static_cast<std::size_t>(shape.count()));
+      if (scales != nullptr)
+        copy_int8_values(view, *scales, values);
+      else
+        copy_values(view, values);
     });
   }
 }
@@ -19699,10 +19696,7 @@ struct TensorLoader {
       report.missing.push_back(name);
       return;
     }
-    if (const TensorView* scales = int8_scales_of(file, *view))
-      assign_int8_tensor<B>(*tensor.data, *view, *scales, file.name());
-    else
-      assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
+    assign_tensor<B>(*tensor.data, *view, file.owner(), file.name(), int8_scales_of(file, *view));
     if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
     MappedFile::forget_if_mapped(view->bytes);  // read again when needed
   }
@@ -32472,9 +32466,8 @@ function drawSearched() {
   element("findForm").hidden = !canSearch();
   element("findFrom").hidden = !inPage;
   if (!inPage) return;
-  const kept = [...clips.values()].length;
   element("findWhere").textContent = searched.size ? `${many(searched.size, "file")} to search.`
-    : kept ? "The motions that this project keeps are searched, and others that you choose."
+    : clips.size ? "The motions that this project keeps are searched, and others that you choose."
     : "Drop a folder of motions on the page, or choose one.";
 }
 function openFind() {

@@ -93,6 +93,10 @@ std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption> captio
 /// Throws io_error 401, 403 for an id that leads out of the folder, shape_error 205 if the values do not fit the form,
 /// timeline_error 510 as format_captions
 void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, const HumanMl3dForm& form = {});
+/// The same with these captions, as their file has them, in place of those of the clip. Throws the same without
+/// timeline_error 510.
+void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
+                          const HumanMl3dForm& form = {});
 /// Writes Mean.npy and Std.npy, for example from FeatureStatistics. Throws io_error 401, and shape_error 205 for
 /// another width.
 void write_humanml3d_statistics(const FilePath& folder, std::span<const float> mean, std::span<const float> deviation,

@@ -93,10 +93,14 @@ MOTIONLANG_BODY std::vector<HumanMl3dItem> humanml3d_items(std::span<const Motio
 
 MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip,
                                           const HumanMl3dForm& form) {
+  const FilePath texts = detail::below(folder, concat_text("texts/", clip.id, ".txt"));
+  write_humanml3d_clip(folder, clip, format_captions(clip.captions, texts.string()), form);
+}
+
+MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
+                                          const HumanMl3dForm& form) {
   if (!detail::is_clip_id(clip.id) || clip.id.find('/') != clip.id.npos)
     raise<io_error>(403, folder.string(), ": '", clip.id, "' is not a name of a file");
-  const FilePath texts = detail::below(folder, concat_text("texts/", clip.id, ".txt"));
-  const std::string captions = format_captions(clip.captions, texts.string());
   const auto features = NpyArray::of(std::span<const float>(clip.features), {clip.frames, form.width()});
   const auto joints = NpyArray::of(std::span<const float>(clip.joints), {clip.frames, form.joints, 3});
   auto file = [&](std::string_view kind, std::string_view extension) {

@@ -2,7 +2,7 @@
 // Bodies of make_humanml3d.hpp.
 #pragma once
 
-#include <algorithm>  // find
+#include <algorithm>  // min
 #include <optional>   // failures
 #include <set>        // ids
 
@@ -127,8 +127,7 @@ MOTIONLANG_BODY bool write_made_clip(const HumanMl3dSources& sources, const std:
     return !clip.captions.empty();
   }
   const std::string said = read_file(FilePath(file));  // as it is, like the notebooks
-  write_humanml3d_clip(FilePath(out), clip);
-  write_file(FilePath(out / "texts" / (clip.id + ".txt")), said);
+  write_humanml3d_clip(FilePath(out), clip, said);
   return !said.empty();
 }
 

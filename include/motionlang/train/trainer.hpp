@@ -84,8 +84,8 @@ concept DividedTask = TrainingTask<T> &&
 };
 /// Divided trainings whose parts meet, because a network normalises by the statistics of the whole batch
 /// (train/meeting_parts.hpp). The context has `sums` for them.
-///   parts_meet  false for steps whose parts need not meet
-///   statistics  the tensors that part_loss changes
+///   parts_meet        false for steps whose parts need not meet
+///   batch_statistics  the tensors that part_loss changes
 /// Models  ClassifierTraining, Tm2tTokenizerTraining
 template <class T>
 concept MeetingTask = DividedTask<T> && requires(T& task, const T& same, Index step) {

@@ -28,7 +28,7 @@ struct KnownSystem {
   bool diffusion = false;                 // a diffusion model of texts, whose motions STMC composes
   bool trained_generates = false;         // load_trained_motion_model.hpp loads what our training of it wrote
   bool modules = false;                   // the published folder has a file of weights for each module
-  std::array<WeightsPlace, 3> weights{};  // in the order of preference; an empty one ends them
+  std::array<WeightsPlace, 2> weights{};  // in the order of preference; empty: none
 };
 
 /// All of them.

@@ -8,7 +8,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-inline constexpr std::array<WeightsPlace, 3> lightning_places{
+inline constexpr std::array<WeightsPlace, 2> lightning_places{
     {{"logs/checkpoints", {"last.ckpt"}, "latest-epoch=", ".ckpt"},
      {"checkpoints", {"last.ckpt"}, "latest-epoch=", ".ckpt"}}};
 

@@ -55,12 +55,13 @@ bool all_finite(std::span<const S> numbers) {
 }  // namespace detail
 
 /// Gives a tensor the values of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A variable stays the same variable. NaN is accepted. Throws io_error 407 for another shape.
+/// A variable stays the same variable. NaN is accepted. scales: of a matrix in whole numbers of 8 bits
+/// (int8_scales_of). Throws io_error 407 for another shape.
 template <Backend B>
 void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
-                   const std::string& where) {
+                   const std::string& where, const TensorView* scales = nullptr) {
   if constexpr (AutodiffBackend<B>) {
-    assign_tensor<typename B::inner>(B::mutable_value(tensor), view, owner, where);
+    assign_tensor<typename B::inner>(B::mutable_value(tensor), view, owner, where, scales);
   } else {
     using S = typename B::scalar;
     const Shape shape = B::shape(tensor);
@@ -68,28 +69,17 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
       raise<io_error>(407, where, ": tensor '", view.name, "' is ", view.shape, ", the model has ", shape);
     if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
       const auto numbers = direct<S>(view);
-      if (numbers && owner != nullptr) {
+      if (numbers && owner != nullptr && scales == nullptr) {
         tensor = typename B::tensor(numbers->data(), view.shape, owner);
         return;
       }
     }
-    tensor = written_tensor<B>(
-        shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
-  }
-}
-/// The same for a matrix in whole numbers of 8 bits (weights/int8_matrix.hpp).
-template <Backend B>
-void assign_int8_tensor(typename B::tensor& tensor, const TensorView& codes, const TensorView& scales,
-                        const std::string& where) {
-  if constexpr (AutodiffBackend<B>) {
-    assign_int8_tensor<typename B::inner>(B::mutable_value(tensor), codes, scales, where);
-  } else {
-    using S = typename B::scalar;
-    const Shape shape = B::shape(tensor);
-    if (codes.shape != shape)
-      raise<io_error>(407, where, ": tensor '", codes.name, "' is ", codes.shape, ", the model has ", shape);
     tensor = written_tensor<B>(shape, [&](S* to) {
-      copy_int8_values(codes, scales, std::span<S>(to, static_cast<std::size_t>(shape.count())));
+      const std::span<S> values(to, static_cast<std::size_t>(shape.count()));
+      if (scales != nullptr)
+        copy_int8_values(view, *scales, values);
+      else
+        copy_values(view, values);
     });
   }
 }
@@ -124,10 +114,7 @@ struct TensorLoader {
       report.missing.push_back(name);
       return;
     }
-    if (const TensorView* scales = int8_scales_of(file, *view))
-      assign_int8_tensor<B>(*tensor.data, *view, *scales, file.name());
-    else
-      assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
+    assign_tensor<B>(*tensor.data, *view, file.owner(), file.name(), int8_scales_of(file, *view));
     if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
     MappedFile::forget_if_mapped(view->bytes);  // read again when needed
   }

@@ -140,10 +140,10 @@ inline void find_weights(RunFolder& run) {
     if (p.filename().string().ends_with("_weights") && split.filename() != "last_weights") split = p;
   }
   if (run.system.empty()) {  // no options: the checkpoints tell
-    run.system = !file_at(folder, {"", {}, "checkpoint_", ".pth.tar"}).empty()          ? "actor"
-                 : !split.empty()                                                       ? "tmr"
-                 : !file_at(folder, {"", {}, "model0", ".pt"}).empty() && whole.empty() ? "mdm"
-                                                                                        : "";
+    const auto has_first = [&](const char* system) {
+      return !file_at(folder, known_system(system)->weights.front()).empty();
+    };
+    run.system = has_first("actor") ? "actor" : !split.empty() ? "tmr" : has_first("mdm") && whole.empty() ? "mdm" : "";
   }
   const KnownSystem* const known = known_system(run.system);
   if (known == nullptr || run.packed || (known->modules && !whole.empty()))

@@ -33,9 +33,8 @@ function drawSearched() {
   element("findForm").hidden = !canSearch();
   element("findFrom").hidden = !inPage;
   if (!inPage) return;
-  const kept = [...clips.values()].length;
   element("findWhere").textContent = searched.size ? `${many(searched.size, "file")} to search.`
-    : kept ? "The motions that this project keeps are searched, and others that you choose."
+    : clips.size ? "The motions that this project keeps are searched, and others that you choose."
     : "Drop a folder of motions on the page, or choose one.";
 }
 function openFind() {
