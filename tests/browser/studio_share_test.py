@@ -308,6 +308,7 @@ GIF = """const [data, done] = [Uint8Array.from(atob(arguments[0]), (c) => c.char
   await decoder.tracks.ready;
   out.frames = decoder.tracks.selectedTrack.frameCount;
   const first = (await decoder.decode()).image, width = first.displayWidth, height = first.displayHeight;
+  first.close();
   Object.assign(canvas, { width, height });
   Object.assign(out, { width, height });
   const context = canvas.getContext("2d"), view = document.getElementById("view");
@@ -318,6 +319,7 @@ GIF = """const [data, done] = [Uint8Array.from(atob(arguments[0]), (c) => c.char
     const made = context.getImageData(0, 0, width, height).data, usual = quality;
     quality = 1;
     seek(frameIndex * frame.duration / 1e6);
+    frame.close();
     render();
     context.drawImage(view, 0, 0, width, height);
     quality = usual;
@@ -326,6 +328,7 @@ GIF = """const [data, done] = [Uint8Array.from(atob(arguments[0]), (c) => c.char
     for (let i = 0; i < made.length; ++i) sum += Math.abs(made[i] - shown[i]);
     out.apart.push(sum / made.length);
   }
+  decoder.close();
   done(out);
 })().catch((reason) => done({ wrong: String(reason) }));"""
 
