@@ -22,6 +22,7 @@
 #include "../support/official_vaes.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"
+#include "../support/tests_folder.hpp"
 #include "official_workplace.hpp"
 
 namespace fs = std::filesystem;
@@ -218,7 +219,7 @@ TEST_CASE("info: what the folders of ACTOR, TEMOS, TEACH, TM2T and MDM for actio
   says("mdm", {"actions                  12 classes", "cosine, 24 steps"});
   const std::string run = official::write_tm2t_runs(w.path, official::small_tm2t()).string();
   says(run, {"from texts to motions", "recurrent, 1 layer of 12, early attention; writes 13 symbols"});
-  const fs::path golden = fs::path(__FILE__).parent_path().parent_path() / "golden/cases/containers";
+  const fs::path golden = fs::path(tests_folder()) / "golden/cases/containers";
   says((golden / "tmr_run").string(), {"system                   tmr", "not a whole model", "motion_encoder."});
   says((golden / "actor_run").string(), {"12 classes of humanact12", "encoder.muQuery"});
   says((fs::path(run).parent_path() / "M2T_EL2_DL1_NH2_PS").string(),

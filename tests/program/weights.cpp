@@ -4,13 +4,14 @@
 #include <motionlang/file/safetensors.hpp>
 
 #include "../support/temporary_folder.hpp"
+#include "../support/tests_folder.hpp"
 #include "process.hpp"
 
 namespace ml = motionlang;
 
 namespace {
 
-const std::filesystem::path tests = std::filesystem::absolute(__FILE__).parent_path().parent_path();
+const std::filesystem::path tests = tests_folder();
 
 std::string sample(const std::string& name) { return (tests / "fuzz/corpus/weights" / name).string(); }
 std::string golden(const std::string& name) { return (tests / "golden/cases/containers" / name).string(); }

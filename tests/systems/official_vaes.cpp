@@ -6,6 +6,7 @@
 #include "../support/official_vaes.hpp"
 #include "../support/small_model.hpp"
 #include "../support/temporary_folder.hpp"
+#include "../support/tests_folder.hpp"
 
 namespace ml = motionlang;
 namespace fs = std::filesystem;
@@ -33,7 +34,7 @@ TEST_CASE("ACTOR: opt.yaml and the last checkpoint") {
 }
 
 TEST_CASE("ACTOR: the run folder of the golden files") {
-  const fs::path golden = fs::path(__FILE__).parent_path().parent_path() / "golden/cases/containers/actor_run";
+  const fs::path golden = fs::path(tests_folder()) / "golden/cases/containers/actor_run";
   CHECK_THROWS_AS(ml::load_actor_run<B>(golden), ml::error);  // a few tensors only
   CHECK(ml::find_run(golden).system == "actor");
   CHECK(ml::find_run(golden).weights.filename() == "checkpoint_0100.pth.tar");

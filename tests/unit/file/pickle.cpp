@@ -4,6 +4,7 @@
 #include <motionlang/file/pickle_arrays.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/tests_folder.hpp"
 
 #include <filesystem>
 
@@ -13,7 +14,7 @@ using ml::PickleKind;
 namespace {
 
 ml::FilePath sample(const std::string& name) {
-  return std::filesystem::path(__FILE__).parent_path() / "../../fuzz/corpus/pickle" / name;
+  return std::filesystem::path(tests_folder()) / "fuzz/corpus/pickle" / name;
 }
 ml::Pickle parse(std::string_view bytes, const ml::PickleOptions& options = {}) {
   return ml::Pickle(std::as_bytes(std::span(bytes.data(), bytes.size())), "x.pkl", options);

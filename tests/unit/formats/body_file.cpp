@@ -8,6 +8,7 @@
 #include "../../support/synthetic_body.hpp"
 #include "../../support/temporary_folder.hpp"
 #include "../../support/tensors.hpp"
+#include "../../support/tests_folder.hpp"
 
 namespace ml = motionlang;
 using ml::Index;
@@ -58,7 +59,7 @@ void check_tiny(const ml::Body<B>& body) {
 
 TEST_CASE("npz and pickles of all dialects hold the same body") {
   check_tiny(BodyFolder().read(tiny()));
-  const auto samples = std::filesystem::path(__FILE__).parent_path() / "../../fuzz/corpus/pickle";
+  const auto samples = std::filesystem::path(tests_folder()) / "fuzz/corpus/pickle";
   for (const char* name : {"body_p0.pkl", "body_p2.pkl", "body_p4.pkl", "body_p5.pkl", "body_python2.pkl"}) {
     CAPTURE(name);
     check_tiny(ml::read_body<B>(samples / name, {.betas = 2}));

@@ -5,13 +5,13 @@
 #include <motionlang/weights/weight_file.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/tests_folder.hpp"
 
 namespace ml = motionlang;
 
 namespace {
 
-const std::filesystem::path folder =
-    std::filesystem::path(__FILE__).parent_path() / "../../golden/cases/containers/malformed";
+const std::filesystem::path folder = std::filesystem::path(tests_folder()) / "golden/cases/containers/malformed";
 
 struct Reason {
   int id;

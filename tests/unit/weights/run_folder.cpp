@@ -6,13 +6,14 @@
 
 #include "../../support/check_error.hpp"
 #include "../../support/temporary_folder.hpp"
+#include "../../support/tests_folder.hpp"
 
 namespace ml = motionlang;
 namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path golden = fs::path(__FILE__).parent_path().parent_path().parent_path() / "golden/cases/containers";
+const fs::path golden = fs::path(tests_folder()) / "golden/cases/containers";
 
 /// Files of no content are enough to be found.
 struct Folder : TemporaryFolder {

@@ -11,13 +11,14 @@
 #include "../../support/check_error.hpp"
 #include "../../support/joblib_dump.hpp"
 #include "../../support/temporary_folder.hpp"
+#include "../../support/tests_folder.hpp"
 
 namespace ml = motionlang;
 using ml::DType, ml::Shape;
 
 namespace {
 
-const std::filesystem::path tests = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+const std::filesystem::path tests = tests_folder();
 
 std::filesystem::path sample(const std::string& name) { return tests / "fuzz/corpus/weights" / name; }
 ml::WeightFile open(const std::string& name, const ml::WeightOptions& options = {}) {

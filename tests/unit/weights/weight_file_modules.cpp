@@ -5,6 +5,7 @@
 #include <motionlang/weights/weight_file.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/tests_folder.hpp"
 
 namespace ml = motionlang;
 using B = ml::ReferenceBackend<float>;
@@ -13,7 +14,7 @@ using ml::DType;
 namespace {
 
 std::filesystem::path golden(const std::string& name) {
-  return std::filesystem::path(__FILE__).parent_path().parent_path().parent_path() / "golden/cases/containers" / name;
+  return std::filesystem::path(tests_folder()) / "golden/cases/containers" / name;
 }
 ml::Linear<B> linear(ml::Index in, ml::Index out) {
   ml::Philox rng{1};
