@@ -56,6 +56,21 @@ TEST_CASE("two steps and two more are four steps, bit for bit, on one thread and
   CHECK(two_threads.state() == whole.state());
 }
 
+TEST_CASE("a cap on the ratio of signal to noise weighs clear samples more, and the rest as before") {
+  const auto loss_of_features = [](double cap) {
+    ml::StmcTrainingConfig c = config();
+    c.snr_cap = cap, c.noise_focus = 0, c.batch = 12;
+    Stmc task(c, data());
+    const auto terms = task.part_loss(ml::Philox{.seed = 3}, 0, {0, c.batch}, {}).terms;
+    REQUIRE(terms.front().name == "features");
+    return static_cast<double>(terms.front().value.item());
+  };
+  const double same = loss_of_features(1), weighed = loss_of_features(10), more = loss_of_features(100);
+  CHECK(weighed > 1.1 * same);
+  CHECK(weighed < 10 * same);
+  CHECK(more > weighed);
+}
+
 TEST_CASE("texts are learnt first: the encoder alone changes, the same on one thread and on two") {
   const TemporaryFolder folder;
   auto c = config();
