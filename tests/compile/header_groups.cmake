@@ -45,19 +45,24 @@ function(header_groups variable include)
   set(${variable} "${groups}" PARENT_SCOPE)
 endfunction()
 
-# The headers that the test compiles: a fifth of them, another one with every commit. All of them if the environment has
-# EVERY_HEADER, as in the target check_all, or where git does not count commits.
+# The headers that the test compiles: what the last 30 commits changed, what is not committed, and a fifth of the
+# others, another one with every commit. It is all of them if the environment has EVERY_HEADER, or where git does not
+# know the commits before.
 function(headers_of_this_commit variable repository)
-  execute_process(COMMAND git -C ${repository} rev-list --count HEAD OUTPUT_VARIABLE commits OUTPUT_STRIP_TRAILING_WHITESPACE
-                  ERROR_QUIET)
+  set(git git -C ${repository})
+  set(quietly OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  execute_process(COMMAND ${git} rev-list --count HEAD OUTPUT_VARIABLE commits ${quietly})
+  execute_process(COMMAND ${git} diff --name-only --diff-filter=d HEAD~30 OUTPUT_VARIABLE changed ${quietly}
+                  RESULT_VARIABLE unknown)
   set(chosen ${ARGN})
-  if(commits MATCHES "^[0-9]+$" AND NOT DEFINED ENV{EVERY_HEADER})
+  if(unknown EQUAL 0 AND NOT DEFINED ENV{EVERY_HEADER})
     set(chosen)
-    math(EXPR turn "${commits} % 5")
-    set(number 0)
+    string(REGEX REPLACE "[.]ipp" ".hpp" changed "${changed}")
+    string(REPLACE "\n" ";" changed "${changed}")
+    set(number ${commits})
     foreach(header ${ARGN})
-      math(EXPR its_turn "${number} % 5")
-      if(its_turn EQUAL turn)
+      math(EXPR turn "${number} % 5")
+      if(turn EQUAL 0 OR include/${header} IN_LIST changed)
         list(APPEND chosen ${header})
       endif()
       math(EXPR number "${number} + 1")

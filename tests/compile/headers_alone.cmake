@@ -1,5 +1,6 @@
-# Compiles the chosen headers alone: cmake -DINCLUDE=<repository>/include -DBUILD=<build folder> -DGROUPS=<groups of the last
-# configuration> -P headers_alone.cmake
+# Compiles the chosen headers alone:
+# cmake -DINCLUDE=<repository>/include -DBUILD=<build folder> -DGROUPS=<groups of the last configuration>
+#       -P headers_alone.cmake
 #
 # Configures again if other headers are chosen, or one has moved to another group since.
 cmake_minimum_required(VERSION 3.24)
@@ -12,4 +13,5 @@ file(READ ${GROUPS} configured)
 if(NOT groups STREQUAL configured)
   execute_process(COMMAND ${CMAKE_COMMAND} ${BUILD} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 endif()
-execute_process(COMMAND ${CMAKE_COMMAND} --build ${BUILD} --target headers_alone --parallel 2 COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${BUILD} --target headers_alone --parallel 2
+                COMMAND_ERROR_IS_FATAL ANY)

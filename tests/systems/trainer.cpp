@@ -56,7 +56,7 @@ TEST_CASE("two steps and two more are four steps, bit for bit, on one thread and
   CHECK(two_threads.state() == whole.state());
 }
 
-TEST_CASE("a cap on the ratio of signal to noise weighs clear samples more, and the rest as before") {
+TEST_CASE("a cap on the ratio of signal to noise weighs clear samples more, up to the cap") {
   const auto loss_of_features = [](double cap) {
     ml::StmcTrainingConfig c = config();
     c.snr_cap = cap, c.noise_focus = 0, c.batch = 12;

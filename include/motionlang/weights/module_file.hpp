@@ -55,7 +55,7 @@ bool all_finite(std::span<const S> numbers) {
 }  // namespace detail
 
 /// Gives a tensor the values of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A variable stays the same variable. NaN is accepted. scales: of a matrix in whole numbers of 8 bits
+/// A variable stays the same variable. NaN is accepted. A matrix in whole numbers of 8 bits needs `scales`
 /// (int8_scales_of). Throws io_error 407 for another shape.
 template <Backend B>
 void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,

@@ -17,7 +17,8 @@ add_test(NAME compile.libcxx_headers COMMAND ${libcxx} -I${CMAKE_CURRENT_BINARY_
                                              ${CMAKE_CURRENT_SOURCE_DIR}/two_units/first.cpp
          COMMAND_EXPAND_LISTS)
 
-# libcxx_program(<name> <options> <sources...>): sources are compiled again when something has changed that they include.
+# libcxx_program(<name> <options> <sources...>): sources are compiled again when something has changed that they
+# include.
 function(libcxx_program name options)
   set(objects)
   file(MAKE_DIRECTORY ${libcxx_folder}/${name})
@@ -48,7 +49,8 @@ endforeach()
 foreach(name generate keep model_file other_denoisers)
   list(APPEND sources ${PROJECT_SOURCE_DIR}/tests/systems/${name}.cpp)
 endforeach()
-libcxx_program(tests "-O0;-DMOTIONLANG_TESTS_FOLDER=\"${PROJECT_SOURCE_DIR}/tests\"" ${PROJECT_SOURCE_DIR}/tests/doctest_main.cpp ${sources})
+libcxx_program(tests "-O0;-DMOTIONLANG_TESTS_FOLDER=\"${PROJECT_SOURCE_DIR}/tests\""
+               ${PROJECT_SOURCE_DIR}/tests/doctest_main.cpp ${sources})
 add_test(NAME compile.libcxx_tests
          COMMAND ${libcxx_folder}/tests/program "--test-case-exclude=*memory*,*twice the size*,*times as long*")
 
