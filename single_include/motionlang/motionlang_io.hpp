@@ -12551,10 +12551,6 @@ std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption> captio
 /// Throws io_error 401, 403 for an id that leads out of the folder, shape_error 205 if the values do not fit the form,
 /// timeline_error 510 as format_captions
 void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, const HumanMl3dForm& form = {});
-/// The same with these captions, as their file has them, in place of those of the clip. Throws the same without
-/// timeline_error 510.
-void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
-                          const HumanMl3dForm& form = {});
 /// Writes Mean.npy and Std.npy, for example from FeatureStatistics. Throws io_error 401, and shape_error 205 for
 /// another width.
 void write_humanml3d_statistics(const FilePath& folder, std::span<const float> mean, std::span<const float> deviation,
@@ -12564,6 +12560,11 @@ namespace detail {
 
 /// The values of an array of this shape, or of any number of rows of it. Throws io_error 407 for another shape.
 std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number = false);
+
+/// write_humanml3d_clip with the text of the file of captions, in place of the clip's own captions. Throws the same
+/// without timeline_error 510.
+void write_clip_files(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
+                      const HumanMl3dForm& form = {});
 
 }  // namespace detail
 MOTIONLANG_NAMESPACE_END
@@ -12653,26 +12654,30 @@ MOTIONLANG_BODY std::vector<HumanMl3dItem> humanml3d_items(std::span<const Motio
   return items;
 }
 
-MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip,
-                                          const HumanMl3dForm& form) {
-  const FilePath texts = detail::below(folder, concat_text("texts/", clip.id, ".txt"));
-  write_humanml3d_clip(folder, clip, format_captions(clip.captions, texts.string()), form);
-}
+namespace detail {
 
-MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
-                                          const HumanMl3dForm& form) {
-  if (!detail::is_clip_id(clip.id) || clip.id.find('/') != clip.id.npos)
+MOTIONLANG_BODY void write_clip_files(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
+                                      const HumanMl3dForm& form) {
+  if (!is_clip_id(clip.id) || clip.id.find('/') != clip.id.npos)
     raise<io_error>(403, folder.string(), ": '", clip.id, "' is not a name of a file");
   const auto features = NpyArray::of(std::span<const float>(clip.features), {clip.frames, form.width()});
   const auto joints = NpyArray::of(std::span<const float>(clip.joints), {clip.frames, form.joints, 3});
   auto file = [&](std::string_view kind, std::string_view extension) {
     make_folder(folder);
-    make_folder(detail::below(folder, kind));
-    return detail::below(folder, concat_text(kind, "/", clip.id, extension));
+    make_folder(below(folder, kind));
+    return below(folder, concat_text(kind, "/", clip.id, extension));
   };
   write_npy(file("new_joint_vecs", ".npy"), features);
   write_npy(file("new_joints", ".npy"), joints);
   write_file(file("texts", ".txt"), captions);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip,
+                                          const HumanMl3dForm& form) {
+  const FilePath texts = detail::below(folder, concat_text("texts/", clip.id, ".txt"));
+  detail::write_clip_files(folder, clip, format_captions(clip.captions, texts.string()), form);
 }
 
 MOTIONLANG_BODY void write_humanml3d_statistics(const FilePath& folder, std::span<const float> mean,
@@ -15710,7 +15715,7 @@ MOTIONLANG_BODY bool write_made_clip(const HumanMl3dSources& sources, const std:
     return !clip.captions.empty();
   }
   const std::string said = read_file(FilePath(file));  // as it is, like the notebooks
-  write_humanml3d_clip(FilePath(out), clip, said);
+  detail::write_clip_files(FilePath(out), clip, said);
   return !said.empty();
 }
 

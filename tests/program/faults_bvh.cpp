@@ -8,15 +8,16 @@
 #include <motionlang/formats/motion_file.hpp>
 
 #include "../support/synthetic_motion.hpp"
+#include "../support/tests_folder.hpp"
 #include "small_workplace.hpp"
 
 namespace {
 
+const std::filesystem::path faults = std::filesystem::path(tests_folder()) / "unit/formats/data";
+
 /// A workplace with such a file as in.bvh.
 struct Case : Workplace {
-  explicit Case(const std::string& name) {
-    std::filesystem::copy_file(std::filesystem::path(MOTIONLANG_FORMATS_TEST_DATA) / (name + ".bvh"), *this / "in.bvh");
-  }
+  explicit Case(const std::string& name) { std::filesystem::copy_file(faults / (name + ".bvh"), *this / "in.bvh"); }
 };
 
 ml::Vec3<double> travel(const ml::Motion& m) { return m.root.back() - m.root.front(); }
@@ -25,8 +26,7 @@ ml::Vec3<double> travel(const ml::Motion& m) { return m.root.back() - m.root.fro
 
 TEST_CASE("IK bones beside the pelvis: the walk is in .npz, in .bvh and on a character") {
   const Case c("bvh_root_with_ik_bones");
-  std::filesystem::copy_file(std::filesystem::path(MOTIONLANG_FORMATS_TEST_DATA) / "bvh_root_with_ik_bones.glb",
-                             c / "rig.glb");
+  std::filesystem::copy_file(faults / "bvh_root_with_ik_bones.glb", c / "rig.glb");
   for (const auto& arguments : {std::vector<std::string>{"convert", "in.bvh", "out.npz"},
                                 {"convert", "in.bvh", "out.bvh"},
                                 {"convert", "in.bvh", "out.glb", "--rig", "rig.glb"}}) {

@@ -93,10 +93,6 @@ std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption> captio
 /// Throws io_error 401, 403 for an id that leads out of the folder, shape_error 205 if the values do not fit the form,
 /// timeline_error 510 as format_captions
 void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, const HumanMl3dForm& form = {});
-/// The same with these captions, as their file has them, in place of those of the clip. Throws the same without
-/// timeline_error 510.
-void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
-                          const HumanMl3dForm& form = {});
 /// Writes Mean.npy and Std.npy, for example from FeatureStatistics. Throws io_error 401, and shape_error 205 for
 /// another width.
 void write_humanml3d_statistics(const FilePath& folder, std::span<const float> mean, std::span<const float> deviation,
@@ -106,6 +102,11 @@ namespace detail {
 
 /// The values of an array of this shape, or of any number of rows of it. Throws io_error 407 for another shape.
 std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number = false);
+
+/// write_humanml3d_clip with the text of the file of captions, in place of the clip's own captions. Throws the same
+/// without timeline_error 510.
+void write_clip_files(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
+                      const HumanMl3dForm& form = {});
 
 }  // namespace detail
 MOTIONLANG_NAMESPACE_END

@@ -91,26 +91,30 @@ MOTIONLANG_BODY std::vector<HumanMl3dItem> humanml3d_items(std::span<const Motio
   return items;
 }
 
-MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip,
-                                          const HumanMl3dForm& form) {
-  const FilePath texts = detail::below(folder, concat_text("texts/", clip.id, ".txt"));
-  write_humanml3d_clip(folder, clip, format_captions(clip.captions, texts.string()), form);
-}
+namespace detail {
 
-MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
-                                          const HumanMl3dForm& form) {
-  if (!detail::is_clip_id(clip.id) || clip.id.find('/') != clip.id.npos)
+MOTIONLANG_BODY void write_clip_files(const FilePath& folder, const HumanMl3dClip& clip, std::string_view captions,
+                                      const HumanMl3dForm& form) {
+  if (!is_clip_id(clip.id) || clip.id.find('/') != clip.id.npos)
     raise<io_error>(403, folder.string(), ": '", clip.id, "' is not a name of a file");
   const auto features = NpyArray::of(std::span<const float>(clip.features), {clip.frames, form.width()});
   const auto joints = NpyArray::of(std::span<const float>(clip.joints), {clip.frames, form.joints, 3});
   auto file = [&](std::string_view kind, std::string_view extension) {
     make_folder(folder);
-    make_folder(detail::below(folder, kind));
-    return detail::below(folder, concat_text(kind, "/", clip.id, extension));
+    make_folder(below(folder, kind));
+    return below(folder, concat_text(kind, "/", clip.id, extension));
   };
   write_npy(file("new_joint_vecs", ".npy"), features);
   write_npy(file("new_joints", ".npy"), joints);
   write_file(file("texts", ".txt"), captions);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip,
+                                          const HumanMl3dForm& form) {
+  const FilePath texts = detail::below(folder, concat_text("texts/", clip.id, ".txt"));
+  detail::write_clip_files(folder, clip, format_captions(clip.captions, texts.string()), form);
 }
 
 MOTIONLANG_BODY void write_humanml3d_statistics(const FilePath& folder, std::span<const float> mean,

@@ -127,7 +127,7 @@ MOTIONLANG_BODY bool write_made_clip(const HumanMl3dSources& sources, const std:
     return !clip.captions.empty();
   }
   const std::string said = read_file(FilePath(file));  // as it is, like the notebooks
-  write_humanml3d_clip(FilePath(out), clip, said);
+  detail::write_clip_files(FilePath(out), clip, said);
   return !said.empty();
 }
 

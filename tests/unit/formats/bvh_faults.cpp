@@ -23,6 +23,7 @@
 #include "../../support/rigs.hpp"
 #include "../../support/synthetic_motion.hpp"
 #include "../../support/temporary_folder.hpp"
+#include "../../support/tests_folder.hpp"
 
 namespace ml = motionlang;
 using doctest::Approx, doctest::Contains;
@@ -30,7 +31,7 @@ using doctest::Approx, doctest::Contains;
 namespace {
 
 std::filesystem::path fault(const std::string& name) {
-  return std::filesystem::path(MOTIONLANG_FORMATS_TEST_DATA) / name;
+  return std::filesystem::path(tests_folder()) / "unit/formats/data" / name;
 }
 
 void check_equal(const ml::Vec3<double>& a, const ml::Vec3<double>& b, double tolerance = 1e-5) {

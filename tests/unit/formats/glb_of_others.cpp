@@ -12,6 +12,7 @@
 #include "../../support/gltf_builder.hpp"
 #include "../../support/gltf_world.hpp"
 #include "../../support/rigs.hpp"
+#include "../../support/tests_folder.hpp"
 
 namespace ml = motionlang;
 using gltf::Builder;
@@ -19,7 +20,9 @@ using nlohmann::json;
 
 namespace {
 
-std::filesystem::path data(const char* name) { return std::filesystem::path(MOTIONLANG_FORMATS_TEST_DATA) / name; }
+std::filesystem::path data(const char* name) {
+  return std::filesystem::path(tests_folder()) / "unit/formats/data" / name;
+}
 /// The only motion of a file of the tests, and the lines about it.
 struct Read {
   std::string notes{};

@@ -9,11 +9,17 @@
 #include <motionlang/datasets/annotations.hpp>
 #include <motionlang/weights/tokenizer_files.hpp>
 
+#include "../../support/tests_folder.hpp"
+
 namespace ml = motionlang;
 using ml::Index;
 using Ids = std::vector<Index>;
 
 namespace {
+
+std::filesystem::path own_data(const char* name) {
+  return std::filesystem::path(tests_folder()) / "unit/text/data" / name;
+}
 
 struct Published {
   std::filesystem::path folder = std::getenv("MOTIONLANG_DATA");
@@ -22,7 +28,7 @@ struct Published {
   ml::ClipTokenizer clip = ml::read_clip_tokenizer(folder / "tokenizers/bpe_simple_vocab_16e6.txt.gz");
   ml::ClipTokenizer clip_hf = ml::read_clip_tokenizer(folder / "tokenizers/bpe_simple_vocab_16e6.txt.gz",
                                                       {.cleaning = ml::ClipCleaning::hugging_face});
-  nlohmann::json rows = ml::read_json(MOTIONLANG_TEXT_TEST_DATA "/tokenizer_strings.json");
+  nlohmann::json rows = ml::read_json(own_data("tokenizer_strings.json"));
 };
 
 /// Null, with a message, where there are no data.
@@ -160,8 +166,7 @@ TEST_CASE("published tokenizers: 12,164 captions of KIT-ML") {
 TEST_CASE("published tokenizers: 50,000 mixtures of entities, marks, controls and words") {
   const Published* p = published();
   if (p == nullptr) return;
-  const auto fragments =
-      ml::read_json(MOTIONLANG_TEXT_TEST_DATA "/tokenizer_fragments.json").get<std::vector<std::string>>();
+  const auto fragments = ml::read_json(own_data("tokenizer_fragments.json")).get<std::vector<std::string>>();
   std::uint32_t state = 1;
   const auto below = [&](std::size_t n) {
     state = state * 1664525u + 1013904223u;
