@@ -67,8 +67,8 @@ measure() {
   name=$1; shift
   [ ! -f "results/$name.txt" ] || return 0
   echo "== results/$name.txt: motionlang evaluate $*" >&2
-  motionlang evaluate "$@" --threads "$threads" > results/part.txt
-  mv results/part.txt "results/$name.txt"
+  motionlang evaluate "$@" --threads "$threads" > "results/$name.part"
+  mv "results/$name.part" "results/$name.txt"
 }
 
 # ---- tables
@@ -192,16 +192,16 @@ small="--preset small --splits splits --data data"
 vae="--set network.latent_dim=$(full 8 64) --set network.ff_size=$(full 8 128)"
 words="--set text.width=$(full 8 64)"
 clips_too="--set data.min_seconds=0.3 --set data.mirror=false"
-# Epochs for 941 clips; with fewer clips there are more, so that a training has as many steps.
+# Epochs for 936 clips; with fewer clips there are more, so that a training has as many steps.
 epochs() {
-  n=$(grep -c . splits/train.txt) || { echo "bandai_all.sh: splits/train.txt names no clip" >&2; exit 2; }
-  echo "--set optimiser.epochs=$(full 1 $((($1 * 941 + n - 1) / n)))"
+  n=$(grep -c '^dataset' splits/train.txt) || { echo "bandai_all.sh: splits/train.txt names no clip" >&2; exit 2; }
+  echo "--set optimiser.epochs=$(full 1 $((($1 * 936 + n - 1) / n)))"
 }
 
 table_stmc() {
   size="--set network.latent_dim=$(full 8 64) --set network.ff_size=$(full 8 256) --set network.num_layers=$(full 1 4) $words"
   train mdm_smpl train-mdm-smpl $small --captions actions.tsv --set data.min_seconds=0.5 $size \
-    --set diffusion.steps="$(full 3 100)" --set optimiser.lr=0.001 $(epochs 60)
+    --set diffusion.steps="$(full 3 100)" --set optimiser.lr=0.001 $(epochs 160)
   judge="train-tmr $small --set data.min_seconds=0.3 $vae $words --set losses.threshold=0.95 $(epochs 30)"
   train judge $judge --captions actions.tsv
   train judge_of_pairs $judge --captions judged.tsv
@@ -215,7 +215,7 @@ table_stmc() {
 
 table_tmr() {
   tmr="train-tmr --captions captions_one.tsv $small $vae $words $clips_too --set features=rifke"
-  tmr="$tmr --set optimiser.batch=$(full 4 128) $(epochs 20)"
+  tmr="$tmr --set optimiser.batch=$(full 4 128) $(epochs 80)"
   train tmr $tmr --set losses.threshold=0.88
   train tmr_unfiltered $tmr --set losses.threshold=0
   train tmr_margin $tmr --set losses.threshold=0.88 --set losses.contrastive_loss=margin
@@ -227,34 +227,41 @@ table_tmr() {
 }
 
 table_temos() {
-  temos="train-temos --captions captions.tsv $small $vae $words $clips_too --set optimiser.lr=0.001 $(epochs 25)"
+  temos="train-temos --captions captions.tsv $small $vae $words $clips_too --set optimiser.lr=0.001 $(epochs 50)"
   train temos $temos
   train temos_deterministic $temos --set network.vae=false
   train temos_no_encoder $temos --set network.motion_encoder=none
   train temos_no_embedding $temos --set losses.embedding=false
   train temos_no_cross $temos --set losses.cross_modal_kl=false
   train temos_no_priors $temos --set losses.gaussian_kl=false
-  train temos_gru $temos --set network.motion_encoder=gru --set network.motion_decoder=gru
-  for model in temos temos_deterministic temos_no_encoder temos_no_embedding temos_no_cross temos_no_priors temos_gru; do
+  gru="--set network.motion_encoder=gru --set network.motion_decoder=gru"
+  train temos_gru $temos $gru
+  # In place of Lin et al. and JL2P, of which the thesis says little (2.2.2): deterministic, with GRUs for motions.
+  train temos_lin $temos --set network.vae=false --set network.motion_encoder=none --set network.motion_decoder=gru
+  train temos_jl2p $temos --set network.vae=false $gru
+  for model in temos temos_deterministic temos_no_encoder temos_no_embedding temos_no_cross temos_no_priors temos_gru \
+    temos_lin temos_jl2p; do
     measure $model trained/$model/model --data data --splits splits --captions captions.tsv --samples "$(full 2 10)"
   done
 }
 
 table_actor() {
   actor="train-actor --labels labels.tsv $small $vae --set network.num_layers=2 --set optimiser.lr=0.001"
-  actor="$actor --set losses.kl=1e-4 $(epochs 60)"
+  actor="$actor --set losses.kl=1e-4 $(epochs 100)"
   train classifier train-classifier --labels labels.tsv $small --set hidden_size="$(full 8 128)" $(epochs 30)
   train actor $actor
   train actor_rotations $actor --set losses.rcxyz=0
   train actor_joints $actor --set losses.rc=0
-  for model in actor actor_rotations actor_joints; do
+  train actor_gru $actor --set network.encoder=gru --set network.decoder=gru
+  train actor_frames $actor --set network.encoder=frames --set network.decoder=frames --set network.latent_dim="$(full 8 32)"
+  for model in actor actor_rotations actor_joints actor_gru actor_frames; do
     measure $model trained/$model/model --data data --splits splits --labels labels.tsv --classifier trained/classifier/model \
       --seeds "$(full 2 20)"
   done
 }
 
 table_teach() {
-  babel="$small --babel after.json $vae $words --set optimiser.lr=0.001 $(epochs 30)"
+  babel="$small --babel after.json $vae $words --set optimiser.lr=0.001 $(epochs 50)"
   train teach train-teach $babel
   train independent train-sinc $babel --set data.types=seg --set data.proportion=0
   train joint train-sinc $babel --set data.types=separate_pairs --set data.proportion=0
@@ -264,12 +271,12 @@ table_teach() {
 
 table_sinc() {
   babel="$small --babel together.json $vae $words --set optimiser.lr=0.001"
-  train singles train-sinc $babel --set data.types=seg+seq $(epochs 25)
-  train sinc_pairs train-sinc $babel --set data.types=spatial_pairs $(epochs 60)
-  train sinc_ste train-sinc $babel --set data.types=spatial_pairs --set network.texts=separate $(epochs 60)
-  train sinc train-sinc $babel --set data.types=seg+seq+spatial_pairs $(epochs 25)
+  train singles train-sinc $babel --set data.types=seg+seq $(epochs 40)
+  train sinc_pairs train-sinc $babel --set data.types=spatial_pairs $(epochs 80)
+  train sinc_ste train-sinc $babel --set data.types=spatial_pairs --set network.texts=separate $(epochs 80)
+  train sinc train-sinc $babel --set data.types=seg+seq+spatial_pairs $(epochs 40)
   train sinc_synthetic train-sinc $babel --set data.types=seg+seq+spatial_pairs --set data.proportion=0.5 \
-    --body-parts parts.json $(epochs 25)
+    --body-parts parts.json $(epochs 40)
   for model in singles sinc_pairs sinc_ste sinc sinc_synthetic; do
     measure $model trained/$model/model --data data --splits splits --babel together.json --items unseen \
       --temos trained/singles/model --body-parts parts.json --conjunction while --samples "$(full 2 10)"
@@ -288,13 +295,13 @@ table_tm2t() {
   fi
   from_tokens="--tokenizer trained/tokenizer/model"
   train movement $judge --stage movement $(epochs 5)
-  train evaluator $judge --stage matching --movement trained/movement/model $(epochs 20)
-  train tokenizer $tm2t --stage tokenizer $(epochs 3)
-  train m2t $tm2t --stage motion-to-text $from_tokens $(epochs 15)
-  train m2t_no_tokens $tm2t --stage motion-to-text $from_tokens --set motion_to_text.tokens=false $(epochs 15)
-  train t2m $tm2t --stage text-to-motion --describer trained/m2t/model $(epochs 10)
-  train t2m_no_alignment $tm2t --stage text-to-motion $from_tokens --set text_to_motion.alignment=false $(epochs 10)
-  train t2m_transformer $tm2t --stage text-to-motion $from_tokens --set text_to_motion.network=transformer $(epochs 10)
+  train evaluator $judge --stage matching --movement trained/movement/model $(epochs 30)
+  train tokenizer $tm2t --stage tokenizer $(epochs 6)
+  train m2t $tm2t --stage motion-to-text $from_tokens $(epochs 60)
+  train m2t_no_tokens $tm2t --stage motion-to-text $from_tokens --set motion_to_text.tokens=false $(epochs 60)
+  train t2m $tm2t --stage text-to-motion --describer trained/m2t/model $(epochs 60)
+  train t2m_no_alignment $tm2t --stage text-to-motion $from_tokens --set text_to_motion.alignment=false $(epochs 60)
+  train t2m_transformer $tm2t --stage text-to-motion $from_tokens --set text_to_motion.network=transformer $(epochs 60)
   for model in m2t m2t_no_tokens; do
     measure $model trained/$model/model --data data --splits splits --captions captions.tsv --evaluator trained/evaluator/model
   done
@@ -348,6 +355,81 @@ sinc_rows() {
   row sinc_synthetic "SINC, pairs, singles and synthetic pairs" "one sample" "${1:-}"
 }
 
+# figure RESULT COLUMN BEGIN [AFTER]: that value of the line that `row` finds; no number if there is none.
+figure() { row "$1" . "$3" "${4:-}" | awk -F ' *[|] *' -v at="$2" '{ sub(/±.*/, "", $(at + 2)); print $(at + 2) }'; }
+
+# stmc_figure COLUMN METHOD: the same of table 6.1, with distances as the thesis writes them.
+stmc_figure() {
+  [ ! -f results/stmc_judge_of_pairs.txt ] || awk -F ' *[|] *' -v at="$1" -v method="$2" '
+    /^as written/ { found = 1 }
+    found && $2 == method { print $(at + 4); exit }' results/stmc_judge_of_pairs.txt
+}
+
+# claim WHAT PAPER SIGN PAPER HERE HERE: a line of the table of orderings. SIGN is "<" or ">".
+claim() {
+  awk -v what="$1" -v a="$2" -v sign="$3" -v b="$4" -v x="$5" -v y="$6" 'BEGIN {
+    number = "^-?[0-9]+([.][0-9]+)?$"
+    here = x ~ number && y ~ number ? x " " sign " " y : "missing"
+    holds = here == "missing" ? "missing" : (sign == "<" ? x + 0 < y + 0 : x + 0 > y + 0) ? "yes" : "no"
+    print "| " what " | " a " " sign " " b " | " here " | " holds " |"
+  }'
+}
+
+# The orderings that the papers conclude from these tables, and whether they are the same here.
+orderings() {
+  printf '\n## Orderings of the papers\n'
+  head_of "figure: first row, second row" "paper" "here" "same order"
+  for other in "one text:30.5 > 12.1" "DiffCollage, single track:30.5 > 29.1" \
+    "SINC without lerp:30.5 < 32.3" "SINC with lerp:30.5 < 31.8"; do
+    name=${other%%:*} values=${other#*:}
+    claim "STMC 6.1, R@1: STMC, $name" $values "$(stmc_figure 1 STMC)" "$(stmc_figure 1 "$name")"
+  done
+  for other in "one text:1.8" "DiffCollage, single track:1.2" "SINC without lerp:4.2" "SINC with lerp:1.2"; do
+    name=${other%%:*}
+    claim "STMC 6.1, transition: STMC, $name" 0.9 "<" "${other#*:}" "$(stmc_figure 6 STMC)" "$(stmc_figure 6 "$name")"
+  done
+  accuracy() { figure "$1" 1 generated; }
+  claim "ACTOR 3.2, accuracy: rotations and points, rotations" 91.1 ">" 42.4 "$(accuracy actor)" "$(accuracy actor_rotations)"
+  claim "ACTOR 3.2, accuracy: rotations, joints" 42.4 ">" 3.3 "$(accuracy actor_rotations)" "$(accuracy actor_joints)"
+  claim "ACTOR 3.4, accuracy: Transformer, GRU" 91.1 ">" 87.3 "$(accuracy actor)" "$(accuracy actor_gru)"
+  claim "ACTOR 3.7, accuracy: ACTOR, a latent for each frame" 95.5 ">" 92.3 "$(accuracy actor)" "$(accuracy actor_frames)"
+  claim "ACTOR 3.7, FID: ACTOR, a latent for each frame" 0.12 "<" 2.46 "$(figure actor 2 generated)" "$(figure actor_frames 2 generated)"
+  root() { figure "$1" 1 "one sample"; }
+  for other in "deterministic:temos_deterministic:1.175" "deterministic, GRUs (paper: JL2P):temos_jl2p:1.622" \
+    "deterministic, GRU decoder (paper: Lin et al.):temos_lin:1.966" \
+    "GRU:temos_gru:1.443" "without motion encoder:temos_no_encoder:1.178" "without embedding loss:temos_no_embedding:1.091" \
+    "without cross-modal KL:temos_no_cross:0.993" "without Gaussian priors:temos_no_priors:1.049"; do
+    rest=${other#*:temos_} name=${other%:temos_*}
+    claim "TEMOS 4.1 to 4.3, APE root: TEMOS, $name" 0.963 "<" "${rest#*:}" "$(root temos)" "$(root "temos_${rest%%:*}")"
+  done
+  claim "TEMOS 4.2, APE root: best of ten, one sample" 0.784 "<" 0.963 "$(figure temos 1 "best of $(full 2 10) samples")" "$(root temos)"
+  recall() { figure "$1" 1 "all, texts alike"; }
+  for other in "not filtered:tmr_unfiltered:22.17" "without reconstruction:tmr_no_motions:19.76" "margin:tmr_margin:19.88" \
+    "no contrast:tmr_temos:18.55"; do
+    name=${other%%:*} rest=${other#*:}
+    claim "TMR 5.3, 5.4, R@1: TMR (threshold 0.8; here 0.88), $name" 24.58 ">" "${rest#*:}" "$(recall tmr)" "$(recall "${rest%%:*}")"
+  done
+  claim "TEACH A.1, APE root: TEACH, independent" 0.674 "<" 0.729 "$(root teach)" "$(figure teach 1 "independent  ")"
+  claim "TEACH A.1, APE root: independent, joint" 0.729 "<" 0.790 "$(figure teach 1 "independent  ")" "$(figure teach 1 "joint  ")"
+  claim "TEACH A.2, transition: TEACH, independent" 0.107 "<" 0.151 \
+    "$(figure teach 1 "turned and moved" "transition distance")" \
+    "$(figure teach 1 "independent, turned and moved" "transition distance")"
+  score() { figure "$1" 1 "${2:-one sample}" "TEMOS score"; }
+  claim "SINC B.2, score: composed by body parts, single actions" 0.618 ">" 0.601 \
+    "$(score singles "labels alone, composed")" "$(score singles)"
+  claim "SINC B.2, score: SINC, SINC-STE" 0.631 ">" 0.614 "$(score sinc_pairs)" "$(score sinc_ste)"
+  claim "SINC B.2, score: pairs and singles, pairs" 0.640 ">" 0.631 "$(score sinc)" "$(score sinc_pairs)"
+  claim "SINC B.2, score: pairs and singles, composed by body parts" 0.640 ">" 0.618 \
+    "$(score sinc)" "$(score singles "labels alone, composed")"
+  claim "TM2T 1, R@1: TM2T, without motion tokens" 0.516 ">" 0.483 "$(figure m2t 1 described)" "$(figure m2t_no_tokens 1 described)"
+  claim "TM2T 1, CIDEr: TM2T, without motion tokens" 72.5 ">" 68.3 "$(figure m2t 10 described)" "$(figure m2t_no_tokens 10 described)"
+  for other in "without inverse alignment:t2m_no_alignment:1.739" "Transformer:t2m_transformer:1.669"; do
+    name=${other%%:*} rest=${other#*:}
+    claim "TM2T 2, R@1: TM2T, $name" 0.424 ">" 0.351 "$(figure t2m 1 generated)" "$(figure "${rest%%:*}" 1 generated)"
+    claim "TM2T 2, FID: TM2T, $name" 1.501 "<" "${rest#*:}" "$(figure t2m 4 generated)" "$(figure "${rest%%:*}" 4 generated)"
+  done
+}
+
 errors() { head_of "$1" "APE root" traj. local global "AVE root" traj. local global; }
 
 page() {
@@ -369,6 +451,11 @@ page() {
   row actor_joints "joints" generated
   row actor_rotations "rotations" generated
   row actor "rotations and joints" generated
+  printf '\n## ACTOR, tables 3.4 and 3.7\n'
+  head_of network "accuracy %" FID diversity multimodality
+  row actor "Transformer" generated
+  row actor_gru "GRU, a latent for each motion" generated
+  row actor_frames "GRU, a latent for each frame (as Action2Motion)" generated
   printf '\n## TEMOS, tables 4.1 and 4.2\n'
   errors motions
   samples="$(full 2 10) samples"
@@ -377,6 +464,8 @@ page() {
     row temos "$line" "$line"
   done
   row temos_deterministic "deterministic" "one sample"
+  row temos_jl2p "deterministic, GRUs (in place of JL2P)" "one sample"
+  row temos_lin "deterministic, GRU, without motion encoder (in place of Lin et al.)" "one sample"
   printf '\n## TEMOS, table 4.3, one sample\n'
   errors network
   row temos TEMOS "one sample"
@@ -422,6 +511,7 @@ page() {
   row t2m TM2T generated
   row t2m_no_alignment "without inverse alignment" generated
   row t2m_transformer "Transformer (T)" generated
+  orderings
   printf '\n## Processor time of each training\n'
   head_of training seconds
   for file in trained/*/times; do

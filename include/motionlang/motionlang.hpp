@@ -195,6 +195,7 @@
 #include <motionlang/vae/actor_autoregressive.hpp>
 #include <motionlang/vae/actor_decoder.hpp>
 #include <motionlang/vae/actor_encoder.hpp>
+#include <motionlang/vae/actor_frames.hpp>
 #include <motionlang/vae/actor_fully_connected.hpp>
 #include <motionlang/vae/actor_gru.hpp>
 #include <motionlang/vae/actor_latents.hpp>

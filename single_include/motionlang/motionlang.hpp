@@ -19486,6 +19486,16 @@ Tensor<B, 2> action_and_time(std::span<const Index> labels, Index classes, const
   return time ? concat(1, action, relative_time<B>(lengths)) : action;
 }
 
+/// Each frame as the one before it, zeros for the first.
+template <Backend B>
+Sequences<B> frames_before(const Sequences<B>& x) {
+  PoolVector<Index> rows;  // of a table that begins with a frame of zeros
+  for (Index s = 0; s < x.count(); ++s) {
+    for (Index t = 0; t < x.offsets.length(s); ++t) rows.push_back(t == 0 ? 0 : x.offsets.begin(s) + t);
+  }
+  return x.with(gather(concat(0, Tensor<B, 2>::zeros({1, x.width()}), x.rows), rows));
+}
+
 }  // namespace detail
 
 ///     h = GRU(W [frame, one-hot y, time]);   mu and logvar from the last frame's h
@@ -19682,12 +19692,7 @@ struct ActorAutoregressiveDecoder {
   Sequences<B> teach(const Tensor<B, 2>& z, std::span<const Index> labels, const Sequences<B>& x,
                      const Context& context = {}) const {
     const Offsets& lengths = x.offsets;
-    PoolVector<Index>
-        before;  // rows of a table: a frame of zeros, which precedes every first frame, then the frames of all motions
-    for (Index s = 0; s < x.count(); ++s) {
-      for (Index t = 0; t < lengths.length(s); ++t) before.push_back(t == 0 ? 0 : lengths.begin(s) + t);
-    }
-    const auto targets = gather(concat(0, Tensor<B, 2>::zeros({1, x.width()}), x.rows), before);
+    const auto targets = detail::frames_before(x).rows;
     const Index classes = embedding.in() - z.size(1) - (concatenate_time ? 1 : 0);
     const auto side = detail::action_and_time<B>(labels, classes, lengths, concatenate_time);
     const auto memory = embedding(x.with(concat(1, repeat_for_rows(z, lengths), side)));
@@ -19885,6 +19890,152 @@ struct ActorAverageEncoder {
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_VAE_ACTOR_FRAMES_HPP  // <motionlang/vae/actor_frames.hpp>
+#define MOTIONLANG_HAS_VAE_ACTOR_FRAMES_HPP
+/// A VAE with one latent for every frame, which ACTOR is compared with (thesis table 3.7): the kind of Action2Motion.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// A stack of GRU layers that is run one frame at a time.
+template <Backend B>
+class GruSteps {
+ public:
+  explicit GruSteps(const Gru<B>& gru) : gru_(gru) {}
+
+  /// The next frame of each motion, (motions, in). Motions that have ended are missing at the end.
+  Tensor<B, 2> operator()(Tensor<B, 2> x) {
+    for (std::size_t i = 0; i < gru_.layers.size(); ++i) {
+      const auto& layer = gru_.layers[i];
+      if (states_.size() == i) states_.push_back(Tensor<B, 2>::zeros({x.size(0), layer.hidden()}));
+      x = states_[i] = layer(std::vector<Tensor<B, 2>>{x}, states_[i]).front();
+    }
+    return x;
+  }
+
+ private:
+  const Gru<B>& gru_;
+  std::vector<Tensor<B, 2>> states_;
+};
+
+}  // namespace detail
+
+/// The distribution of a frame's latent, from frames up to it.
+template <Backend B>
+struct ActorFrameGaussian {
+  Linear<B> embed;
+  Gru<B> gru;
+  Linear<B> mu, logvar;
+
+  static constexpr auto fields() {
+    using M = ActorFrameGaussian;
+    return motionlang::fields("embed", &M::embed, "gru", &M::gru, "mu", &M::mu, "logvar", &M::logvar);
+  }
+  ActorFrameGaussian() = default;
+  ActorFrameGaussian(Index in, Index hidden, Index latent, Rng auto& rng)
+      : embed(in, hidden, rng), gru(hidden, hidden, 1, rng), mu(hidden, latent, rng), logvar(hidden, latent, rng) {}
+
+  LatentGaussian<B> operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
+    const auto h = gru(embed(x)).rows;
+    return {mu(h), logvar(h)};
+  }
+};
+
+///     posterior of z_t = GRU(W [frame t, one-hot y, time]),   prior of z_t = GRU(W [frame t - 1, one-hot y, time])
+///     frame t = V GRU(W [frame t - 1, one-hot y, time, z_t])
+/// Training reads the true frames, generation those that it made. The KL divergence is that of the posterior from the
+/// prior.
+/// Source   thesis 2.2.1 and 3.3.3: Action2Motion is a VAE of frames, conditioned on actions, with GRUs
+/// Differs  Action2Motion also has losses of a Lie algebra, and trains with some of its own frames. The thesis gives no
+///          formulas for them
+template <Backend B>
+struct ActorFrames {
+  ActorFrameGaussian<B> posterior, prior;
+  Linear<B> embed;
+  Gru<B> gru;
+  Linear<B> final_layer;
+
+  static constexpr auto fields() {
+    using M = ActorFrames;
+    return motionlang::fields("posterior", &M::posterior, "prior", &M::prior, "embed", &M::embed, "gru", &M::gru,
+                              "final_layer", &M::final_layer);
+  }
+  static std::string official_key(const std::string& path) { return gru_key(path); }
+
+  ActorFrames() = default;
+  /// hidden: width of the GRUs;  layers: of the GRU that writes frames
+  ActorFrames(Index nfeats, Index classes, Index latent, Index hidden, Index layers, Rng auto& rng)
+      : posterior(nfeats + classes + 1, hidden, latent, rng),
+        prior(nfeats + classes + 1, hidden, latent, rng),
+        embed(nfeats + classes + 1 + latent, hidden, rng),
+        gru(hidden, hidden, layers, rng),
+        final_layer(hidden, nfeats, rng) {}
+
+  Index width() const { return final_layer.out(); }
+  Index latent_dim() const { return prior.mu.out(); }
+
+  /// A latent for every frame, (frames, latent). Throws shape_error 203 for a label that is not a class.
+  LatentGaussian<B> encode(const Sequences<B>& x, std::span<const Index> labels) const {
+    const ModuleScope scope(*this);
+    return posterior(x.with(concat(1, x.rows, side(labels, x.offsets))));
+  }
+  /// The prior of each latent, before its frame is seen, (frames, latent).
+  LatentGaussian<B> expect(const Sequences<B>& x, std::span<const Index> labels) const {
+    const ModuleScope scope(*this);
+    const auto before = detail::frames_before(x);
+    return prior(before.with(concat(1, before.rows, side(labels, x.offsets))));
+  }
+  /// Frames from the true ones before them. z: (frames, latent).
+  Sequences<B> teach(const Tensor<B, 2>& z, std::span<const Index> labels, const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
+    const auto before = detail::frames_before(x);
+    return final_layer(gru(embed(before.with(concat(1, before.rows, side(labels, x.offsets), z)))));
+  }
+  /// Frames from those that were made before them. z: (frames, latent).
+  Sequences<B> decode(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths) const {
+    return written(z, labels, lengths, [](const Tensor<B, 2>&, const Tensor<B, 2>& given) { return given; });
+  }
+  /// The same with latents of the prior. noise: standard normal values (frames, latent).
+  Sequences<B> generate(const Tensor<B, 2>& noise, std::span<const Index> labels, const Offsets& lengths) const {
+    detail::GruSteps<B> expected(prior.gru);
+    return written(noise, labels, lengths, [&](const Tensor<B, 2>& seen, const Tensor<B, 2>& eps) {
+      const auto h = expected(prior.embed(seen));
+      return LatentGaussian<B>{prior.mu(h), prior.logvar(h)}.sample(eps);
+    });
+  }
+
+ private:
+  Tensor<B, 2> side(std::span<const Index> labels, const Offsets& lengths) const {
+    return detail::action_and_time<B>(labels, prior.embed.in() - width() - 1, lengths, true);
+  }
+  /// latents(seen, given): those of the next frames, from what the prior reads and from rows of `given`.
+  template <class Latents>
+  Sequences<B> written(const Tensor<B, 2>& given, std::span<const Index> labels, const Offsets& lengths,
+                       Latents latents) const {
+    const ModuleScope scope(*this);
+    if (given.shape() != Shape{lengths.rows(), latent_dim()})
+      raise<shape_error>(204, "ActorFrames: latents ", given.shape(), " for ", counted(lengths.rows(), "frame"),
+                         ", expected ", latent_dim(), " values each");
+    const Sequences<B> about(concat(1, side(labels, lengths), given), lengths);
+    const detail::TimeSteps<B> time(about);
+    detail::GruSteps<B> writer(gru);
+    std::vector<Tensor<B, 2>> frames;
+    for (const auto& now : time.steps) {
+      const Index motions = now.size(0), known = now.size(1) - latent_dim();
+      const auto last = frames.empty() ? Tensor<B, 2>::zeros({motions, width()}) : slice(frames.back(), 0, 0, motions);
+      const auto seen = concat(1, last, slice(now, 1, 0, known));
+      const auto z = latents(seen, slice(now, 1, known, now.size(1)));
+      frames.push_back(final_layer(writer(embed(concat(1, seen, z)))));
+    }
+    return {frames.empty() ? Tensor<B, 2>::zeros({0, width()}) : time.packed(frames), lengths};
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_FULLY_CONNECTED_HPP  // <motionlang/vae/actor_fully_connected.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_FULLY_CONNECTED_HPP
 /// The fully connected encoder and decoder that ACTOR is compared with (thesis table 3.4). All motions have one length.
@@ -20020,14 +20171,15 @@ struct ActorLossPoints {
 
 ///     rc, rcxyz     mean square over all frames and features (the padding of the translation's row counts), or over
 ///                   points
-///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), SUMMED over batch and coordinates: its weight grows with the
-///                   batch
+///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), or from the prior that is given, SUMMED over batch and
+///                   coordinates: its weight grows with the batch. Latents of frames are summed over frames, too
 ///     vel, velxyz   mean square of the steps from frame to frame
 /// Terms whose weight is not 0. Source  thesis 3.2.2; ACTOR src/models/tools/losses.py
 /// Throws  config_error 102 if a term needs points that are missing
 template <Backend B>
 LossTerms<B> actor_losses(const LatentGaussian<B>& latent, const Sequences<B>& x, const Sequences<B>& written,
-                          const ActorLossWeights& w = {}, const std::optional<ActorLossPoints<B>>& points = {}) {
+                          const ActorLossWeights& w = {}, const std::optional<ActorLossPoints<B>>& points = {},
+                          const std::optional<LatentGaussian<B>>& prior = {}) {
   if ((w.rcxyz != 0 || w.velxyz != 0) && !points)
     raise<config_error>(102, "actor_losses: weights ", w.rcxyz, " of rcxyz and ", w.velxyz,
                         " of velxyz without points");
@@ -20035,7 +20187,9 @@ LossTerms<B> actor_losses(const LatentGaussian<B>& latent, const Sequences<B>& x
   if (w.rc != 0) out.add("rc", w.rc, mse(x.rows, written.rows));
   if (w.rcxyz != 0) out.add("rcxyz", w.rcxyz, mse(points->wanted.rows, points->written.rows));
   if (w.kl != 0) {
-    out.add("kl", w.kl, kl_to_standard_normal(latent.mu, latent.logvar) * static_cast<double>(latent.mu.count()));
+    const auto mean = prior ? kl_divergence(latent.mu, latent.logvar, prior->mu, prior->logvar)
+                            : kl_to_standard_normal(latent.mu, latent.logvar);
+    out.add("kl", w.kl, mean * static_cast<double>(latent.mu.count()));
   }
   if (w.vel != 0) out.add("vel", w.vel, velocity_mse(x, written));
   if (w.velxyz != 0) out.add("velxyz", w.velxyz, velocity_mse(points->wanted, points->written));
@@ -22212,9 +22366,10 @@ Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape, I
 
 /// Options of a whole reverse process.
 struct SamplingOptions {
-  enum class Sampler { ddpm, ddim };
+  enum class Sampler { ddpm, ddim, plms };
   Sampler sampler = Sampler::ddpm;
   double eta = 0;  // of ddim
+  int order = 4;   // of plms: 2 to 4
   /// As thesis eq. 6.2 has it: N(mu, Sigma) is mu + sqrt(Sigma) noise.
   NoiseScale noise_scale = NoiseScale::posterior_std;
   bool clip = false;
@@ -22223,7 +22378,7 @@ struct SamplingOptions {
 /// Differs from thesis eq. 6.2: as Sigma is below 1, motions have less noise than the distribution says.
 inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseScale::posterior_variance};
 std::string_view to_string(SamplingOptions::Sampler sampler);
-/// "ddpm" or "ddim". Throws config_error 103.
+/// "ddpm", "ddim" or "plms". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
 /// "paper": posterior_std, as thesis eq. 6.2 has it; "published": that of published_stmc_sampling. Throws config_error
 /// 103.
@@ -22392,6 +22547,20 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
   return x;
 }
 
+/// The whole reverse process with the sampler of the options. noise(0) is the initial x; noise(1), noise(2), ... belong
+/// to the steps of a sampler that adds noise.
+template <Backend B, int R, class Network, class Noise, class Watch = IgnoreSteps>
+Tensor<B, R> sample(const GaussianDiffusion& d, Network&& network, Noise&& noise, const SamplingOptions& options,
+                    Prediction prediction = Prediction::x0, Progress progress = {}, const Watch& watch = {}) {
+  using enum SamplingOptions::Sampler;
+  const auto of_step = [&](Index draw) { return noise(draw + 1); };
+  const StepOptions step{.prediction = prediction, .noise_scale = options.noise_scale, .clip = options.clip};
+  if (options.sampler == plms) return sample_plms<B, R>(d, noise(0), network, options.order, step, progress, watch);
+  if (options.sampler == ddim)
+    return sample_ddim<B, R>(d, noise(0), network, of_step, options.eta, step, detail::KeepX0{}, progress, watch);
+  return sample_ancestral<B, R>(d, noise(0), network, of_step, step, detail::KeepX0{}, progress, -1, watch);
+}
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_SAMPLER_IPP  // <motionlang/diffusion/sampler.ipp>
@@ -22400,19 +22569,26 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+
+inline constexpr std::array<std::string_view, 3> sampler_names{"ddpm", "ddim", "plms"};
+
+}  // namespace detail
+
 MOTIONLANG_BODY GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps) {
   if (steps == 0 || steps == process.steps()) return process;
   return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
 }
 
 MOTIONLANG_BODY std::string_view to_string(SamplingOptions::Sampler sampler) {
-  return sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm";
+  return detail::sampler_names.at(static_cast<std::size_t>(sampler));
 }
 
 MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where) {
-  if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
-  if (name == "ddim") return SamplingOptions::Sampler::ddim;
-  raise<config_error>(103, where, " '", name, "' is neither ddpm nor ddim");
+  const auto& names = detail::sampler_names;
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) raise<config_error>(103, where, " '", name, "' is not ddpm, ddim or plms");
+  return static_cast<SamplingOptions::Sampler>(found - names.begin());
 }
 
 MOTIONLANG_BODY NoiseScale parse_noise_scale(std::string_view name, std::string_view where) {
@@ -22471,13 +22647,9 @@ struct MdmActions {
     const auto noise = [&](Index draw) {
       return reshape<2>(sequence_noise<B>(rng, draw, {n, frames, c.nfeats}), {n * frames, c.nfeats});
     };
-    const auto of_step = [&](Index draw) { return noise(draw + 1); };
-    const StepOptions step{.prediction = denoiser.traits().prediction, .noise_scale = NoiseScale::posterior_std};
-    const auto rows =
-        options.sampler == SamplingOptions::Sampler::ddim
-            ? sample_ddim<B, 2>(process, noise(0), network, of_step, 0, step, detail::KeepX0{}, options.progress)
-            : sample_ancestral<B, 2>(process, noise(0), network, of_step, step, detail::KeepX0{}, options.progress);
-    return {rows, offsets};
+    return {sample<B, 2>(process, network, noise, {.sampler = options.sampler}, denoiser.traits().prediction,
+                         options.progress),
+            offsets};
   }
 };
 
@@ -29511,14 +29683,7 @@ template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,
                                   const SamplingOptions& options = {}, Progress progress = {},
                                   const Watch& watch = {}) {
-  auto step_noise = [&](Index draw) { return noise(draw + 1); };
-  const StepOptions step{.noise_scale = options.noise_scale, .clip = options.clip};
-  if (options.sampler == SamplingOptions::Sampler::ddim) {
-    return sample_ddim<B, 2>(diffusion, noise(0), clean_motion, step_noise, options.eta, step, detail::KeepX0{},
-                             progress, watch);
-  }
-  return sample_ancestral<B, 2>(diffusion, noise(0), clean_motion, step_noise, step, detail::KeepX0{}, progress, -1,
-                                watch);
+  return sample<B, 2>(diffusion, clean_motion, noise, options, Prediction::x0, progress, watch);
 }
 template <Backend B, Denoiser<B> D, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusion& diffusion, Prediction prediction,
@@ -36021,16 +36186,19 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The rows of thesis table 3.4, which can be combined.
-enum class ActorEncoderKind { tokens, average, gru, fully_connected };
-enum class ActorDecoderKind { transformer, gru, fully_connected, autoregressive };
+/// The rows of thesis table 3.4, which can be combined, and `frames` of table 3.7, which is both encoder and decoder.
+enum class ActorEncoderKind { tokens, average, gru, fully_connected, frames };
+enum class ActorDecoderKind { transformer, gru, fully_connected, autoregressive, frames };
+
+inline constexpr std::array actor_encoder_names{"tokens", "average", "gru", "fully_connected", "frames"};
+inline constexpr std::array actor_decoder_names{"transformer", "gru", "fully_connected", "autoregressive", "frames"};
 
 /// Published sizes; 13 classes for NTU-13, 40 for UESTC.
 struct ActorConfig {
   static constexpr bool is_option = true;  // holds no tensors
   Index njoints = 25, nfeats = 6;          // rows of a frame, and values of each: a translation is a row
   Index num_classes = 12;
-  Index latent_dim = 256, ff_size = 1024, num_layers = 8, num_heads = 4;
+  Index latent_dim = 256, ff_size = 1024, num_layers = 8, num_heads = 4;  // of frames, ff_size is the width of GRUs
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   ActorEncoderKind encoder = ActorEncoderKind::tokens;
@@ -36053,18 +36221,25 @@ struct Actor {
   std::optional<ActorGruDecoder<B>> gru_decoder;
   std::optional<ActorFullyConnectedDecoder<B>> fc_decoder;
   std::optional<ActorAutoregressiveDecoder<B>> autoregressive_decoder;
+  std::optional<ActorFrames<B>> frames;
   ActorConfig config;
 
   static constexpr auto fields() {
     using M = Actor;
     return motionlang::fields("encoder", &M::encoder, "encoder", &M::average_encoder, "encoder", &M::gru_encoder,
                               "encoder", &M::fc_encoder, "decoder", &M::decoder, "decoder", &M::gru_decoder, "decoder",
-                              &M::fc_decoder, "decoder", &M::autoregressive_decoder, "config", &M::config);
+                              &M::fc_decoder, "decoder", &M::autoregressive_decoder, "frames", &M::frames, "config",
+                              &M::config);
   }
   static std::string official_key(const std::string& path) { return gru_key(path); }
 
   Actor() = default;
+  /// Throws config_error 102 if only one of encoder and decoder is `frames`.
   Actor(const ActorConfig& c, Rng auto& rng) : config(c) {
+    if ((c.encoder == ActorEncoderKind::frames) != (c.decoder == ActorDecoderKind::frames))
+      raise<config_error>(102, "Actor: encoder ", actor_encoder_names[static_cast<std::size_t>(c.encoder)],
+                          ", decoder ", actor_decoder_names[static_cast<std::size_t>(c.decoder)],
+                          ": frames is both of them, or none");
     const Index features = c.njoints * c.nfeats, classes = c.num_classes, width = c.latent_dim;
     const TransformerConfig t{.d_model = width,
                               .heads = c.num_heads,
@@ -36084,20 +36259,29 @@ struct Actor {
     if (c.decoder == ActorDecoderKind::fully_connected) fc_decoder.emplace(features, c.num_frames, classes, width, rng);
     if (c.decoder == ActorDecoderKind::autoregressive)
       autoregressive_decoder.emplace(features, classes, t, c.max_len, c.concatenate_time, rng);
+    if (c.decoder == ActorDecoderKind::frames) frames.emplace(features, classes, width, c.ff_size, c.num_layers, rng);
   }
 
   /// x: frames of `actor_frame_features`; one action per motion. padded_frames: see ActorAverageEncoder.
+  /// -> a latent for each motion; of `frames`, for each frame
   /// Throws shape_error 203 for an action that is not a class.
   LatentGaussian<B> encode(const Sequences<B>& x, std::span<const Index> actions, const Context& context = {},
                            Index padded_frames = 0) const {
+    if (frames) return frames->encode(x, actions);
     if (average_encoder) return (*average_encoder)(x, context, padded_frames);
     if (gru_encoder) return (*gru_encoder)(x, actions);
     if (fc_encoder) return (*fc_encoder)(x, actions, config.num_classes);
     return (*encoder)(x, actions, context);
   }
-  /// z (motions, latent_dim) to motions of these lengths.
+  /// The distribution from which the divergence is taken; none: standard normal.
+  std::optional<LatentGaussian<B>> prior(const Sequences<B>& x, std::span<const Index> actions) const {
+    if (frames) return frames->expect(x, actions);
+    return {};
+  }
+  /// z (motions, latent_dim) to motions of these lengths; of `frames`, z has a row for each frame.
   Sequences<B> decode(const Tensor<B, 2>& z, std::span<const Index> actions, const Offsets& lengths,
                       const Context& context = {}) const {
+    if (frames) return frames->decode(z, actions, lengths);
     if (gru_decoder) return (*gru_decoder)(z, actions, lengths);
     if (fc_decoder) return (*fc_decoder)(z, actions, lengths, config.njoints * config.nfeats);
     if (autoregressive_decoder) return (*autoregressive_decoder)(z, actions, lengths);
@@ -36106,8 +36290,13 @@ struct Actor {
   /// decode for a training step: an autoregressive decoder reads the true frames before each frame.
   Sequences<B> teach(const Tensor<B, 2>& z, std::span<const Index> actions, const Sequences<B>& x,
                      const Context& context = {}) const {
+    if (frames) return frames->teach(z, actions, x);
     return autoregressive_decoder ? autoregressive_decoder->teach(z, actions, x, context)
                                   : decode(z, actions, x.offsets, context);
+  }
+  /// Throws config_error 102 for a model without one latent for a whole motion. `what` needs it.
+  void require_one_latent(const char* what) const {
+    if (frames) raise<config_error>(102, what, ": the model has a latent for each frame, expected one for each motion");
   }
 };
 
@@ -36126,20 +36315,28 @@ Tensor<B, 2> actor_noise(const Actor<B>& actor, Index rows, G& rng) {
 
 /// Motions in the order sample, action. durations: frames for each action, or for each motion.
 /// rng     its normal values are taken in one draw; with TorchRandom they are those of the published program
-/// Throws  shape_error 203 for an action that is not a class, 204 for another number of durations, config_error 101
+/// Throws  shape_error 203 for an action that is not a class, 204 for another number of durations, config_error 101 for
+///         invalid options, 102 for noise that is shared where each frame has a latent
 template <Backend B, class G>
 Sequences<B> generate(const Actor<B>& actor, std::span<const Index> actions, std::span<const Index> durations, G& rng,
                       const ActorSampling& o = {}) {
   const auto n = std::ssize(actions), given = std::ssize(durations);
   if (given != n && given != n * o.samples)
     raise<shape_error>(204, "generate: ", given, " durations for ", n, " actions and ", o.samples, " samples of each");
-  const auto z = actor_latents(detail::actor_noise(actor, o.noise_rows(n), rng), n, o);
   std::vector<Index> labels, lengths;
   for (Index i = 0; i < n * o.samples; ++i) {
     labels.push_back(actions[static_cast<std::size_t>(i % n)]);
     lengths.push_back(durations[static_cast<std::size_t>(i % given)]);
   }
-  return actor.decode(z, labels, Offsets(lengths));
+  const Offsets offsets(lengths);
+  if (actor.frames) {
+    if (o.samples < 1) raise<config_error>(101, "generate: ", o.samples, " samples, expected 1 or more");
+    if (o.across_samples != NoiseSharing::random || o.across_actions != NoiseSharing::random)
+      actor.require_one_latent("generate: shared noise");
+    return actor.frames->generate(detail::actor_noise(actor, offsets.rows(), rng) * o.fact, labels, offsets);
+  }
+  const auto z = actor_latents(detail::actor_noise(actor, o.noise_rows(n), rng), n, o);
+  return actor.decode(z, labels, offsets);
 }
 
 /// Encodes and decodes motions, which removes their noise. Source  thesis 3.3.4
@@ -36149,9 +36346,11 @@ Sequences<B> denoise(const Actor<B>& actor, const Sequences<B>& motions, std::sp
 }
 
 /// Motions between two of one action: `steps` latents on the line from one to the other, all of `length` frames.
+/// Throws  config_error 102 for a model with a latent for each frame, and what interpolate_rows throws
 template <Backend B>
 Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_motions, Index action, Index steps,
                                  Index length) {
+  actor.require_one_latent("interpolate_motions");
   const PoolVector<Index> both(2, action);
   const auto mu = actor.encode(two_motions, both).mu;
   const auto line = interpolate_rows(slice(mu, 0, 0, 1), slice(mu, 0, 1, 2), steps);
@@ -36896,13 +37095,21 @@ void require_own_results(const Collage<B, D>& collage) {
                         "edits: this denoiser's result for a crop depends on the other crops, so nothing can be kept");
 }
 
+/// A step of plms uses earlier ones, also those of frames that an edit changes later.
+inline void require_own_steps(const SamplingOptions& sampling) {
+  if (sampling.sampler == SamplingOptions::Sampler::plms)
+    raise<config_error>(102,
+                        "edits: nothing of a run with the sampler plms can be kept; ddpm and ddim can be recorded");
+}
+
 }  // namespace detail
 
 /// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, and config_error
-/// 102 if crops depend on each other (BatchMates).
+/// 102 if crops depend on each other (BatchMates) or the sampler is plms.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                             const Philox& rng, const StmcOptions& options, StmcRecord<B>& record) {
+  detail::require_own_steps(options.sampling.value_or(stmc.sampling));
   StmcRecord<B> made{.timelines = {timelines.begin(), timelines.end()}, .rng = rng, .options = options};
   made.options.progress = {};
   const auto note = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
@@ -36925,6 +37132,7 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
                                      std::span<const Timeline> timelines, const RegenerateOptions& how = {},
                                      StmcReuse* reuse = nullptr) {
   StmcOptions options = record.options;
+  detail::require_own_steps(options.sampling.value_or(stmc.sampling));
   options.progress = how.progress;
   const auto steps = stmc.process(options.steps).steps();
   if (std::ssize(record.x0) != steps)

@@ -24403,12 +24403,13 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// In a network of `frames`, latent_dim is the width of a latent, ff_size that of the GRUs, and nothing is dropped.
 struct ActorNetworkConfig {
   Index latent_dim = 256, ff_size = 1024, num_layers = 8, num_heads = 4;
   double dropout = 0.1;
   std::string activation = "gelu";           // core/activation.hpp; of the transformers
-  std::string encoder = "tokens";            // "average", "gru", "fully_connected"
-  std::string decoder = "transformer";       // "gru", "fully_connected", "autoregressive"
+  std::string encoder = "tokens";            // "average", "gru", "fully_connected", "frames"
+  std::string decoder = "transformer";       // "gru", "fully_connected", "autoregressive", "frames"
   std::string conditioning = "action_bias";  // "concat_bias", "zandtime", "time_encoding"
   bool concatenate_time = true;  // GRU and autoregressive decoder: the input of each frame includes its time
 
@@ -24586,6 +24587,7 @@ struct ActorModel {
   /// and that of another motion of its class.
   Sequences<B> between(const Sequences<B>& x, const Sequences<B>& others, std::span<const Index> classes,
                        Philox& rng) const {
+    actor.require_one_latent("motions between two others");
     std::vector<typename B::scalar> places(classes.size());
     rng.uniform(std::span(places));
     const auto share = Tensor<B, 2>::from(places, {x.count(), 1});
@@ -24631,10 +24633,8 @@ MOTIONLANG_BODY ActorConfig actor_sizes(const ActorTrainingConfig& c, Index clas
           .num_heads = n.num_heads,
           .dropout = n.dropout,
           .activation = parse_activation(n.activation),
-          .encoder = detail::choice<ActorEncoderKind>(n.encoder, "network.encoder",
-                                                      std::array{"tokens", "average", "gru", "fully_connected"}),
-          .decoder = detail::choice<ActorDecoderKind>(
-              n.decoder, "network.decoder", std::array{"transformer", "gru", "fully_connected", "autoregressive"}),
+          .encoder = detail::choice<ActorEncoderKind>(n.encoder, "network.encoder", actor_encoder_names),
+          .decoder = detail::choice<ActorDecoderKind>(n.decoder, "network.decoder", actor_decoder_names),
           .conditioning =
               detail::choice<ActorConditioning>(n.conditioning, "network.conditioning",
                                                 std::array{"action_bias", "concat_bias", "zandtime", "time_encoding"}),

@@ -7258,9 +7258,10 @@ Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape, I
 
 /// Options of a whole reverse process.
 struct SamplingOptions {
-  enum class Sampler { ddpm, ddim };
+  enum class Sampler { ddpm, ddim, plms };
   Sampler sampler = Sampler::ddpm;
   double eta = 0;  // of ddim
+  int order = 4;   // of plms: 2 to 4
   /// As thesis eq. 6.2 has it: N(mu, Sigma) is mu + sqrt(Sigma) noise.
   NoiseScale noise_scale = NoiseScale::posterior_std;
   bool clip = false;
@@ -7269,7 +7270,7 @@ struct SamplingOptions {
 /// Differs from thesis eq. 6.2: as Sigma is below 1, motions have less noise than the distribution says.
 inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseScale::posterior_variance};
 std::string_view to_string(SamplingOptions::Sampler sampler);
-/// "ddpm" or "ddim". Throws config_error 103.
+/// "ddpm", "ddim" or "plms". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
 /// "paper": posterior_std, as thesis eq. 6.2 has it; "published": that of published_stmc_sampling. Throws config_error
 /// 103.
@@ -7438,6 +7439,20 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
   return x;
 }
 
+/// The whole reverse process with the sampler of the options. noise(0) is the initial x; noise(1), noise(2), ... belong
+/// to the steps of a sampler that adds noise.
+template <Backend B, int R, class Network, class Noise, class Watch = IgnoreSteps>
+Tensor<B, R> sample(const GaussianDiffusion& d, Network&& network, Noise&& noise, const SamplingOptions& options,
+                    Prediction prediction = Prediction::x0, Progress progress = {}, const Watch& watch = {}) {
+  using enum SamplingOptions::Sampler;
+  const auto of_step = [&](Index draw) { return noise(draw + 1); };
+  const StepOptions step{.prediction = prediction, .noise_scale = options.noise_scale, .clip = options.clip};
+  if (options.sampler == plms) return sample_plms<B, R>(d, noise(0), network, options.order, step, progress, watch);
+  if (options.sampler == ddim)
+    return sample_ddim<B, R>(d, noise(0), network, of_step, options.eta, step, detail::KeepX0{}, progress, watch);
+  return sample_ancestral<B, R>(d, noise(0), network, of_step, step, detail::KeepX0{}, progress, -1, watch);
+}
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_SAMPLER_IPP  // <motionlang/diffusion/sampler.ipp>
@@ -7446,19 +7461,26 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+
+inline constexpr std::array<std::string_view, 3> sampler_names{"ddpm", "ddim", "plms"};
+
+}  // namespace detail
+
 MOTIONLANG_BODY GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps) {
   if (steps == 0 || steps == process.steps()) return process;
   return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
 }
 
 MOTIONLANG_BODY std::string_view to_string(SamplingOptions::Sampler sampler) {
-  return sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm";
+  return detail::sampler_names.at(static_cast<std::size_t>(sampler));
 }
 
 MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where) {
-  if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
-  if (name == "ddim") return SamplingOptions::Sampler::ddim;
-  raise<config_error>(103, where, " '", name, "' is neither ddpm nor ddim");
+  const auto& names = detail::sampler_names;
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) raise<config_error>(103, where, " '", name, "' is not ddpm, ddim or plms");
+  return static_cast<SamplingOptions::Sampler>(found - names.begin());
 }
 
 MOTIONLANG_BODY NoiseScale parse_noise_scale(std::string_view name, std::string_view where) {
@@ -11803,14 +11825,7 @@ template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,
                                   const SamplingOptions& options = {}, Progress progress = {},
                                   const Watch& watch = {}) {
-  auto step_noise = [&](Index draw) { return noise(draw + 1); };
-  const StepOptions step{.noise_scale = options.noise_scale, .clip = options.clip};
-  if (options.sampler == SamplingOptions::Sampler::ddim) {
-    return sample_ddim<B, 2>(diffusion, noise(0), clean_motion, step_noise, options.eta, step, detail::KeepX0{},
-                             progress, watch);
-  }
-  return sample_ancestral<B, 2>(diffusion, noise(0), clean_motion, step_noise, step, detail::KeepX0{}, progress, -1,
-                                watch);
+  return sample<B, 2>(diffusion, clean_motion, noise, options, Prediction::x0, progress, watch);
 }
 template <Backend B, Denoiser<B> D, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusion& diffusion, Prediction prediction,
@@ -19132,13 +19147,21 @@ void require_own_results(const Collage<B, D>& collage) {
                         "edits: this denoiser's result for a crop depends on the other crops, so nothing can be kept");
 }
 
+/// A step of plms uses earlier ones, also those of frames that an edit changes later.
+inline void require_own_steps(const SamplingOptions& sampling) {
+  if (sampling.sampler == SamplingOptions::Sampler::plms)
+    raise<config_error>(102,
+                        "edits: nothing of a run with the sampler plms can be kept; ddpm and ddim can be recorded");
+}
+
 }  // namespace detail
 
 /// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, and config_error
-/// 102 if crops depend on each other (BatchMates).
+/// 102 if crops depend on each other (BatchMates) or the sampler is plms.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                             const Philox& rng, const StmcOptions& options, StmcRecord<B>& record) {
+  detail::require_own_steps(options.sampling.value_or(stmc.sampling));
   StmcRecord<B> made{.timelines = {timelines.begin(), timelines.end()}, .rng = rng, .options = options};
   made.options.progress = {};
   const auto note = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
@@ -19161,6 +19184,7 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
                                      std::span<const Timeline> timelines, const RegenerateOptions& how = {},
                                      StmcReuse* reuse = nullptr) {
   StmcOptions options = record.options;
+  detail::require_own_steps(options.sampling.value_or(stmc.sampling));
   options.progress = how.progress;
   const auto steps = stmc.process(options.steps).steps();
   if (std::ssize(record.x0) != steps)

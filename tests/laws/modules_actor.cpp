@@ -38,6 +38,6 @@ using D = ml::ActorDecoderKind;
 
 TEST_CASE_TEMPLATE("laws of modules: ACTOR", M, SmallActor<E::tokens, D::transformer>, SmallActor<E::average, D::gru>,
                    SmallActor<E::gru, D::autoregressive>, SmallActor<E::fully_connected, D::fully_connected>,
-                   SmallGruClassifier) {
+                   SmallActor<E::frames, D::frames>, SmallGruClassifier) {
   laws::module_laws<M>();
 }

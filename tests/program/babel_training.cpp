@@ -64,6 +64,12 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
     CHECK(w.weights(halves) == w.weights(whole));
   }
 
+  for (const char* frames : {"network.hist_frames=1", "network.hist_frames=10"}) {  // thesis table A.3
+    const auto done = w.train("train-teach", frames, all + std::vector<std::string>{"--set", frames});
+    CHECK_MESSAGE(done.code == 0, done.text);
+  }
+  CHECK(w.weights("network.hist_frames=1") != w.weights("network.hist_frames=10"));
+
   // actions at the same time as one sentence; actions one after the other with a gap that is filled
   const auto made = [&](const std::string& name, const std::string& timeline) {
     ml::write_file(w / "timeline.txt", timeline);

@@ -81,6 +81,21 @@ TEST_CASE("the script measures all systems, and goes on where it stopped") {
   REQUIRE_MESSAGE(again.code == 0, again.text);
   CHECK_MESSAGE(!contains(again.text, "== "), again.text);
   CHECK(w.page("out") == page);
+
+  // the orderings compare two values of the tables
+  const auto lines = lines_of(page);
+  const auto orderings = std::find(lines.begin(), lines.end(), "## Orderings of the papers");
+  REQUIRE(orderings != lines.end());
+  CHECK(std::count_if(orderings, lines.end(),
+                      [](const std::string& l) { return l.ends_with("| yes |") || l.ends_with("| no |"); }) == 39);
+  for (const auto& [gru, holds] : {std::pair{"80.5", "90.0 > 80.5 | yes |"}, {"97.0", "90.0 > 97.0 | no |"}}) {
+    ml::write_file(w / "out/results/actor.txt",
+                   std::string_view("  generated 90.0 +-1.5 0.1 +-0.0 6.0 +-0.1 1.0 +-0.0\n"));
+    ml::write_file(w / "out/results/actor_gru.txt", std::string("  generated ") + gru + " +-1.5 0.1 +-0.0\n");
+    REQUIRE(w.script("out", {}).code == 0);
+    const std::string claim = std::string("| ACTOR 3.4, accuracy: Transformer, GRU | 91.1 > 87.3 | ") + holds;
+    CHECK_MESSAGE(contains(w.page("out"), claim), claim);
+  }
 }
 
 TEST_CASE("pairs stay in the parts of their clips; other lists of clips; what is wrong is refused") {

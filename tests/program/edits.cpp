@@ -101,6 +101,9 @@ TEST_CASE("records that do not fit are refused") {
   CHECK(w.generate("after.txt", "b", {"--keep-beyond", "1"}).code == 2);
   CHECK(w.generate("after.txt", "b", {"--preset", "fast", "--steps", "3"}).code == 2);
   CHECK(w.generate("after.txt", "b", {"--reuse", "nowhere"}).code == 2);
+  const auto multistep = w.generate("after.txt", "b", {"--record", "--sampler", "plms"});
+  CHECK(multistep.code == 1);
+  CHECK_MESSAGE(contains(multistep.text, "nothing of a run with the sampler plms can be kept"), multistep.text);
   const auto other = w.generate("after.txt", "b", {"--reuse", "a"}, "other.safetensors");
   CHECK(other.code == 1);
   CHECK_MESSAGE(contains(other.text, "a/before.steps.safetensors: made with weights of checksum"), other.text);
@@ -117,8 +120,8 @@ TEST_CASE("judge compares numbers of steps in a table") {
   const Edited w;
   const auto out = run({"judge", "--model", "model.safetensors", "--seeds", "2", "--compare", "12", "4"}, w.path);
   REQUIRE_MESSAGE(out.code == 0, out.text);
-  for (const char* row :
-       {"| ddpm | 12 | ", "| ddpm | 4 | ", "| ddim | 12 | ", "| ddim | 4 | ", "between two seeds: ddpm "})
+  for (const char* row : {"| ddpm | 12 | ", "| ddpm | 4 | ", "| ddim | 12 | ", "| ddim | 4 | ", "| plms | 12 | ",
+                          "between two seeds: ddpm "})
     CHECK_MESSAGE(contains(out.text, row), row, " in ", out.text);
   CHECK(contains(out.text, "| 0 | "));  // the distance of the first from itself
   CHECK(run({"judge", "--compare", "10", "--steps", "4"}, w.path).code == 2);

@@ -75,6 +75,8 @@ TEST_CASE("weights may ask for a sampler and a number of steps; the command line
   CHECK(made("asked", {}) == ddim);
   CHECK(made("asked-full", {"--preset", "full"}) == full);
   CHECK(made("asked-steps", {"--steps", "5"}) == made("full-ddim", {"--sampler", "ddim", "--steps", "0"}));
+  CHECK(made("plms", {"--sampler", "plms"}) != ddim);
+  CHECK(made("plms-again", {"--sampler", "plms"}) == made("plms-third", {"--sampler", "plms", "--steps", "3"}));
   CHECK(made("asked-sampler", {"--sampler", "ddpm"}) == made("other", {"--sampler", "ddpm", "--steps", "3"}));
 }
 

@@ -741,6 +741,9 @@ TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of
   const Outcome file = evaluate("T2M_Seq2Seq", {"--evaluator", runs + "text_mot_match/model/finest.tar"});
   CHECK(numbers_of_row(file.text, "generated") == generated);
 
+  const Outcome timed = evaluate("T2M_Seq2Seq", {"--evaluator", runs + "text_mot_match", "--time", "5"});
+  CHECK_MESSAGE(contains(timed.text, "\ngenerating 5 motions took "), timed.text);
+
   const auto refused = [&](const std::string& model, const std::vector<std::string>& more, const std::string& message) {
     const Outcome out = evaluate(model, more);
     CHECK(out.code == 1);

@@ -6,7 +6,11 @@
 
 #include <motionlang/file/file.hpp>
 
+#include "../support/official_folders.hpp"
+#include "../support/roberta_json.hpp"
+#include "official_workplace.hpp"
 #include "small_workplace.hpp"
+#include "training_clips.hpp"
 
 namespace {
 
@@ -30,14 +34,35 @@ std::vector<std::string> code_of(const std::string& page) {
   return out;
 }
 
+/// A tiny BERT or RoBERTa as Hugging Face has them.
+template <class Network>
+void write_language_model(const std::filesystem::path& folder, const char* type, const ml::BertConfig& sizes) {
+  ml::Philox rng{.seed = 7};
+  const Network network(sizes, rng);
+  ml::TensorStore store;
+  store.add_module(network, std::string(type) + ".");
+  std::filesystem::create_directories(folder);
+  ml::write_safetensors(folder / "model.safetensors", store.views());
+  const nlohmann::json config{{"model_type", type},
+                              {"hidden_size", sizes.width},
+                              {"num_attention_heads", sizes.heads},
+                              {"num_hidden_layers", sizes.layers},
+                              {"intermediate_size", sizes.d_ff},
+                              {"vocab_size", sizes.vocabulary},
+                              {"max_position_embeddings", sizes.positions},
+                              {"type_vocab_size", sizes.token_types},
+                              {"hidden_act", "gelu"}};
+  ml::write_file(folder / "config.json", config.dump());
+}
+
 }  // namespace
 
 TEST_CASE("every option of the page is one of its command") {
   const TemporaryFolder folder;
   const std::set<std::string> commands{
-      "mtt",      "evaluate",    "generate",         "check",          "search",         "compose",
-      "describe", "train-actor", "train-classifier", "train-mdm-smpl", "train-mdm",      "train-motiondiffuse",
-      "study",    "study-count", "body-parts",       "tokens",         "train-evaluator"};
+      "mtt",      "evaluate",    "generate",         "check",          "search",          "compose",
+      "describe", "train-actor", "train-classifier", "train-mdm-smpl", "train-mdm",       "train-motiondiffuse",
+      "study",    "study-count", "body-parts",       "tokens",         "train-evaluator", "judge"};
   std::map<std::string, std::string> help;
   std::map<std::string, int> seen;
   for (std::string code : code_of(ml::read_file(examples / "training/REPRODUCE.md"))) {
@@ -79,4 +104,75 @@ TEST_CASE("the commands that need no data") {
   REQUIRE_MESSAGE(measured.code == 0, measured.text);
   for (const char* row : {"one text", "DiffCollage, single track", "SINC without lerp", "SINC with lerp", "STMC"})
     CHECK_MESSAGE(contains(measured.text, std::string("\n  ") + row + " "), measured.text);
+}
+
+TEST_CASE("the settings that the tables vary train another model") {
+  const Clips clips;
+  const std::string page = ml::read_file(examples / "training/REPRODUCE.md");
+  using Settings = std::vector<std::string>;
+  for (const auto& [command, settings] :
+       {std::pair<std::string, Settings>{
+            "train-actor", {"losses.kl=0.1", "network.num_layers=2", "optimiser.batch=3", "clips.translation=false"}},
+        {"train-temos",
+         {"losses.kl=0.1", "losses.latent=0.1", "network.num_layers=2", "network.motion_decoder=gru",
+          "optimiser.batch=3"}},
+        {"train-tmr",
+         {"losses.temperature=0.5", "losses.contrastive=1", "losses.contrastive_loss=none", "optimiser.batch=3",
+          "network.latent_dim=4"}}}) {
+    const auto trained = [&](const std::string& setting) {
+      const std::string out = command + setting;
+      Settings more{"--set", "optimiser.epochs=1"};
+      if (command != "train-actor") more.insert(more.end(), {"--set", "losses.threshold=0"});
+      if (!setting.empty()) more.insert(more.end(), {"--set", setting});
+      const auto done = clips.train(command, out, more);
+      REQUIRE_MESSAGE(done.code == 0, done.text);
+      return clips.weights(out);
+    };
+    const auto usual = trained("");
+    for (const std::string& setting : settings) {
+      CHECK_MESSAGE(contains(page, setting.substr(0, setting.find('='))), setting);
+      CHECK_MESSAGE(trained(setting) != usual, command, " ", setting);
+    }
+  }
+}
+
+TEST_CASE("TEMOS with BERT and with RoBERTa: table 4.9") {
+  const Clips clips;
+  write_language_model<ml::Bert<B>>(
+      clips / "bert", "bert",
+      {.vocabulary = 12, .width = 8, .heads = 2, .d_ff = 12, .layers = 1, .positions = 16, .token_types = 2});
+  ml::write_file(
+      clips / "bert/vocab.txt",
+      std::string_view("[PAD]\n[UNK]\n[CLS]\n[SEP]\n[MASK]\na\nperson\nsomeone\nwalks\nturns\nahead\nleft\n"));
+  write_language_model<ml::Roberta<B>>(clips / "roberta", "roberta",
+                                       {.vocabulary = 262,
+                                        .width = 8,
+                                        .heads = 2,
+                                        .d_ff = 12,
+                                        .layers = 1,
+                                        .positions = 40,
+                                        .token_types = 1,
+                                        .padding = 1});
+  ml::write_file(clips / "roberta/tokenizer.json", roberta_json());
+  for (const std::string encoder : {"bert", "roberta"}) {
+    CAPTURE(encoder);
+    const auto trained =
+        clips.train("train-temos", "of_" + encoder,
+                    {"--set", "text.encoder=distilbert", "--text-encoder", encoder, "--set", "optimiser.epochs=1"});
+    CHECK_MESSAGE(trained.code == 0, trained.text);
+    const auto measured = run({"evaluate", "of_" + encoder + "/model", "--data", ".", "--captions", "captions.tsv",
+                               "--text-encoder", encoder, "--samples", "2"},
+                              clips.path);
+    CHECK_MESSAGE(measured.code == 0, measured.text);
+  }
+}
+
+TEST_CASE("table 6.1 of a published MDM") {
+  const OfficialWorkplace w;
+  official::write_mdm_run(w / "mdm", official::small());
+  official::write_clip(w / "clip", official::small());
+  const std::string texts = (examples / "training/mtt_texts.txt").string();
+  const std::string measured = w.did({"evaluate", "mdm", "--texts", texts, "--text-encoder", "clip", "--statistics",
+                                      "mdm", "--seed", "10", "--first", "2", "--steps", "2"});
+  CHECK_MESSAGE(contains(measured, "\n  STMC "), measured);
 }

@@ -357,6 +357,33 @@ TEST_CASE("an ACTOR without the rotation of joint 0; vertices that move; network
   CHECK(run({"generate", "--model", "timeless/model", "--action", "walk", "--seconds", "0.8"}, clips.path).code == 0);
 }
 
+TEST_CASE("a latent for each frame is trained, generated, denoised and measured") {
+  const Clips clips;
+  const auto trained = clips.train("train-actor", "frames",
+                                   {"--set", "network.encoder=frames", "--set", "network.decoder=frames", "--set",
+                                    "network.latent_dim=6", "--set", "network.ff_size=8"});
+  REQUIRE_MESSAGE(trained.code == 0, trained.text);
+  const auto losses = clips.losses("frames");
+  CHECK(mean(std::span(losses).last(losses.size() / 2)) < mean(std::span(losses).first(losses.size() / 2)));
+  REQUIRE(clips.train("train-classifier", "judge", {}).code == 0);
+  const auto measured = run({"evaluate", "frames/model", "--data", ".", "--labels", "labels.tsv", "--classifier",
+                             "judge/model", "--seeds", "2"},
+                            clips.path);
+  REQUIRE_MESSAGE(measured.code == 0, measured.text);
+  CHECK_MESSAGE(contains(measured.text, "  generated"), measured.text);
+  const auto made =
+      run({"generate", "--model", "frames/model", "--action", "walk", "--seconds", "0.8", "--out", "made"}, clips.path);
+  CHECK_MESSAGE(made.code == 0, made.text);
+  const auto line = run({"generate", "--model", "frames/model", "--action", "walk", "--towards", "walk", "--seconds",
+                         "0.8", "--out", "line"},
+                        clips.path);
+  CHECK(line.code != 0);
+  CHECK_MESSAGE(contains(line.text, "[motionlang.config.102]"), line.text);
+  const auto half = clips.train("train-actor", "half", {"--set", "network.decoder=frames"});
+  CHECK(half.code == 1);
+  CHECK_MESSAGE(contains(half.text, "frames is both of them, or none"), half.text);
+}
+
 TEST_CASE(
     "a classifier learns from motions that a model samples, denoises or puts between two; validation motions are "
     "recorded") {

@@ -166,6 +166,20 @@ TEST_CASE(
   CHECK_MESSAGE(scores.substr(described, scores.find('\n', described) - described).find("  100.00") != scores.npos,
                 scores);
 
+  // another program says for each what people said first
+  std::filesystem::create_directory(clips / "others");
+  std::istringstream captions(ml::read_file(clips / "captions.tsv"));
+  for (std::string row; std::getline(captions, row);) {
+    if (row.starts_with('#')) continue;
+    const std::string words = row.substr(row.rfind('\t') + 1);
+    ml::write_file(clips / ("others/" + row.substr(0, row.find('\t')) + ".txt"), words.substr(0, words.find(" | ")));
+  }
+  const std::string beside = did({"evaluate", "motion-to-text/model", "--data", ".", "--captions", "captions.tsv",
+                                  "--part", "training", "--made", "others"});
+  const auto others = beside.find("  others ");
+  REQUIRE_MESSAGE(others != beside.npos, beside);
+  CHECK_MESSAGE(beside.substr(others, beside.find('\n', others) - others).find("  100.00") != beside.npos, beside);
+
   // the same, and by a language model: 100 of what is said word by word, and less of anything else
   write_distilbert(clips / "bert");
   std::vector<std::string> with_bert{

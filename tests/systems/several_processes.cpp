@@ -61,6 +61,8 @@ TEST_CASE("ACTOR, with windows of any length") {
   const auto make = [&] { return ml::ActorTraining<A>(config, data); };
   check_parts(make());
   check_processes(make);
+  config.network.encoder = config.network.decoder = "frames";  // with noise for each frame
+  check_parts(make());
 }
 
 TEST_CASE("the bundled model, with the summary of motions that belongs to its training only") {

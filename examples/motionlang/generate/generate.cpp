@@ -335,7 +335,7 @@ void add_generate(CLI::App& app) {
                                    "default is what the weights ask for")
                          ->check(not_negative());
   const auto sampler = c->add_option("--sampler", o->sampler, "Sampler. The default is what the weights ask for")
-                           ->check(CLI::IsMember({"ddpm", "ddim"}));
+                           ->check(CLI::IsMember({"ddpm", "ddim", "plms"}));
   const auto preset =
       c->add_option("--preset", o->preset,
                     "Sampler and steps. model: those that the weights ask for; full: all steps of ddpm; fast: " +

@@ -43,7 +43,7 @@ void compare(const ml::MotionModel& generator, const JudgeOptions& o) {
   ml::check_options(generator, {.steps = std::ranges::max(o.compare)});
   print(ml::steps_cost_header());
   std::string scale;
-  for (const std::string sampler : {"ddpm", "ddim"}) {
+  for (const std::string sampler : {"ddpm", "ddim", "plms"}) {
     ml::GenerateOptions settings = o.settings;
     settings.sampler = ml::parse_sampler(sampler);
     ProgressBar bar(sampler);
@@ -151,7 +151,7 @@ void add_judge(CLI::App& app) {
   c->add_option("--model", o->model,
                 "Weights to judge. The default is the bundled model, or what MOTIONLANG_MODEL names");
   const auto compare = c->add_option("--compare", o->compare,
-                                     "Numbers of steps. Prints a table of cost and quality for both samplers, compared "
+                                     "Numbers of steps. Prints a table of cost and quality for each sampler, compared "
                                      "with the first number (100 20 10 8 5)")
                            ->check(positive());
   checked_option(*c, "--seeds", o->seeds, positive(), "Number of motions for each prompt");
@@ -163,7 +163,7 @@ void add_judge(CLI::App& app) {
       ->check(not_negative())
       ->excludes(compare);
   c->add_option("--sampler", o->sampler, "Sampler. The default is what the weights ask for")
-      ->check(CLI::IsMember({"ddpm", "ddim"}))
+      ->check(CLI::IsMember({"ddpm", "ddim", "plms"}))
       ->excludes(compare);
   c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Remove jitter. The default is on");
   c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet, "Keep standing feet from sliding. The default is on")

@@ -7,6 +7,7 @@
 #include <motionlang/weights/guo_evaluator_file.hpp>
 #include <motionlang/weights/model_system.hpp>
 #include <motionlang/weights/run_folder.hpp>
+#include <motionlang/weights/tm2t_run.hpp>
 
 #include "../commands.hpp"
 #include "../conjunctions.hpp"
@@ -24,10 +25,18 @@ void require_read(const EvaluationOptions& o, const std::string& system, bool by
   const bool tmr = system == "tmr" && !by_guo, judge = system == "evaluator";
   const auto refuse = [&](const auto&... why) { ml::raise<usage_error>(102, o.model.string(), ": ", why...); };
   const std::string measured = by_guo ? "what --evaluator judges" : system;
-  const bool takes = ((system == "temos" || system == "actor") && !by_guo) || judge || (tmr && o.synthesis);
+  const ml::RunFolder run = system == "tm2t" ? ml::find_run(o.model) : ml::RunFolder();
+  const bool describes =
+      system == "tm2t" && ml::is_tm2t_describer(run) && (o.evaluator.empty() || !ml::is_tm2t_generator(run));
+  const bool takes =
+      ((system == "temos" || system == "actor") && !by_guo) || judge || (tmr && o.synthesis) || describes;
   if (!takes && !o.made.empty())
     refuse(
-        "--made is for TEMOS, ACTOR, the evaluator of Guo et al., and TMR with --synthesis, all without --evaluator");
+        "--made is for TEMOS, ACTOR, the evaluator of Guo et al., TMR with --synthesis, all without --evaluator, and "
+        "for TM2T's descriptions");
+  if (describes && o.made_rate > 0) refuse("--made-rate is for motions, and --made has descriptions");
+  if (o.time > 0 && (o.evaluator.empty() || describes || judge))
+    refuse("--time measures how a model generates the motions that --evaluator judges");
   if (!tmr && !o.html.empty()) refuse("--html shows what tmr finds, not ", measured);
   if (!tmr && !judge && o.synthesis) refuse("--synthesis measures tmr, not ", measured);
   const char* moments = o.moments > 0 ? "--moments" : "--babel";
@@ -123,6 +132,8 @@ void add_evaluate(CLI::App& app) {
                 "--statistics, else those of TM2T");
   checked_option(*c, "--repeats", o->repeats, in_range(0, 1000),
                  "With --evaluator: number of motions of a text for multimodality, above 10; 0 leaves it out");
+  checked_option(*c, "--time", o->time, in_range(0, 1'000'000),
+                 "With --evaluator: also measure how long the model takes to generate this many motions");
   CLI::Option* bert =
       folder_option(*c, "--bert", o->bert,
                     "TM2T motion-to-text: folder of a DistilBERT, BERT or MPNet (Hugging Face), for BERTScore");
@@ -182,7 +193,7 @@ void add_evaluate(CLI::App& app) {
       *c, "--made", o->made,
       "Folder of motions that another program generated, which are measured beside those of the model. TEMOS, TMR with "
       "--synthesis, evaluator of Guo et al.: a file for each motion of the part, by its id (00017.npy), or several "
-      "(00017_0.npy, ...). ACTOR: a folder for each action");
+      "(00017_0.npy, ...). ACTOR: a folder for each action. TM2T's descriptions: a text for each (00017.txt)");
   c->add_option("--made-rate", o->made_rate,
                 "Frames per second of arrays of joints (.npy) in --made. The default is 20, for MMM's joints 12.5")
       ->needs(made)

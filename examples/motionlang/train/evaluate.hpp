@@ -32,6 +32,7 @@ struct EvaluationOptions {
   ml::Index seeds = 20;                // of ACTOR, and TM2T's motions
   std::vector<ml::Index> durations{};  // frames of motions of ACTOR; none: those of recorded motions
   ml::Index repeats = 30;              // motions of a text that multimodality compares
+  ml::Index time = 0;                  // motions whose generation is timed, with an evaluator
   ml::Index moments = 0;               // long motions in which TMR searches texts; 0: it searches whole clips
   ml::Index joined = 5;                // clips in each
   std::vector<double> windows{};       // seconds of the stretches to compare; none: as --moments says

@@ -58,6 +58,9 @@ void print_judged(const EvaluationOptions& o, const ml::GuoJudge<B>& judge,
   if (figures.empty > 0)
     std::printf("%s no frames and counted as four of the mean pose\n",
                 ml::counted(figures.empty, "motion had", "motions had").c_str());
+  if (o.time > 0 && processes().rank() == 0)
+    std::printf("generating %s took %.2f s\n", ml::counted(o.time, "motion").c_str(),
+                ml::guo_seconds(make, judge, items, o.time, o.seed));
 }
 
 void evaluate_by_guo(const EvaluationOptions& o) {

@@ -49,9 +49,9 @@ void evaluate_descriptions(const EvaluationOptions& o, const ml::RunFolder& foun
   const auto entries = ml::text_entries(part, o.part);
   const ml::BertBaseline baseline = ml::parse_bert_baseline(o.bert_baseline);
   ProgressBar bar("describing");
-  const auto figures =
-      ml::description_figures<B>(run, data, entries, {.bert = bert ? &*bert : nullptr, .guo = guo ? &*guo : nullptr},
-                                 {.baseline = baseline, .seed = o.seed, .progress = bar, .communicator = processes()});
+  const auto figures = ml::description_figures<B>(
+      run, data, entries, {.bert = bert ? &*bert : nullptr, .guo = guo ? &*guo : nullptr},
+      {.baseline = baseline, .made = o.made, .seed = o.seed, .progress = bar, .communicator = processes()});
   bar.finish();
   if (bert)
     std::printf("BERTScore by layer %td of %td of %s, %s\n", bert->layers(), bert->all_layers(),

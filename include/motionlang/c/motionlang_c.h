@@ -70,7 +70,7 @@ typedef struct motionlang_options {
   motionlang_progress progress; /* may be NULL */
   void* user;                   /* for progress */
   int32_t all_steps;            /* 1: all steps of the model; `steps` is ignored */
-  const char* sampler;          /* "ddpm" or "ddim"; NULL: the model's default */
+  const char* sampler;          /* "ddpm", "ddim" or "plms"; NULL: the model's */
   double overlap;               /* seconds that neighbouring texts share around a cut */
   const char* noise;            /* file with noise/000 (initial), noise/001, ... instead of the seed; may be NULL */
   const char* record;           /* file to write, which a later run can reuse; may be NULL */

@@ -205,14 +205,7 @@ template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,
                                   const SamplingOptions& options = {}, Progress progress = {},
                                   const Watch& watch = {}) {
-  auto step_noise = [&](Index draw) { return noise(draw + 1); };
-  const StepOptions step{.noise_scale = options.noise_scale, .clip = options.clip};
-  if (options.sampler == SamplingOptions::Sampler::ddim) {
-    return sample_ddim<B, 2>(diffusion, noise(0), clean_motion, step_noise, options.eta, step, detail::KeepX0{},
-                             progress, watch);
-  }
-  return sample_ancestral<B, 2>(diffusion, noise(0), clean_motion, step_noise, step, detail::KeepX0{}, progress, -1,
-                                watch);
+  return sample<B, 2>(diffusion, clean_motion, noise, options, Prediction::x0, progress, watch);
 }
 template <Backend B, Denoiser<B> D, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusion& diffusion, Prediction prediction,

@@ -61,13 +61,9 @@ struct MdmActions {
     const auto noise = [&](Index draw) {
       return reshape<2>(sequence_noise<B>(rng, draw, {n, frames, c.nfeats}), {n * frames, c.nfeats});
     };
-    const auto of_step = [&](Index draw) { return noise(draw + 1); };
-    const StepOptions step{.prediction = denoiser.traits().prediction, .noise_scale = NoiseScale::posterior_std};
-    const auto rows =
-        options.sampler == SamplingOptions::Sampler::ddim
-            ? sample_ddim<B, 2>(process, noise(0), network, of_step, 0, step, detail::KeepX0{}, options.progress)
-            : sample_ancestral<B, 2>(process, noise(0), network, of_step, step, detail::KeepX0{}, options.progress);
-    return {rows, offsets};
+    return {sample<B, 2>(process, network, noise, {.sampler = options.sampler}, denoiser.traits().prediction,
+                         options.progress),
+            offsets};
   }
 };
 

@@ -48,9 +48,10 @@ Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape, I
 
 /// Options of a whole reverse process.
 struct SamplingOptions {
-  enum class Sampler { ddpm, ddim };
+  enum class Sampler { ddpm, ddim, plms };
   Sampler sampler = Sampler::ddpm;
   double eta = 0;  // of ddim
+  int order = 4;   // of plms: 2 to 4
   /// As thesis eq. 6.2 has it: N(mu, Sigma) is mu + sqrt(Sigma) noise.
   NoiseScale noise_scale = NoiseScale::posterior_std;
   bool clip = false;
@@ -59,7 +60,7 @@ struct SamplingOptions {
 /// Differs from thesis eq. 6.2: as Sigma is below 1, motions have less noise than the distribution says.
 inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseScale::posterior_variance};
 std::string_view to_string(SamplingOptions::Sampler sampler);
-/// "ddpm" or "ddim". Throws config_error 103.
+/// "ddpm", "ddim" or "plms". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
 /// "paper": posterior_std, as thesis eq. 6.2 has it; "published": that of published_stmc_sampling. Throws config_error
 /// 103.
@@ -226,6 +227,20 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
     progress(d.steps() - t, d.steps());
   }
   return x;
+}
+
+/// The whole reverse process with the sampler of the options. noise(0) is the initial x; noise(1), noise(2), ... belong
+/// to the steps of a sampler that adds noise.
+template <Backend B, int R, class Network, class Noise, class Watch = IgnoreSteps>
+Tensor<B, R> sample(const GaussianDiffusion& d, Network&& network, Noise&& noise, const SamplingOptions& options,
+                    Prediction prediction = Prediction::x0, Progress progress = {}, const Watch& watch = {}) {
+  using enum SamplingOptions::Sampler;
+  const auto of_step = [&](Index draw) { return noise(draw + 1); };
+  const StepOptions step{.prediction = prediction, .noise_scale = options.noise_scale, .clip = options.clip};
+  if (options.sampler == plms) return sample_plms<B, R>(d, noise(0), network, options.order, step, progress, watch);
+  if (options.sampler == ddim)
+    return sample_ddim<B, R>(d, noise(0), network, of_step, options.eta, step, detail::KeepX0{}, progress, watch);
+  return sample_ancestral<B, R>(d, noise(0), network, of_step, step, detail::KeepX0{}, progress, -1, watch);
 }
 
 MOTIONLANG_NAMESPACE_END

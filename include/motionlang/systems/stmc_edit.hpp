@@ -103,13 +103,21 @@ void require_own_results(const Collage<B, D>& collage) {
                         "edits: this denoiser's result for a crop depends on the other crops, so nothing can be kept");
 }
 
+/// A step of plms uses earlier ones, also those of frames that an edit changes later.
+inline void require_own_steps(const SamplingOptions& sampling) {
+  if (sampling.sampler == SamplingOptions::Sampler::plms)
+    raise<config_error>(102,
+                        "edits: nothing of a run with the sampler plms can be kept; ddpm and ddim can be recorded");
+}
+
 }  // namespace detail
 
 /// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, and config_error
-/// 102 if crops depend on each other (BatchMates).
+/// 102 if crops depend on each other (BatchMates) or the sampler is plms.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                             const Philox& rng, const StmcOptions& options, StmcRecord<B>& record) {
+  detail::require_own_steps(options.sampling.value_or(stmc.sampling));
   StmcRecord<B> made{.timelines = {timelines.begin(), timelines.end()}, .rng = rng, .options = options};
   made.options.progress = {};
   const auto note = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
@@ -132,6 +140,7 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
                                      std::span<const Timeline> timelines, const RegenerateOptions& how = {},
                                      StmcReuse* reuse = nullptr) {
   StmcOptions options = record.options;
+  detail::require_own_steps(options.sampling.value_or(stmc.sampling));
   options.progress = how.progress;
   const auto steps = stmc.process(options.steps).steps();
   if (std::ssize(record.x0) != steps)

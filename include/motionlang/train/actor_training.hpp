@@ -115,13 +115,15 @@ LossTerms<T> ActorTraining<A>::loss_of(const Actor<T>& model, const ActionBatch<
                                        const Philox& rng, const Context& context) const {
   const ActionBatch<T> b = part_of(whole, part);
   const auto latent = model.encode(b.x, b.classes, context);
-  const auto noise = normal_rows<T>(part.first, latent.mu.size(0), latent.mu.size(1), rng.split("noise"));
+  const Index first = model.frames ? whole.x.offsets.begin(part.first) : part.first;  // row of noise
+  const auto noise = normal_rows<T>(first, latent.mu.size(0), latent.mu.size(1), rng.split("noise"));
   const auto written = model.teach(latent.sample(noise), b.classes, b.x, context);
   const auto& l = config_.losses;
   std::optional<ActorLossPoints<T>> points;
   if (l.rcxyz != 0 || l.velxyz != 0) points = {points_of(b.x), points_of(written)};
-  auto out = actor_losses(latent, b.x, written,
-                          {.rc = l.rc, .rcxyz = l.rcxyz, .kl = l.kl, .vel = l.vel, .velxyz = l.velxyz}, points);
+  auto out =
+      actor_losses(latent, b.x, written, {.rc = l.rc, .rcxyz = l.rcxyz, .kl = l.kl, .vel = l.vel, .velxyz = l.velxyz},
+                   points, model.prior(b.x, b.classes));
   std::vector<Index> frames, steps;
   for (Index s = 0; s < whole.x.count(); ++s) {
     frames.push_back(whole.x.offsets.length(s));

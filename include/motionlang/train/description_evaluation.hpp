@@ -14,6 +14,7 @@
 
 #include <algorithm>    // min
 #include <array>        // BLEU
+#include <filesystem>   // descriptions of other programs
 #include <map>          // tags
 #include <optional>     // judges
 #include <span>         // texts
@@ -25,6 +26,7 @@
 #include <motionlang/core/progress.hpp>
 #include <motionlang/train/bert_judge.hpp>
 #include <motionlang/train/guo_evaluation.hpp>
+#include <motionlang/train/made_motions.hpp>
 #include <motionlang/train/shared_items.hpp>
 #include <motionlang/train/text_entries.hpp>
 #include <motionlang/weights/tm2t_run.hpp>
@@ -105,8 +107,14 @@ enum class BertBaseline { none, random, tm2t };
 /// Throws config_error 103 for another name.
 BertBaseline parse_bert_baseline(std::string_view name);
 
+/// The descriptions that another program wrote: for each entry the first line of ID.txt, where ID is the id of its
+/// motion or of its clip. A slash becomes a blank.
+/// Throws io_error 401 with the first motions that have none, 402 for an empty one.
+std::vector<std::string> made_descriptions(const std::filesystem::path& folder, std::span<const TextEntry> entries);
+
 struct DescriptionOptions {
   BertBaseline baseline = BertBaseline::none;
+  std::filesystem::path made{};  // folder of made_descriptions, which get a row with its name; "": none
   std::uint64_t seed = 0;
   Progress progress{};             // of the descriptions
   AnyCommunicator communicator{};  // processes that share descriptions and judgements; all get the figures of all
@@ -122,7 +130,8 @@ struct DescriptionScores {
   double distance = 0;  // with r_precision
 };
 struct DescriptionFigures {
-  std::vector<DescriptionScores> rows{};  // the model, random texts and, for the networks of Guo et al., the first text
+  /// The model, another program, random texts and, for the networks of Guo et al., the first text.
+  std::vector<DescriptionScores> rows{};
   BertScore baseline{};
 };
 
@@ -167,8 +176,9 @@ template <Backend B>
 DescriptionFigures description_figures(const Tm2tRun<B>& run, const DescribedMotions& data,
                                        std::span<const TextEntry> entries, const DescriptionJudges<B>& judges,
                                        const DescriptionOptions& options = {}) {
-  detail::Descriptions said, by_people;
+  detail::Descriptions said, elsewhere, by_people;
   const AnyCommunicator& all = options.communicator;
+  const auto made = options.made.empty() ? std::vector<std::string>() : made_descriptions(options.made, entries);
   const auto describe = [&](Index i, const Progress&) {
     const TextEntry& e = entries[static_cast<std::size_t>(i)];
     const Index length = std::min(e.frames.length / 4 * 4, tm2t_longest);
@@ -182,7 +192,12 @@ DescriptionFigures description_figures(const Tm2tRun<B>& run, const DescribedMot
     said.pairs.back().candidate = texts[i];
     by_people.add(references, *entries[i].texts.front(), run.words);
   }
-  said.tagged = CommonTags(data.training).tagged(texts);
+  const CommonTags tags(data.training);
+  said.tagged = tags.tagged(texts);
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    elsewhere.add(said.pairs[i], {made[i], {}}, run.words);
+    elsewhere.tagged.back() = tags.tagged(elsewhere.pairs.back().candidate);
+  }
   const Philox rng{.seed = options.seed};
   const auto by_chance = detail::random_descriptions(said.pairs, data.training, run.words, rng.split("chance"));
   DescriptionFigures out;
@@ -193,6 +208,7 @@ DescriptionFigures description_figures(const Tm2tRun<B>& run, const DescribedMot
     out.rows.push_back(detail::description_scores(by, given, entries, data.width, judges, out.baseline, rng, all));
   };
   add("described", said);
+  if (!options.made.empty()) add(detail::made_name(options.made), elsewhere);
   add("a random text of the training part", by_chance);
   if (judges.guo != nullptr) add("the first text of people", by_people);
   return out;

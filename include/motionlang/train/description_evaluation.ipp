@@ -2,10 +2,13 @@
 // Bodies of description_evaluation.hpp.
 #pragma once
 
-#include <sstream>  // words
+#include <algorithm>  // replace
+#include <array>      // extensions
+#include <sstream>    // words, lines
 
 #include <motionlang/core/formatted.hpp>
 #include <motionlang/datasets/described_words.hpp>
+#include <motionlang/file/file.hpp>
 #include <motionlang/train/description_evaluation.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -63,6 +66,32 @@ MOTIONLANG_BODY std::string description_table(std::span<const DescriptionScores>
     out += formatted("%9.2f%9.2f", 100 * row.rouge_l, 100 * row.cider);
     if (bert) out += formatted("%11.2f", 100 * row.bert.value());
     out += "\n";
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> made_descriptions(const std::filesystem::path& folder,
+                                                           std::span<const TextEntry> entries) {
+  constexpr std::array kinds{".txt"};
+  std::vector<std::filesystem::path> files;
+  LeftOut missing;
+  for (const TextEntry& e : entries) {
+    const auto found = detail::made_files(folder, *e.motion, kinds);
+    if (found.empty())
+      missing.add("without a file", e.motion->id);
+    else
+      files.push_back(found.front());
+  }
+  if (files.size() != entries.size()) detail::raise_not_made(folder, entries.size(), missing);
+  std::vector<std::string> out;
+  for (const auto& file : files) {
+    std::istringstream lines(read_file(FilePath(file)));
+    std::string line;
+    if (!std::getline(lines, line) || line.find_first_not_of(" \t\r") == line.npos)
+      raise<io_error>(402, file.string(), ": the first line is '", line, "', expected a description");
+    if (line.ends_with('\r')) line.pop_back();
+    std::ranges::replace(line, '/', ' ');  // which marks parts of speech
+    out.push_back(std::move(line));
   }
   return out;
 }

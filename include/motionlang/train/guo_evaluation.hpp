@@ -14,6 +14,7 @@
 #pragma once
 
 #include <algorithm>   // rotate
+#include <chrono>      // seconds of generation
 #include <cstdint>     // seeds
 #include <filesystem>  // files
 #include <functional>  // makers
@@ -215,6 +216,27 @@ class GuoItems {
   Index width_;
   std::vector<Index> kept_;
 };
+
+/// The seconds of clock that `make` takes for this many motions, of the items' texts in turn, a batch at a time.
+/// Throws   config_error 101 for less than one motion
+/// Source   TM2T, section 4.4, "Inference Time Analysis", with 300 motions
+template <Backend B>
+double guo_seconds(const GuoMaker<B>& make, const GuoJudge<B>& judge, const GuoItems<B>& items, Index motions,
+                   std::uint64_t seed) {
+  if (motions < 1) raise<config_error>(101, "guo_seconds: ", motions, " motions, expected 1 or more");
+  NumpyRandom numpy(static_cast<std::uint32_t>(seed));
+  PythonRandom python(seed);
+  const auto wanted = items.draw(judge, numpy, python).wanted;
+  std::vector<GuoWanted> batch;
+  const auto begin = std::chrono::steady_clock::now();
+  for (Index i = 0; i < motions; ++i) {
+    batch.push_back(wanted[static_cast<std::size_t>(i % std::ssize(wanted))]);
+    if (std::ssize(batch) < items.batch && i + 1 < motions) continue;
+    make(batch, Philox{.seed = seed}.split(static_cast<std::uint64_t>(i)));
+    batch.clear();
+  }
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
 
 struct GuoFigures {
   using Row = std::map<std::string, std::vector<double>>;  // by column, of each replication

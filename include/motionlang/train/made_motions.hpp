@@ -24,6 +24,18 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+
+/// The files of a motion's samples with one of these extensions, by its id, or else by its clip. There may be none.
+std::vector<std::filesystem::path> made_files(const std::filesystem::path& folder, const DescribedMotion& motion,
+                                              std::span<const char* const> kinds);
+/// Throws io_error 401: not all of the motions, which are counted here, have a file.
+[[noreturn]] void raise_not_made(const std::filesystem::path& folder, std::size_t motions, const LeftOut& missing);
+/// The name of a folder, as rows of tables have it.
+std::string made_name(const std::filesystem::path& folder);
+
+}  // namespace detail
+
 class MadeMotions {
  public:
   /// rate  frames per second of arrays of joints in the folder, which say none; 0: as published, 20 or 12.5
@@ -49,7 +61,6 @@ class MadeMotions {
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
-  std::vector<std::filesystem::path> found(const std::string& id) const;
   /// The files of its id, else of its clip; there may be none.
   std::vector<std::filesystem::path> found(const DescribedMotion& motion) const;
   std::filesystem::path folder_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>  // all_of, sort, min
+#include <array>      // extensions
 #include <cmath>      // isfinite
 #include <map>        // recorded motions
 
@@ -28,28 +29,41 @@ inline std::vector<std::filesystem::path> motion_files_in(const std::filesystem:
   return out;
 }
 
-}  // namespace detail
-
-MOTIONLANG_BODY std::vector<std::filesystem::path> MadeMotions::found(const std::string& id) const {
+MOTIONLANG_BODY std::vector<std::filesystem::path> made_files(const std::filesystem::path& folder,
+                                                              const DescribedMotion& motion,
+                                                              std::span<const char* const> kinds) {
   std::vector<std::filesystem::path> out;
-  if (!detail::is_clip_id(id)) return out;
   const auto add = [&](const std::string& name) {
-    for (const char* kind : {".npy", ".npz", ".bvh", ".glb", ".vrma"}) {
-      const auto path = folder_ / (name + kind);
+    for (const char* kind : kinds) {
+      const auto path = folder / (name + kind);
       if (!std::filesystem::exists(path)) continue;
       out.push_back(path);
       return true;
     }
     return false;
   };
-  add(id);
-  for (Index k = 0; add(concat_text(id, "_", k));) ++k;
+  for (const std::string& id : {motion.id, motion.clip}) {
+    if (!out.empty() || !is_clip_id(id)) continue;
+    add(id);
+    for (Index k = 0; add(concat_text(id, "_", k));) ++k;
+  }
   return out;
 }
 
+MOTIONLANG_BODY void raise_not_made(const std::filesystem::path& folder, std::size_t motions, const LeftOut& missing) {
+  raise<io_error>(401, folder.string(), ": a file is needed for each of ", counted(motions, "motion"), "; ",
+                  missing.text());
+}
+
+MOTIONLANG_BODY std::string made_name(const std::filesystem::path& folder) {
+  return (folder / "").parent_path().filename().string();
+}
+
+}  // namespace detail
+
 MOTIONLANG_BODY std::vector<std::filesystem::path> MadeMotions::found(const DescribedMotion& motion) const {
-  auto out = found(motion.id);
-  return out.empty() ? found(motion.clip) : out;
+  constexpr std::array kinds{".npy", ".npz", ".bvh", ".glb", ".vrma"};
+  return detail::made_files(folder_, motion, kinds);
 }
 
 MOTIONLANG_BODY std::vector<std::filesystem::path> MadeMotions::files(const DescribedMotion& motion) const {
@@ -70,9 +84,7 @@ MOTIONLANG_BODY Index MadeMotions::samples(const std::vector<DescribedMotion>& p
     ++count;
     missing.add("without a file", m.id);
   }
-  if (count > 0)
-    raise<io_error>(401, folder_.string(), ": a file is needed for each of ", counted(part.size(), "motion"), "; ",
-                    missing.text());
+  if (count > 0) detail::raise_not_made(folder_, part.size(), missing);
   return fewest;
 }
 
@@ -130,7 +142,7 @@ MOTIONLANG_BODY NamedErrors made_errors(const MadeMotions& made, const MotionFea
     const auto own = made.rows(made.files(motion).front(), features, compared);
     errors.add(at_rate(own.rows, own.fps), truth);
   }
-  return {made.folder().filename().string(), errors.result()};
+  return {detail::made_name(made.folder()), errors.result()};
 }
 
 MOTIONLANG_NAMESPACE_END

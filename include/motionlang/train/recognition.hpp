@@ -176,10 +176,11 @@ std::map<std::string, std::vector<double>> recognition_results(const ActorModel<
                [&](auto which) {
                  return motions.sampled(which, first, of_batch("noise", which));  // with the lengths of "gt"
                }),
-        judged("denoised", [&](auto which) { return motions.denoised(which, first); }),
-        judged("between", [&](auto which) {
-          return motions.interpolated(which, first, seed.split("others"), of_batch("between", which));
-        })};
+        judged("denoised", [&](auto which) { return motions.denoised(which, first); })};
+    if (!model.actor.frames)  // a line between two motions needs one latent for each
+      sets.insert(judged("between", [&](auto which) {
+        return motions.interpolated(which, first, seed.split("others"), of_batch("between", which));
+      }));
     if (options.made != nullptr) {
       const RecognitionSets<B> others{model, *options.made, made_classes, clips, seen};
       sets.emplace("made", judge_motions(who, std::ssize(*options.made), seed.split("judge").split("made"),

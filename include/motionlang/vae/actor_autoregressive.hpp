@@ -133,12 +133,7 @@ struct ActorAutoregressiveDecoder {
   Sequences<B> teach(const Tensor<B, 2>& z, std::span<const Index> labels, const Sequences<B>& x,
                      const Context& context = {}) const {
     const Offsets& lengths = x.offsets;
-    PoolVector<Index>
-        before;  // rows of a table: a frame of zeros, which precedes every first frame, then the frames of all motions
-    for (Index s = 0; s < x.count(); ++s) {
-      for (Index t = 0; t < lengths.length(s); ++t) before.push_back(t == 0 ? 0 : lengths.begin(s) + t);
-    }
-    const auto targets = gather(concat(0, Tensor<B, 2>::zeros({1, x.width()}), x.rows), before);
+    const auto targets = detail::frames_before(x).rows;
     const Index classes = embedding.in() - z.size(1) - (concatenate_time ? 1 : 0);
     const auto side = detail::action_and_time<B>(labels, classes, lengths, concatenate_time);
     const auto memory = embedding(x.with(concat(1, repeat_for_rows(z, lengths), side)));

@@ -18,6 +18,16 @@ Tensor<B, 2> action_and_time(std::span<const Index> labels, Index classes, const
   return time ? concat(1, action, relative_time<B>(lengths)) : action;
 }
 
+/// Each frame as the one before it, zeros for the first.
+template <Backend B>
+Sequences<B> frames_before(const Sequences<B>& x) {
+  PoolVector<Index> rows;  // of a table that begins with a frame of zeros
+  for (Index s = 0; s < x.count(); ++s) {
+    for (Index t = 0; t < x.offsets.length(s); ++t) rows.push_back(t == 0 ? 0 : x.offsets.begin(s) + t);
+  }
+  return x.with(gather(concat(0, Tensor<B, 2>::zeros({1, x.width()}), x.rows), rows));
+}
+
 }  // namespace detail
 
 ///     h = GRU(W [frame, one-hot y, time]);   mu and logvar from the last frame's h

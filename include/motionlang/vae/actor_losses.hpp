@@ -23,14 +23,15 @@ struct ActorLossPoints {
 
 ///     rc, rcxyz     mean square over all frames and features (the padding of the translation's row counts), or over
 ///                   points
-///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), SUMMED over batch and coordinates: its weight grows with the
-///                   batch
+///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), or from the prior that is given, SUMMED over batch and
+///                   coordinates: its weight grows with the batch. Latents of frames are summed over frames, too
 ///     vel, velxyz   mean square of the steps from frame to frame
 /// Terms whose weight is not 0. Source  thesis 3.2.2; ACTOR src/models/tools/losses.py
 /// Throws  config_error 102 if a term needs points that are missing
 template <Backend B>
 LossTerms<B> actor_losses(const LatentGaussian<B>& latent, const Sequences<B>& x, const Sequences<B>& written,
-                          const ActorLossWeights& w = {}, const std::optional<ActorLossPoints<B>>& points = {}) {
+                          const ActorLossWeights& w = {}, const std::optional<ActorLossPoints<B>>& points = {},
+                          const std::optional<LatentGaussian<B>>& prior = {}) {
   if ((w.rcxyz != 0 || w.velxyz != 0) && !points)
     raise<config_error>(102, "actor_losses: weights ", w.rcxyz, " of rcxyz and ", w.velxyz,
                         " of velxyz without points");
@@ -38,7 +39,9 @@ LossTerms<B> actor_losses(const LatentGaussian<B>& latent, const Sequences<B>& x
   if (w.rc != 0) out.add("rc", w.rc, mse(x.rows, written.rows));
   if (w.rcxyz != 0) out.add("rcxyz", w.rcxyz, mse(points->wanted.rows, points->written.rows));
   if (w.kl != 0) {
-    out.add("kl", w.kl, kl_to_standard_normal(latent.mu, latent.logvar) * static_cast<double>(latent.mu.count()));
+    const auto mean = prior ? kl_divergence(latent.mu, latent.logvar, prior->mu, prior->logvar)
+                            : kl_to_standard_normal(latent.mu, latent.logvar);
+    out.add("kl", w.kl, mean * static_cast<double>(latent.mu.count()));
   }
   if (w.vel != 0) out.add("vel", w.vel, velocity_mse(x, written));
   if (w.velxyz != 0) out.add("velxyz", w.velxyz, velocity_mse(points->wanted, points->written));

@@ -125,6 +125,7 @@ struct ActorModel {
   /// and that of another motion of its class.
   Sequences<B> between(const Sequences<B>& x, const Sequences<B>& others, std::span<const Index> classes,
                        Philox& rng) const {
+    actor.require_one_latent("motions between two others");
     std::vector<typename B::scalar> places(classes.size());
     rng.uniform(std::span(places));
     const auto share = Tensor<B, 2>::from(places, {x.count(), 1});

@@ -29,10 +29,8 @@ MOTIONLANG_BODY ActorConfig actor_sizes(const ActorTrainingConfig& c, Index clas
           .num_heads = n.num_heads,
           .dropout = n.dropout,
           .activation = parse_activation(n.activation),
-          .encoder = detail::choice<ActorEncoderKind>(n.encoder, "network.encoder",
-                                                      std::array{"tokens", "average", "gru", "fully_connected"}),
-          .decoder = detail::choice<ActorDecoderKind>(
-              n.decoder, "network.decoder", std::array{"transformer", "gru", "fully_connected", "autoregressive"}),
+          .encoder = detail::choice<ActorEncoderKind>(n.encoder, "network.encoder", actor_encoder_names),
+          .decoder = detail::choice<ActorDecoderKind>(n.decoder, "network.decoder", actor_decoder_names),
           .conditioning =
               detail::choice<ActorConditioning>(n.conditioning, "network.conditioning",
                                                 std::array{"action_bias", "concat_bias", "zandtime", "time_encoding"}),

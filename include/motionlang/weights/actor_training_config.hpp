@@ -11,12 +11,13 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// In a network of `frames`, latent_dim is the width of a latent, ff_size that of the GRUs, and nothing is dropped.
 struct ActorNetworkConfig {
   Index latent_dim = 256, ff_size = 1024, num_layers = 8, num_heads = 4;
   double dropout = 0.1;
   std::string activation = "gelu";           // core/activation.hpp; of the transformers
-  std::string encoder = "tokens";            // "average", "gru", "fully_connected"
-  std::string decoder = "transformer";       // "gru", "fully_connected", "autoregressive"
+  std::string encoder = "tokens";            // "average", "gru", "fully_connected", "frames"
+  std::string decoder = "transformer";       // "gru", "fully_connected", "autoregressive", "frames"
   std::string conditioning = "action_bias";  // "concat_bias", "zandtime", "time_encoding"
   bool concatenate_time = true;  // GRU and autoregressive decoder: the input of each frame includes its time
 

@@ -74,6 +74,25 @@ TEST_CASE("a network that knows the answer gives it, whatever the sampler") {
   CHECK_ERROR(ml::sample_plms(process, start, knows, 5), "[motionlang.config.101]");
 }
 
+TEST_CASE("the options choose the sampler; names are read and written") {
+  using Sampler = ml::SamplingOptions::Sampler;
+  Index drawn = 0;
+  const auto draws = [&](Index draw) {
+    ++drawn;
+    return draw == 0 ? start : noise(draw - 1);
+  };
+  CHECK(same_bits(ml::sample<B, 2>(process, looks, draws, {}), ml::sample_ancestral(process, start, looks, noise)));
+  CHECK(drawn == process.steps() + 1);
+  drawn = 0;
+  CHECK(same_bits(ml::sample<B, 2>(process, looks, draws, {.sampler = Sampler::plms, .order = 3}),
+                  ml::sample_plms(process, start, looks, 3)));
+  CHECK(drawn == 1);
+  CHECK(same_bits(ml::sample<B, 2>(process, looks, draws, {.sampler = Sampler::ddim, .eta = 0.5}),
+                  ml::sample_ddim(process, start, looks, noise, 0.5)));
+  for (const char* name : {"ddpm", "ddim", "plms"}) CHECK(ml::to_string(ml::parse_sampler(name)) == name);
+  CHECK_ERROR(ml::parse_sampler("euler"), "[motionlang.config.103] sampler 'euler' is not ddpm, ddim or plms");
+}
+
 TEST_CASE("DDIM without eta is deterministic and asks for no noise; with eta 1 it is ancestral") {
   const auto x = ml::sample_ddim(process, start, looks, no_noise, 0);
   CHECK(same_bits(ml::sample_ddim(process, start, looks, no_noise, 0), x));

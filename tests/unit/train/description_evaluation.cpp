@@ -5,6 +5,7 @@
 #include "../../support/check_error.hpp"
 #include "../../support/motions_of_noise.hpp"
 #include "../../support/official_tm2t.hpp"
+#include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
 using ml::Index;
@@ -50,6 +51,33 @@ TEST_CASE("the model's words and random texts are compared with people's") {
   }
   CHECK(said.rouge_l == ml::rouge_l(pairs));
   CHECK(said.bleu == ml::bleu(ml::corpus_counts(pairs)));
+}
+
+TEST_CASE("descriptions of another program are a row of their own; what is missing is reported") {
+  const TemporaryFolder folder;
+  const ml::Tm2tRun<B> run{.model = official::tm2t(official::small_tm2t()),
+                           .words = {official::tm2t_words, official::tm2t_vectors(), 4}};
+  const ml::DescribedMotions data = motions_of_noise(
+      263, 3, 5, [](int) { return Index{41}; },
+      [](int, Index) {
+        return std::vector<ml::DescribedText>{{"a person walk", {0, 41}}};
+      });
+  const auto entries = ml::text_entries(data.validation, "validation");
+  const auto write = [&](const ml::TextEntry& e, const char* text) {
+    ml::write_file(folder / (e.motion->id + ".txt"), text);
+  };
+  write(entries[0], "a person walk\r\nand this is not read\n");
+  CHECK_ERROR(ml::made_descriptions(folder.path, entries), "[motionlang.io.401]");
+  CHECK_ERROR(ml::made_descriptions(folder.path, entries), entries[1].motion->id.c_str());
+  write(entries[1], " \n");
+  CHECK_ERROR(ml::made_descriptions(folder.path, entries), "[motionlang.io.402]");
+  write(entries[1], "a person/walk");
+  CHECK(ml::made_descriptions(folder.path, entries) == std::vector<std::string>{"a person walk", "a person walk"});
+  const auto rows = ml::description_figures<B>(run, data, entries, {}, {.made = folder.path / ""}).rows;
+  REQUIRE(rows.size() == 3);
+  CHECK(rows[1].by == folder.path.filename().string());
+  CHECK(rows[1].bleu[0] == doctest::Approx(1));
+  CHECK(rows[1].rouge_l == doctest::Approx(1));
 }
 
 TEST_CASE("the table has the columns of its judges") {

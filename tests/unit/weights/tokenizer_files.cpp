@@ -6,6 +6,7 @@
 #include <motionlang/weights/tokenizer_json.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/roberta_json.hpp"
 #include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
@@ -151,20 +152,6 @@ TEST_CASE("tokenizer.json of CLIP") {
   CHECK(clip.encode("Walk <|STARTOFTEXT|> walks<|endoftext|>") == Ids{11, 10, 11, 9, 1, 7, 12, 12});
   CHECK(clip.encode("z a") == Ids{11, 12, 5, 12});  // no symbol for z
   CHECK(clip.decode(Ids{11, 9, 1, 7, 5, 12}) == "walks a");
-}
-
-/// A tokenizer.json of RoBERTa with all symbols of bytes and one merge.
-std::string roberta_json() {
-  const auto symbols = ml::ClipTokenizer(ml::BytePairMerges{}).vocabulary();
-  std::string vocabulary = R"("<s>": 0, "<pad>": 1, "</s>": 2, "<unk>": 3)";
-  for (std::size_t i = 0; i < 256; ++i)
-    vocabulary += ", " + nlohmann::json(symbols[i]).dump() + ": " + std::to_string(4 + i);
-  return R"({"added_tokens": [{"id": 0, "content": "<s>", "normalized": true}, {"id": 261, "content": "<mask>"}],
-    "normalizer": null, "pre_tokenizer": {"type": "ByteLevel", "add_prefix_space": false, "trim_offsets": true},
-    "post_processor": {"type": "RobertaProcessing", "sep": ["</s>", 2], "cls": ["<s>", 0], "add_prefix_space": false},
-    "model": {"type": "BPE", "dropout": null, "unk_token": null, "continuing_subword_prefix": "",
-      "end_of_word_suffix": "", "vocab": {)" +
-         vocabulary + R"(, "wa": 260}, "merges": [["w", "a"]]}})";
 }
 
 TEST_CASE("tokenizer.json, or vocab.json and merges.txt, of RoBERTa") {
