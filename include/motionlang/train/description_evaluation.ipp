@@ -90,7 +90,7 @@ MOTIONLANG_BODY std::vector<std::string> made_descriptions(const std::filesystem
     if (!std::getline(lines, line) || line.find_first_not_of(" \t\r") == line.npos)
       raise<io_error>(402, file.string(), ": the first line is '", line, "', expected a description");
     if (line.ends_with('\r')) line.pop_back();
-    std::ranges::replace(line, '/', ' ');  // which marks parts of speech
+    std::replace(line.begin(), line.end(), '/', ' ');  // which marks parts of speech
     out.push_back(std::move(line));
   }
   return out;
