@@ -13627,6 +13627,19 @@ struct GruLayer {
   }
 };
 
+/// One step of time through a stack of layers, for models that write what they read next: x (rows, in) -> (rows,
+/// hidden). `states` has one (rows, hidden) for each layer, and goes on. Steps may have fewer rows than those before.
+/// Throws shape_error 204 for another number of states.
+template <Backend B>
+Tensor<B, 2> gru_step(std::span<const GruLayer<B>> layers, Tensor<B, 2> x, std::vector<Tensor<B, 2>>& states) {
+  if (states.size() != layers.size())
+    raise<shape_error>(204, "gru_step: ", counted(static_cast<Index>(states.size()), "state"), " for ",
+                       counted(static_cast<Index>(layers.size()), "layer"));
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    x = states[i] = layers[i](std::vector<Tensor<B, 2>>{x}, states[i]).front();
+  return x;
+}
+
 /// A stack of layers. Every layer starts from zeros unless the caller passes a state. Official keys are weight_ih_l0,
 /// ...: see `gru_key`.
 template <Backend B>
@@ -14991,11 +15004,7 @@ struct AttentiveGruDecoder {
   }
 
  private:
-  Tensor<B, 2> recur(Tensor<B, 2> x, State& state) const {
-    for (std::size_t i = 0; i < gru.size(); ++i)
-      x = state.hidden[i] = gru[i](std::vector<Tensor<B, 2>>{x}, state.hidden[i]).front();
-    return x;
-  }
+  Tensor<B, 2> recur(Tensor<B, 2> x, State& state) const { return gru_step<B>(gru, std::move(x), state.hidden); }
   Tensor<B, 2> project(const Tensor<B, 2>& x) const { return linear<B>(x, input_emb.weight, nullptr); }
 };
 
@@ -19896,31 +19905,6 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-/// A stack of GRU layers that is run one frame at a time.
-template <Backend B>
-class GruSteps {
- public:
-  explicit GruSteps(const Gru<B>& gru) : gru_(gru) {}
-
-  /// The next frame of each motion, (motions, in). Motions that have ended are missing at the end.
-  Tensor<B, 2> operator()(Tensor<B, 2> x) {
-    for (std::size_t i = 0; i < gru_.layers.size(); ++i) {
-      const auto& layer = gru_.layers[i];
-      if (states_.size() == i) states_.push_back(Tensor<B, 2>::zeros({x.size(0), layer.hidden()}));
-      x = states_[i] = layer(std::vector<Tensor<B, 2>>{x}, states_[i]).front();
-    }
-    return x;
-  }
-
- private:
-  const Gru<B>& gru_;
-  std::vector<Tensor<B, 2>> states_;
-};
-
-}  // namespace detail
-
 /// The distribution of a frame's latent, from frames up to it.
 template <Backend B>
 struct ActorFrameGaussian {
@@ -19984,14 +19968,13 @@ struct ActorFrames {
   /// The prior of each latent, before its frame is seen, (frames, latent).
   LatentGaussian<B> expect(const Sequences<B>& x, std::span<const Index> labels) const {
     const ModuleScope scope(*this);
-    const auto before = detail::frames_before(x);
-    return prior(before.with(concat(1, before.rows, side(labels, x.offsets))));
+    return prior(known_before(labels, x));
   }
   /// Frames from the true ones before them. z: (frames, latent).
   Sequences<B> teach(const Tensor<B, 2>& z, std::span<const Index> labels, const Sequences<B>& x) const {
     const ModuleScope scope(*this);
-    const auto before = detail::frames_before(x);
-    return final_layer(gru(embed(before.with(concat(1, before.rows, side(labels, x.offsets), z)))));
+    const auto seen = known_before(labels, x);
+    return final_layer(gru(embed(seen.with(concat(1, seen.rows, z)))));
   }
   /// Frames from those that were made before them. z: (frames, latent).
   Sequences<B> decode(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths) const {
@@ -19999,14 +19982,25 @@ struct ActorFrames {
   }
   /// The same with latents of the prior. noise: standard normal values (frames, latent).
   Sequences<B> generate(const Tensor<B, 2>& noise, std::span<const Index> labels, const Offsets& lengths) const {
-    detail::GruSteps<B> expected(prior.gru);
+    auto states = still(prior.gru, lengths.count());
     return written(noise, labels, lengths, [&](const Tensor<B, 2>& seen, const Tensor<B, 2>& eps) {
-      const auto h = expected(prior.embed(seen));
+      const auto h = gru_step<B>(prior.gru.layers, prior.embed(seen), states);
       return LatentGaussian<B>{prior.mu(h), prior.logvar(h)}.sample(eps);
     });
   }
 
  private:
+  /// The states of a stack before the first frame.
+  static std::vector<Tensor<B, 2>> still(const Gru<B>& stack, Index motions) {
+    std::vector<Tensor<B, 2>> out;
+    for (const GruLayer<B>& layer : stack.layers) out.push_back(Tensor<B, 2>::zeros({motions, layer.hidden()}));
+    return out;
+  }
+  /// The prior reads what is known before each frame: the last frame, the action and the time.
+  Sequences<B> known_before(std::span<const Index> labels, const Sequences<B>& x) const {
+    const auto before = detail::frames_before(x);
+    return before.with(concat(1, before.rows, side(labels, x.offsets)));
+  }
   Tensor<B, 2> side(std::span<const Index> labels, const Offsets& lengths) const {
     return detail::action_and_time<B>(labels, prior.embed.in() - width() - 1, lengths, true);
   }
@@ -20020,14 +20014,14 @@ struct ActorFrames {
                          ", expected ", latent_dim(), " values each");
     const Sequences<B> about(concat(1, side(labels, lengths), given), lengths);
     const detail::TimeSteps<B> time(about);
-    detail::GruSteps<B> writer(gru);
+    auto states = still(gru, lengths.count());
     std::vector<Tensor<B, 2>> frames;
     for (const auto& now : time.steps) {
       const Index motions = now.size(0), known = now.size(1) - latent_dim();
       const auto last = frames.empty() ? Tensor<B, 2>::zeros({motions, width()}) : slice(frames.back(), 0, 0, motions);
       const auto seen = concat(1, last, slice(now, 1, 0, known));
       const auto z = latents(seen, slice(now, 1, known, now.size(1)));
-      frames.push_back(final_layer(writer(embed(concat(1, seen, z)))));
+      frames.push_back(final_layer(gru_step<B>(gru.layers, embed(concat(1, seen, z)), states)));
     }
     return {frames.empty() ? Tensor<B, 2>::zeros({0, width()}) : time.packed(frames), lengths};
   }
@@ -22377,6 +22371,9 @@ struct SamplingOptions {
 /// As STMC's released code samples MDM-SMPL, and all of its published results: the factor of the noise is Sigma itself.
 /// Differs from thesis eq. 6.2: as Sigma is below 1, motions have less noise than the distribution says.
 inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseScale::posterior_variance};
+/// In the order of SamplingOptions::Sampler.
+inline constexpr std::array<std::string_view, 3> sampler_names{"ddpm", "ddim", "plms"};
+static_assert(static_cast<std::size_t>(SamplingOptions::Sampler::plms) + 1 == sampler_names.size());
 std::string_view to_string(SamplingOptions::Sampler sampler);
 /// "ddpm", "ddim" or "plms". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
@@ -22569,26 +22566,19 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-inline constexpr std::array<std::string_view, 3> sampler_names{"ddpm", "ddim", "plms"};
-
-}  // namespace detail
-
 MOTIONLANG_BODY GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps) {
   if (steps == 0 || steps == process.steps()) return process;
   return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
 }
 
 MOTIONLANG_BODY std::string_view to_string(SamplingOptions::Sampler sampler) {
-  return detail::sampler_names.at(static_cast<std::size_t>(sampler));
+  return sampler_names.at(static_cast<std::size_t>(sampler));
 }
 
 MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where) {
-  const auto& names = detail::sampler_names;
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) raise<config_error>(103, where, " '", name, "' is not ddpm, ddim or plms");
-  return static_cast<SamplingOptions::Sampler>(found - names.begin());
+  const auto found = std::find(sampler_names.begin(), sampler_names.end(), name);
+  if (found == sampler_names.end()) raise<config_error>(103, where, " '", name, "' is not ddpm, ddim or plms");
+  return static_cast<SamplingOptions::Sampler>(found - sampler_names.begin());
 }
 
 MOTIONLANG_BODY NoiseScale parse_noise_scale(std::string_view name, std::string_view where) {

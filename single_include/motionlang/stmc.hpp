@@ -7269,6 +7269,9 @@ struct SamplingOptions {
 /// As STMC's released code samples MDM-SMPL, and all of its published results: the factor of the noise is Sigma itself.
 /// Differs from thesis eq. 6.2: as Sigma is below 1, motions have less noise than the distribution says.
 inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseScale::posterior_variance};
+/// In the order of SamplingOptions::Sampler.
+inline constexpr std::array<std::string_view, 3> sampler_names{"ddpm", "ddim", "plms"};
+static_assert(static_cast<std::size_t>(SamplingOptions::Sampler::plms) + 1 == sampler_names.size());
 std::string_view to_string(SamplingOptions::Sampler sampler);
 /// "ddpm", "ddim" or "plms". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
@@ -7461,26 +7464,19 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-inline constexpr std::array<std::string_view, 3> sampler_names{"ddpm", "ddim", "plms"};
-
-}  // namespace detail
-
 MOTIONLANG_BODY GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps) {
   if (steps == 0 || steps == process.steps()) return process;
   return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
 }
 
 MOTIONLANG_BODY std::string_view to_string(SamplingOptions::Sampler sampler) {
-  return detail::sampler_names.at(static_cast<std::size_t>(sampler));
+  return sampler_names.at(static_cast<std::size_t>(sampler));
 }
 
 MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where) {
-  const auto& names = detail::sampler_names;
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) raise<config_error>(103, where, " '", name, "' is not ddpm, ddim or plms");
-  return static_cast<SamplingOptions::Sampler>(found - names.begin());
+  const auto found = std::find(sampler_names.begin(), sampler_names.end(), name);
+  if (found == sampler_names.end()) raise<config_error>(103, where, " '", name, "' is not ddpm, ddim or plms");
+  return static_cast<SamplingOptions::Sampler>(found - sampler_names.begin());
 }
 
 MOTIONLANG_BODY NoiseScale parse_noise_scale(std::string_view name, std::string_view where) {

@@ -334,8 +334,7 @@ void add_generate(CLI::App& app) {
                                    "Number of denoising steps, spread evenly over those of the model; 0 takes all. The "
                                    "default is what the weights ask for")
                          ->check(not_negative());
-  const auto sampler = c->add_option("--sampler", o->sampler, "Sampler. The default is what the weights ask for")
-                           ->check(CLI::IsMember({"ddpm", "ddim", "plms"}));
+  const auto sampler = sampler_option(*c, o->sampler);
   const auto preset =
       c->add_option("--preset", o->preset,
                     "Sampler and steps. model: those that the weights ask for; full: all steps of ddpm; fast: " +

@@ -35,4 +35,12 @@ const ml::LatentMotionModel& require_latent(const ml::MotionModel& generator, co
   return *generator.latent();
 }
 
+CLI::Option* sampler_option(CLI::App& command, std::string& sampler) {
+  const std::vector<std::string> names(ml::sampler_names.begin(), ml::sampler_names.end());
+  return command
+      .add_option("--sampler", sampler,
+                  "Sampler. The default is what the weights ask for. plms needs many steps: --steps 0")
+      ->check(CLI::IsMember(names));
+}
+
 }  // namespace program

@@ -9,6 +9,8 @@
 #include <motionlang/generate/latent_motion_model.hpp>
 #include <motionlang/generate/motion_model_place.hpp>
 
+#include <CLI/CLI.hpp>
+
 #include "../usage_error.hpp"
 
 namespace program {
@@ -32,4 +34,8 @@ std::unique_ptr<ml::MotionModel> load_trained(const ml::MotionModelPlace& place,
 /// option  the option that needs it;   model   where it was loaded from
 const ml::LatentMotionModel& require_latent(const ml::MotionModel& generator, const std::string& option,
                                             const std::filesystem::path& model);
+
+/// Adds --sampler, which takes one of ml::sampler_names. An empty name stands for the sampler of the model.
+CLI::Option* sampler_option(CLI::App& command, std::string& sampler);
+
 }  // namespace program

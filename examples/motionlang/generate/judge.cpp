@@ -43,7 +43,8 @@ void compare(const ml::MotionModel& generator, const JudgeOptions& o) {
   ml::check_options(generator, {.steps = std::ranges::max(o.compare)});
   print(ml::steps_cost_header());
   std::string scale;
-  for (const std::string sampler : {"ddpm", "ddim", "plms"}) {
+  for (const std::string_view name : ml::sampler_names) {
+    const std::string sampler(name);
     ml::GenerateOptions settings = o.settings;
     settings.sampler = ml::parse_sampler(sampler);
     ProgressBar bar(sampler);
@@ -162,9 +163,7 @@ void add_judge(CLI::App& app) {
                 "Number of denoising steps; 0 takes all. The default is what the weights ask for")
       ->check(not_negative())
       ->excludes(compare);
-  c->add_option("--sampler", o->sampler, "Sampler. The default is what the weights ask for")
-      ->check(CLI::IsMember({"ddpm", "ddim", "plms"}))
-      ->excludes(compare);
+  sampler_option(*c, o->sampler)->excludes(compare);
   c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Remove jitter. The default is on");
   c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet, "Keep standing feet from sliding. The default is on")
       ->capture_default_str();

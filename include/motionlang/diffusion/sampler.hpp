@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>    // min
+#include <array>        // names
 #include <cmath>        // sqrt
 #include <string_view>  // names
 #include <vector>       // old values
@@ -59,6 +60,9 @@ struct SamplingOptions {
 /// As STMC's released code samples MDM-SMPL, and all of its published results: the factor of the noise is Sigma itself.
 /// Differs from thesis eq. 6.2: as Sigma is below 1, motions have less noise than the distribution says.
 inline constexpr SamplingOptions published_stmc_sampling{.noise_scale = NoiseScale::posterior_variance};
+/// In the order of SamplingOptions::Sampler.
+inline constexpr std::array<std::string_view, 3> sampler_names{"ddpm", "ddim", "plms"};
+static_assert(static_cast<std::size_t>(SamplingOptions::Sampler::plms) + 1 == sampler_names.size());
 std::string_view to_string(SamplingOptions::Sampler sampler);
 /// "ddpm", "ddim" or "plms". Throws config_error 103.
 SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");

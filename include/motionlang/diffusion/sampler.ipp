@@ -3,18 +3,11 @@
 #pragma once
 
 #include <algorithm>  // find
-#include <array>      // names
 
 #include <motionlang/diffusion/respacing.hpp>
 #include <motionlang/diffusion/sampler.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-inline constexpr std::array<std::string_view, 3> sampler_names{"ddpm", "ddim", "plms"};
-
-}  // namespace detail
 
 MOTIONLANG_BODY GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps) {
   if (steps == 0 || steps == process.steps()) return process;
@@ -22,14 +15,13 @@ MOTIONLANG_BODY GaussianDiffusion with_steps(const GaussianDiffusion& process, I
 }
 
 MOTIONLANG_BODY std::string_view to_string(SamplingOptions::Sampler sampler) {
-  return detail::sampler_names.at(static_cast<std::size_t>(sampler));
+  return sampler_names.at(static_cast<std::size_t>(sampler));
 }
 
 MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where) {
-  const auto& names = detail::sampler_names;
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) raise<config_error>(103, where, " '", name, "' is not ddpm, ddim or plms");
-  return static_cast<SamplingOptions::Sampler>(found - names.begin());
+  const auto found = std::find(sampler_names.begin(), sampler_names.end(), name);
+  if (found == sampler_names.end()) raise<config_error>(103, where, " '", name, "' is not ddpm, ddim or plms");
+  return static_cast<SamplingOptions::Sampler>(found - sampler_names.begin());
 }
 
 MOTIONLANG_BODY NoiseScale parse_noise_scale(std::string_view name, std::string_view where) {

@@ -2,8 +2,10 @@
 /// Gated recurrent unit, several layers, PyTorch's gates and names.
 #pragma once
 
+#include <span>         // layers
 #include <string>       // keys
 #include <string_view>  // keys
+#include <vector>       // states
 
 #include <motionlang/core/sort.hpp>
 #include <motionlang/nn/linear.hpp>
@@ -120,6 +122,19 @@ struct GruLayer {
     return out;
   }
 };
+
+/// One step of time through a stack of layers, for models that write what they read next: x (rows, in) -> (rows,
+/// hidden). `states` has one (rows, hidden) for each layer, and goes on. Steps may have fewer rows than those before.
+/// Throws shape_error 204 for another number of states.
+template <Backend B>
+Tensor<B, 2> gru_step(std::span<const GruLayer<B>> layers, Tensor<B, 2> x, std::vector<Tensor<B, 2>>& states) {
+  if (states.size() != layers.size())
+    raise<shape_error>(204, "gru_step: ", counted(static_cast<Index>(states.size()), "state"), " for ",
+                       counted(static_cast<Index>(layers.size()), "layer"));
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    x = states[i] = layers[i](std::vector<Tensor<B, 2>>{x}, states[i]).front();
+  return x;
+}
 
 /// A stack of layers. Every layer starts from zeros unless the caller passes a state. Official keys are weight_ih_l0,
 /// ...: see `gru_key`.

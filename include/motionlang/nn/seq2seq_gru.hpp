@@ -122,11 +122,7 @@ struct AttentiveGruDecoder {
   }
 
  private:
-  Tensor<B, 2> recur(Tensor<B, 2> x, State& state) const {
-    for (std::size_t i = 0; i < gru.size(); ++i)
-      x = state.hidden[i] = gru[i](std::vector<Tensor<B, 2>>{x}, state.hidden[i]).front();
-    return x;
-  }
+  Tensor<B, 2> recur(Tensor<B, 2> x, State& state) const { return gru_step<B>(gru, std::move(x), state.hidden); }
   Tensor<B, 2> project(const Tensor<B, 2>& x) const { return linear<B>(x, input_emb.weight, nullptr); }
 };
 

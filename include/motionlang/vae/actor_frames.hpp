@@ -8,31 +8,6 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-/// A stack of GRU layers that is run one frame at a time.
-template <Backend B>
-class GruSteps {
- public:
-  explicit GruSteps(const Gru<B>& gru) : gru_(gru) {}
-
-  /// The next frame of each motion, (motions, in). Motions that have ended are missing at the end.
-  Tensor<B, 2> operator()(Tensor<B, 2> x) {
-    for (std::size_t i = 0; i < gru_.layers.size(); ++i) {
-      const auto& layer = gru_.layers[i];
-      if (states_.size() == i) states_.push_back(Tensor<B, 2>::zeros({x.size(0), layer.hidden()}));
-      x = states_[i] = layer(std::vector<Tensor<B, 2>>{x}, states_[i]).front();
-    }
-    return x;
-  }
-
- private:
-  const Gru<B>& gru_;
-  std::vector<Tensor<B, 2>> states_;
-};
-
-}  // namespace detail
-
 /// The distribution of a frame's latent, from frames up to it.
 template <Backend B>
 struct ActorFrameGaussian {
@@ -96,14 +71,13 @@ struct ActorFrames {
   /// The prior of each latent, before its frame is seen, (frames, latent).
   LatentGaussian<B> expect(const Sequences<B>& x, std::span<const Index> labels) const {
     const ModuleScope scope(*this);
-    const auto before = detail::frames_before(x);
-    return prior(before.with(concat(1, before.rows, side(labels, x.offsets))));
+    return prior(known_before(labels, x));
   }
   /// Frames from the true ones before them. z: (frames, latent).
   Sequences<B> teach(const Tensor<B, 2>& z, std::span<const Index> labels, const Sequences<B>& x) const {
     const ModuleScope scope(*this);
-    const auto before = detail::frames_before(x);
-    return final_layer(gru(embed(before.with(concat(1, before.rows, side(labels, x.offsets), z)))));
+    const auto seen = known_before(labels, x);
+    return final_layer(gru(embed(seen.with(concat(1, seen.rows, z)))));
   }
   /// Frames from those that were made before them. z: (frames, latent).
   Sequences<B> decode(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths) const {
@@ -111,14 +85,25 @@ struct ActorFrames {
   }
   /// The same with latents of the prior. noise: standard normal values (frames, latent).
   Sequences<B> generate(const Tensor<B, 2>& noise, std::span<const Index> labels, const Offsets& lengths) const {
-    detail::GruSteps<B> expected(prior.gru);
+    auto states = still(prior.gru, lengths.count());
     return written(noise, labels, lengths, [&](const Tensor<B, 2>& seen, const Tensor<B, 2>& eps) {
-      const auto h = expected(prior.embed(seen));
+      const auto h = gru_step<B>(prior.gru.layers, prior.embed(seen), states);
       return LatentGaussian<B>{prior.mu(h), prior.logvar(h)}.sample(eps);
     });
   }
 
  private:
+  /// The states of a stack before the first frame.
+  static std::vector<Tensor<B, 2>> still(const Gru<B>& stack, Index motions) {
+    std::vector<Tensor<B, 2>> out;
+    for (const GruLayer<B>& layer : stack.layers) out.push_back(Tensor<B, 2>::zeros({motions, layer.hidden()}));
+    return out;
+  }
+  /// The prior reads what is known before each frame: the last frame, the action and the time.
+  Sequences<B> known_before(std::span<const Index> labels, const Sequences<B>& x) const {
+    const auto before = detail::frames_before(x);
+    return before.with(concat(1, before.rows, side(labels, x.offsets)));
+  }
   Tensor<B, 2> side(std::span<const Index> labels, const Offsets& lengths) const {
     return detail::action_and_time<B>(labels, prior.embed.in() - width() - 1, lengths, true);
   }
@@ -132,14 +117,14 @@ struct ActorFrames {
                          ", expected ", latent_dim(), " values each");
     const Sequences<B> about(concat(1, side(labels, lengths), given), lengths);
     const detail::TimeSteps<B> time(about);
-    detail::GruSteps<B> writer(gru);
+    auto states = still(gru, lengths.count());
     std::vector<Tensor<B, 2>> frames;
     for (const auto& now : time.steps) {
       const Index motions = now.size(0), known = now.size(1) - latent_dim();
       const auto last = frames.empty() ? Tensor<B, 2>::zeros({motions, width()}) : slice(frames.back(), 0, 0, motions);
       const auto seen = concat(1, last, slice(now, 1, 0, known));
       const auto z = latents(seen, slice(now, 1, known, now.size(1)));
-      frames.push_back(final_layer(writer(embed(concat(1, seen, z)))));
+      frames.push_back(final_layer(gru_step<B>(gru.layers, embed(concat(1, seen, z)), states)));
     }
     return {frames.empty() ? Tensor<B, 2>::zeros({0, width()}) : time.packed(frames), lengths};
   }

@@ -31,6 +31,24 @@ TEST_CASE("gru: sequences of different lengths go through as if each were alone"
   CHECK(gru(ml::Sequences<B>(ml::Tensor<B, 2>::zeros({0, 3}), Offsets{0, 0})).rows.shape() == ml::Shape{0, 4});
 }
 
+TEST_CASE("gru: one step after another is the whole sequence, and sequences may end on the way") {
+  ml::Philox rng{.seed = 1};
+  const ml::Gru<B> gru(3, 4, 2, rng);
+  const ml::Sequences<B> x(normal<B, 2>({8, 3}, 2), Offsets{5, 3});  // the longest first
+  const auto whole = gru(x);
+  std::vector<ml::Tensor<B, 2>> states(2, ml::Tensor<B, 2>::zeros({2, 4}));
+  for (Index t = 0; t < 5; ++t) {
+    const auto now = ml::slice(x[0], 0, t, t + 1);
+    const auto y = ml::gru_step<B>(gru.layers, t < 3 ? ml::concat(0, now, ml::slice(x[1], 0, t, t + 1)) : now, states);
+    CHECK(y.size(0) == (t < 3 ? 2 : 1));
+    for (Index s = 0; s < y.size(0); ++s)
+      CHECK(distance(ml::slice(y, 0, s, s + 1), ml::slice(whole[s], 0, t, t + 1)) < 1e-14);
+  }
+  states.pop_back();
+  CHECK_ERROR(ml::gru_step<B>(gru.layers, ml::slice(x[0], 0, 0, 1), states),
+              "[motionlang.shape.204] gru_step: 1 state for 2 layers");
+}
+
 TEST_CASE("gru: PyTorch numbers parameters, at any depth") {
   CHECK(ml::gru_key("gru.layers.2.weight_ih") == "gru.weight_ih_l2");
   CHECK(ml::gru_key("encoder.gru.layers.10.bias_hh") == "encoder.gru.bias_hh_l10");
