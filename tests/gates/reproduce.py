@@ -4,9 +4,9 @@
 
 usage: reproduce.py [PAGE]
 A check mark on that page says that a test runs what stands before it in its cell, back to the mark before. So one file
-of tests/program (with the headers that it includes) has to have the command and every option of it as strings, and
-every setting (--set name=). What has no command itself belongs to the one before it in the cell. Settings without one are
-of a training, options without one of any command.
+of tests/program (with the headers that it includes) has to have the command and every option of it, as strings or in a
+line of the shell, and every setting (--set name=). What has no command itself belongs to the one before it in the cell.
+Settings without one are of a training, options without one of any command.
 """
 import pathlib
 import re
@@ -29,7 +29,9 @@ def files_of_tests():
                 text += whole(headers[name], known)
         return text
 
-    return [whole(p.read_text(), set()) for p in sorted(folder.glob("*.cpp"))]
+    tests = {p.name: whole(p.read_text(), set()) for p in sorted(folder.glob("*.cpp"))}
+    tests["bandai.cpp"] += (ROOT / "examples/training/bandai_all.sh").read_text()  # which it runs
+    return list(tests.values())
 
 
 def commands():
@@ -63,9 +65,14 @@ def wanted(code):
     """The strings of a test that runs a command: options and settings."""
     for option in re.findall(r"(?<![\w-])--[a-z][a-z-]*", code):
         if option != "--set":
-            yield f'"{option}"'
+            yield option
     for setting in re.findall(r"--set ([a-z_.]+)=|^([a-z_]+\.[a-z_.]+)(?:=|$)", code):
         yield "".join(setting) + "="
+
+
+def has(test, name):
+    """If a test has an option, whole, or a setting."""
+    return re.search(rf'["\s]{name}["\s]', test) if name.startswith("--") else name in test
 
 
 def main():
@@ -80,12 +87,12 @@ def main():
         for code in codes:
             command = command_of(code, known) or (None if code.startswith("--set ") else command)
             start = f'"{command}"' if command else '"' if code.startswith("--") and "--set " not in code else '"train'
-            here = [t for t in tests if start in t]
+            here = [t for t in tests if start in t or (command and f"motionlang {command} " in t)]
             if not here:
                 problems.append(f"{page.name}: no test of the program runs {command}, of `{code}`")
-            for name in wanted(code):
-                if not any(name in t for t in here):
-                    problems.append(f"{page.name}: no test of the program has {name} with {start}, of `{code}`")
+            names = list(wanted(code))
+            if here and not any(all(has(t, name) for name in names) for t in here):
+                problems.append(f"{page.name}: no test of the program has {' and '.join(names)} with {start}, of `{code}`")
     if marks == 0:
         problems.append(f"{page.name}: no marks")
     for p in problems:

@@ -741,12 +741,14 @@ TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of
   const Outcome file = evaluate("T2M_Seq2Seq", {"--evaluator", runs + "text_mot_match/model/finest.tar"});
   CHECK(numbers_of_row(file.text, "generated") == generated);
 
-  const Outcome timed = evaluate("T2M_Seq2Seq", {"--evaluator", runs + "text_mot_match", "--time", "5"});
+  const Outcome timed =
+      evaluate("T2M_Seq2Seq", {"--evaluator", runs + "text_mot_match", "--repeats", "0", "--time", "5"});
   CHECK_MESSAGE(contains(timed.text, "\ngenerating 5 motions took "), timed.text);
 
-  const auto refused = [&](const std::string& model, const std::vector<std::string>& more, const std::string& message) {
+  const auto refused = [&](const std::string& model, const std::vector<std::string>& more, const std::string& message,
+                           int code = 1) {
     const Outcome out = evaluate(model, more);
-    CHECK(out.code == 1);
+    CHECK(out.code == code);
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
   refused("T2M_Seq2Seq", {}, "--evaluator names their finest.tar");
@@ -756,6 +758,18 @@ TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of
   const auto of_people = numbers_of_row(described.text, "the first text of people");
   REQUIRE_MESSAGE(of_people.size() == 10, described.text);
   CHECK(of_people[0] <= of_people[2]);
+  // another program's descriptions, the same words as the texts
+  for (std::size_t i = 0; i < said.size(); ++i)
+    official::write_text(w / ("others/clip" + std::to_string(i) + ".txt"), said[i]);
+  const Outcome beside = evaluate("M2T_EL2_DL1_NH2_PS", {"--evaluator", runs + "text_mot_match", "--made", "others"});
+  REQUIRE_MESSAGE(beside.code == 0, beside.text);
+  CHECK_MESSAGE(numbers_of_row(beside.text, "others") == of_people, beside.text);
+  for (const std::vector<std::string>& timed_words :
+       {std::vector<std::string>{"--time", "5"}, {"--time", "5", "--evaluator", runs + "text_mot_match"}})
+    refused("M2T_EL2_DL1_NH2_PS", timed_words, "--time measures how a model generates the motions that --evaluator", 2);
+  refused("T2M_Seq2Seq", {"--time", "5"}, "--time measures how a model generates the motions that --evaluator", 2);
+  refused("M2T_EL2_DL1_NH2_PS", {"--made", ".", "--made-rate", "20"}, "--made-rate is for motions", 2);
+  refused("M2T_EL2_DL1_NH2_PS", {"--made", "splits"}, "a file is needed for each of");
   refused("T2M_Seq2Seq", {"--evaluator", "splits"}, "[motionlang.io.401] --evaluator splits: no finest.tar");
 
   // as a model that retrieves, on motions of a TEMOS whose language model and statistics are elsewhere

@@ -16,4 +16,7 @@ struct Outcome {
 Outcome run(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
             const std::string& interrupt_at = "", const std::string& input = "/dev/null");
 
+/// Runs a line of the shell in `folder`, in which `motionlang` is the program.
+Outcome shell(const std::string& line, const std::filesystem::path& folder);
+
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

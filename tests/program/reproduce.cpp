@@ -2,12 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <map>
-#include <set>
 
 #include <motionlang/file/file.hpp>
 
 #include "../support/official_folders.hpp"
-#include "../support/roberta_json.hpp"
 #include "official_workplace.hpp"
 #include "small_workplace.hpp"
 #include "training_clips.hpp"
@@ -34,41 +32,17 @@ std::vector<std::string> code_of(const std::string& page) {
   return out;
 }
 
-/// A tiny BERT or RoBERTa as Hugging Face has them.
-template <class Network>
-void write_language_model(const std::filesystem::path& folder, const char* type, const ml::BertConfig& sizes) {
-  ml::Philox rng{.seed = 7};
-  const Network network(sizes, rng);
-  ml::TensorStore store;
-  store.add_module(network, std::string(type) + ".");
-  std::filesystem::create_directories(folder);
-  ml::write_safetensors(folder / "model.safetensors", store.views());
-  const nlohmann::json config{{"model_type", type},
-                              {"hidden_size", sizes.width},
-                              {"num_attention_heads", sizes.heads},
-                              {"num_hidden_layers", sizes.layers},
-                              {"intermediate_size", sizes.d_ff},
-                              {"vocab_size", sizes.vocabulary},
-                              {"max_position_embeddings", sizes.positions},
-                              {"type_vocab_size", sizes.token_types},
-                              {"hidden_act", "gelu"}};
-  ml::write_file(folder / "config.json", config.dump());
-}
-
 }  // namespace
 
 TEST_CASE("every option of the page is one of its command") {
   const TemporaryFolder folder;
-  const std::set<std::string> commands{
-      "mtt",      "evaluate",    "generate",         "check",          "search",          "compose",
-      "describe", "train-actor", "train-classifier", "train-mdm-smpl", "train-mdm",       "train-motiondiffuse",
-      "study",    "study-count", "body-parts",       "tokens",         "train-evaluator", "judge"};
+  const std::string commands = run({"--help"}, folder.path).text;
   std::map<std::string, std::string> help;
   std::map<std::string, int> seen;
   for (std::string code : code_of(ml::read_file(examples / "training/REPRODUCE.md"))) {
     if (code.starts_with("motionlang ")) code = code.substr(std::string("motionlang ").size());
     std::string command = code.substr(0, code.find(' '));
-    if (!commands.contains(command) && command != "figure") continue;
+    if (command.empty() || !contains(commands, "\n  " + command + " ")) continue;
     if (!help.contains(command)) help[command] = run({command, "--help"}, folder.path).text;
     if (command == "figure" && code.size() > command.size()) {  // each kind has options of its own
       const std::string kind = code.substr(7, code.find(' ', 7) - 7);
@@ -78,10 +52,17 @@ TEST_CASE("every option of the page is one of its command") {
     ++seen[command];
     for (std::size_t at = code.find("--"); at != code.npos; at = code.find("--", at + 2)) {
       const std::string option = code.substr(at, code.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", at) - at);
-      CHECK_MESSAGE(contains(help[command], option), code, ": ", command, " has no ", option);
+      const auto is_whole = [&](std::size_t found) {
+        return std::string("abcdefghijklmnopqrstuvwxyz-").find(help[command][found + option.size()]) ==
+               std::string::npos;
+      };
+      std::size_t found = help[command].find(option);
+      while (found != std::string::npos && !is_whole(found)) found = help[command].find(option, found + 1);
+      CHECK_MESSAGE(found != std::string::npos, code, ": ", command, " has no ", option);
     }
   }
   CHECK(seen["evaluate"] > 10);
+  CHECK(seen["train-temos"] > 1);
   CHECK(seen["generate"] > 3);
   CHECK(seen["figure curves"] > 2);
 }
@@ -144,16 +125,7 @@ TEST_CASE("TEMOS with BERT and with RoBERTa: table 4.9") {
   ml::write_file(
       clips / "bert/vocab.txt",
       std::string_view("[PAD]\n[UNK]\n[CLS]\n[SEP]\n[MASK]\na\nperson\nsomeone\nwalks\nturns\nahead\nleft\n"));
-  write_language_model<ml::Roberta<B>>(clips / "roberta", "roberta",
-                                       {.vocabulary = 262,
-                                        .width = 8,
-                                        .heads = 2,
-                                        .d_ff = 12,
-                                        .layers = 1,
-                                        .positions = 40,
-                                        .token_types = 1,
-                                        .padding = 1});
-  ml::write_file(clips / "roberta/tokenizer.json", roberta_json());
+  write_roberta(clips / "roberta");
   for (const std::string encoder : {"bert", "roberta"}) {
     CAPTURE(encoder);
     const auto trained =
@@ -167,12 +139,20 @@ TEST_CASE("TEMOS with BERT and with RoBERTa: table 4.9") {
   }
 }
 
-TEST_CASE("table 6.1 of a published MDM") {
+TEST_CASE("table 6.1 of a published MDM-SMPL, MDM and MotionDiffuse") {
   const OfficialWorkplace w;
-  official::write_mdm_run(w / "mdm", official::small());
-  official::write_clip(w / "clip", official::small());
+  const auto sizes = official::small();
+  official::write_stmc_run(w / "stmc", sizes);
+  official::write_mdm_run(w / "mdm", sizes);
+  official::write_motiondiffuse_run(w / "motiondiffuse", sizes);
+  official::write_clip(w / "clip", sizes);
   const std::string texts = (examples / "training/mtt_texts.txt").string();
-  const std::string measured = w.did({"evaluate", "mdm", "--texts", texts, "--text-encoder", "clip", "--statistics",
-                                      "mdm", "--seed", "10", "--first", "2", "--steps", "2"});
-  CHECK_MESSAGE(contains(measured, "\n  STMC "), measured);
+  for (const std::string model : {"stmc", "mdm", "motiondiffuse"}) {
+    CAPTURE(model);
+    std::vector<std::string> line{"evaluate", model, "--texts", texts, "--text-encoder", "clip",
+                                  "--seed",   "10",  "--first", "2",   "--steps",        "2"};
+    if (model == "mdm") line.insert(line.end(), {"--statistics", "mdm"});
+    const std::string measured = w.did(line);
+    CHECK_MESSAGE(contains(measured, "\n  STMC "), measured);
+  }
 }

@@ -149,6 +149,11 @@ TEST_CASE(
   CHECK(panels[0].curves.at(0).steps == std::vector<double>{8, 12, 20});
   for (const double v : panels[0].curves.at(0).values) CHECK((v >= 0 && v <= 100));
   for (const double v : panels[1].curves.at(0).values) CHECK(v > 0);
+  const auto drawn = shell(
+      "motionlang evaluate first/model --data . --labels labels.tsv --classifier graph/model --seeds 2 --part training "
+      "--durations 8,12,20 | sed -n '/^#/,$p' > durations.tsv && motionlang figure curves durations.tsv -o 3_4.svg",
+      clips.path);
+  CHECK_MESSAGE((drawn.code == 0 && std::filesystem::exists(clips / "3_4.svg")), drawn.text);
   trained("train-actor", "joints_of_skin", {"--body", "body.npz", "--set", "losses.points=smpl"});
   CHECK(clips.losses("joints_of_skin") != clips.losses("skin"));
   const auto no_points = [&](const std::string& points, std::vector<std::string> more, const std::string& message) {
@@ -290,6 +295,38 @@ TEST_CASE("actions in the files of their data set, in the world of their camera"
     const auto refused = run({"train-actor", "--data", "data", "--dataset", dataset}, folder.path);
     CHECK(refused.code != 0);
     CHECK_MESSAGE(contains(refused.text, message), refused.text);
+  }
+}
+
+TEST_CASE("ACTOR's presets for UESTC and NTU-13, its second training with several lengths, both parts of UESTC") {
+  const TemporaryFolder folder;
+  actor_pickles::write_uestc(folder / "uestc", 8, 70);
+  actor_pickles::write_ntu13(folder / "ntu13", 4, 70);
+  const auto train = [&](const std::string& command, const std::string& dataset, const std::string& preset,
+                         const std::string& out, std::vector<std::string> more = {}) {
+    std::vector<std::string> all{command, "--data", dataset, "--dataset", dataset, "--preset", preset, "--out", out};
+    for (const char* a : {"optimiser.epochs=1", "optimiser.batch=2"}) all.insert(all.end(), {"--set", a});
+    if (command == "train-actor") {
+      for (const char* a : {"network.latent_dim=8", "network.ff_size=8", "network.num_layers=1", "network.num_heads=2"})
+        all.insert(all.end(), {"--set", a});
+    }
+    all.insert(all.end(), more.begin(), more.end());
+    const auto done = run(all, folder.path);
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    return done.text;
+  };
+  CHECK(contains(train("train-actor", "ntu13", "actor-published-ntu13", "ntu"), "4 motions to train on"));
+  CHECK(contains(train("train-actor", "uestc", "actor-published-uestc", "actor"), "4 motions to train on"));
+  train("train-actor", "uestc", "actor-variable", "variable", {"--from", "actor/model"});
+  CHECK(ml::read_file(folder / "variable/model/weights.safetensors") !=
+        ml::read_file(folder / "actor/model/weights.safetensors"));
+  train("train-classifier", "uestc", "small", "classifier", {"--set", "clips.fps=30"});
+  for (const char* part : {"training", "test"}) {
+    const auto measured = run({"evaluate", "variable/model", "--data", "uestc", "--dataset", "uestc", "--classifier",
+                               "classifier/model", "--seeds", "2", "--part", part},
+                              folder.path);
+    REQUIRE_MESSAGE(measured.code == 0, measured.text);
+    CHECK_MESSAGE(contains(measured.text, "4 motions of the " + std::string(part) + " part, 2 classes"), measured.text);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/weights/guo_evaluator_file.hpp>
 
+#include "babel_sequences.hpp"
 #include "described_walks.hpp"
 
 TEST_CASE("train-evaluator: both stages learn and go on with the same numbers; the networks judge, and retrieve") {
@@ -64,8 +65,9 @@ TEST_CASE("train-evaluator: both stages learn and go on with the same numbers; t
   // motions of another system
   const auto made = train_tiny("train-temos", place.path, {"--data", "h3d"});
   REQUIRE_MESSAGE(made.code == 0, made.text);
-  const std::vector<std::string> judge{"evaluate", "out/model", "--data",    "h3d", "--part",      "training",
-                                       "--seeds",  "2",         "--repeats", "0",   "--evaluator", "matching/model"};
+  std::filesystem::rename(place / "out", place / "temos");
+  const std::vector<std::string> judge{"evaluate", "temos/model", "--data",    "h3d", "--part",      "training",
+                                       "--seeds",  "2",           "--repeats", "0",   "--evaluator", "matching/model"};
   const auto judged = run(judge, place.path);
   REQUIRE_MESSAGE(judged.code == 0, judged.text);
   CHECK_MESSAGE(contains(judged.text, "6 motions of the training part in batches of 6, drawn 2 times"), judged.text);
@@ -82,10 +84,42 @@ TEST_CASE("train-evaluator: both stages learn and go on with the same numbers; t
   REQUIRE_MESSAGE(all.code == 0, all.text);
   CHECK(contains(all.text, "multimodality of 6 texts"));
 
+  // and of all others: SINC and TEACH learn from BABEL, the rest from the same walks, and STMC is the bundled one
+  const Sequences sequences;
+  std::vector<std::string> models{MOTIONLANG_EXAMPLES "/models/stmc_free.safetensors"};
+  for (const std::string system : {"sinc", "teach"}) {
+    const auto trained = sequences.train("train-" + system, system, {"--babel", "babel.json", "--splits", "splits"});
+    REQUIRE_MESSAGE(trained.code == 0, trained.text);
+    models.push_back((sequences / (system + "/model")).string());
+  }
+  for (const std::string system : {"tmr", "mdm", "motiondiffuse"}) {
+    std::vector<std::string> more{"--data", "h3d"};
+    if (system != "tmr") {
+      for (const char* a : {"text.ff_size=8", "text.num_layers=1", "text.num_heads=2", "diffusion.steps=24"})
+        more.insert(more.end(), {"--set", a});
+    }
+    if (system == "motiondiffuse") {
+      for (const char* a : {"network.text_latent_dim=8", "network.text_ff_size=8", "network.text_num_heads=2"})
+        more.insert(more.end(), {"--set", a});
+    }
+    const auto trained = train_tiny("train-" + system, place.path, more);
+    REQUIRE_MESSAGE(trained.code == 0, system, ": ", trained.text);
+    std::filesystem::rename(place / "out", place / system);
+    models.push_back(system + "/model");
+  }
+  for (const std::string& model : models) {
+    CAPTURE(model);
+    const auto of_model = run({"evaluate", model, "--data", "h3d", "--part", "training", "--seeds", "1", "--repeats",
+                               "0", "--steps", "2", "--evaluator", "matching/model"},
+                              place.path);
+    REQUIRE_MESSAGE(of_model.code == 0, of_model.text);
+    CHECK_MESSAGE(contains(of_model.text, "\n  generated"), of_model.text);
+  }
+
   // its rows in TMR's table of generated motions
-  const auto searched = run(
-      {"evaluate", "matching/model", "--data", "h3d", "--part", "training", "--synthesis", "--generator", "out/model"},
-      place.path);
+  const auto searched = run({"evaluate", "matching/model", "--data", "h3d", "--part", "training", "--synthesis",
+                             "--generator", "temos/model"},
+                            place.path);
   REQUIRE_MESSAGE(searched.code == 0, searched.text);
   CHECK(contains(searched.text, "\n    generated"));
 

@@ -208,6 +208,12 @@ TEST_CASE(
   CHECK(too_deep.code == 1);
   CHECK_MESSAGE(contains(too_deep.text, "[motionlang.config.101] --bert-layer 3: bert has 2 layers"), too_deep.text);
 
+  write_roberta(clips / "roberta");
+  with_bert.resize(with_bert.size() - 3);
+  with_bert.push_back("roberta");
+  const std::string by_roberta = did(with_bert);
+  CHECK_MESSAGE(contains(by_roberta, "BERTScore by layer 1 of 1 of roberta"), by_roberta);
+
   // lemmas of a data set, and word vectors of a folder
   const std::string set = (clips / "h3d").string();
   for (const char* id : {"000000", "000001"}) {

@@ -14,6 +14,7 @@
 #include <motionlang/metrics/ape_ave.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
 
+#include "../support/roberta_json.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"
 #include "process.hpp"
@@ -116,15 +117,53 @@ inline double mean(std::span<const float> x) {
   return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
 }
 
-/// A tiny DistilBERT as Hugging Face has them, which knows the words of these captions.
-inline ml::DistilBert<ml::EigenBackend<float>> write_distilbert(const std::filesystem::path& folder) {
+/// The weights of a BERT, RoBERTa or DistilBERT as Hugging Face has them. They begin with `prefix`.
+template <class Network>
+Network write_language_weights(const std::filesystem::path& folder, const std::string& prefix,
+                               const ml::BertConfig& sizes) {
   ml::Philox rng{.seed = 7};
-  const ml::BertConfig tiny{.vocabulary = 12, .width = 8, .heads = 2, .d_ff = 12, .layers = 2, .positions = 16};
-  const ml::DistilBert<ml::EigenBackend<float>> network(tiny, rng);
+  Network network(sizes, rng);
   ml::TensorStore store;
-  store.add_module(network, "distilbert.");
+  store.add_module(network, prefix);
   std::filesystem::create_directories(folder);
   ml::write_safetensors(folder / "model.safetensors", store.views());
+  return network;
+}
+
+/// A tiny BERT or RoBERTa as Hugging Face has them.
+template <class Network>
+void write_language_model(const std::filesystem::path& folder, const char* type, const ml::BertConfig& sizes) {
+  write_language_weights<Network>(folder, std::string(type) + ".", sizes);
+  const nlohmann::json config{{"model_type", type},
+                              {"hidden_size", sizes.width},
+                              {"num_attention_heads", sizes.heads},
+                              {"num_hidden_layers", sizes.layers},
+                              {"intermediate_size", sizes.d_ff},
+                              {"vocab_size", sizes.vocabulary},
+                              {"max_position_embeddings", sizes.positions},
+                              {"type_vocab_size", sizes.token_types},
+                              {"hidden_act", "gelu"}};
+  ml::write_file(folder / "config.json", config.dump());
+}
+
+/// A tiny RoBERTa with its tokenizer.
+inline void write_roberta(const std::filesystem::path& folder) {
+  write_language_model<ml::Roberta<ml::EigenBackend<float>>>(folder, "roberta",
+                                                             {.vocabulary = 262,
+                                                              .width = 8,
+                                                              .heads = 2,
+                                                              .d_ff = 12,
+                                                              .layers = 1,
+                                                              .positions = 40,
+                                                              .token_types = 1,
+                                                              .padding = 1});
+  ml::write_file(folder / "tokenizer.json", roberta_json());
+}
+
+/// A tiny DistilBERT as Hugging Face has them, which knows the words of these captions.
+inline ml::DistilBert<ml::EigenBackend<float>> write_distilbert(const std::filesystem::path& folder) {
+  const ml::BertConfig tiny{.vocabulary = 12, .width = 8, .heads = 2, .d_ff = 12, .layers = 2, .positions = 16};
+  auto network = write_language_weights<ml::DistilBert<ml::EigenBackend<float>>>(folder, "distilbert.", tiny);
   ml::write_file(folder / "config.json",
                  std::string_view(R"({"model_type": "distilbert", "dim": 8, "n_heads": 2, "n_layers": 2,
     "hidden_dim": 12, "vocab_size": 12, "max_position_embeddings": 16, "activation": "gelu"})"));

@@ -101,4 +101,41 @@ inline void write_humanact12(const std::filesystem::path& folder, int recordings
                                                     {text("y"), list(classes)}}));
 }
 
+/// UESTC's files: so many recordings, of the actions 0, 1, 0, 1, ..., in pairs of persons 1 (training) and 3 (test).
+inline void write_uestc(const std::filesystem::path& folder, int recordings, motionlang::Index frames) {
+  std::vector<std::string> all_poses, all_joints, cameras;
+  std::string names, lengths;
+  for (int i = 0; i < recordings; ++i) {
+    const double phase = i % 2 + 0.05 * i;
+    std::vector<double> camera;
+    for (motionlang::Index f = 0; f < frames; ++f)
+      camera.insert(camera.end(), {1, 1, 0.01 * static_cast<double>(f), 0});
+    all_poses.push_back(array(poses(frames, phase), {frames, 72}));
+    all_joints.push_back(array(joints(frames, 49, phase), {frames, 49, 3}));
+    cameras.push_back(array(camera, {frames, 4}));
+    names += "a" + std::to_string(i % 2) + "_d0_p00" + (i % 4 < 2 ? "1" : "3") + "_c1_color.avi\n";
+    lengths += std::to_string(frames) + "\n";
+  }
+  write(folder / "vibe_cache_refined.pkl", dictionary({{text("pose"), list(all_poses)},
+                                                       {text("joints3d"), list(all_joints)},
+                                                       {text("orig_cam"), list(cameras)}}));
+  std::filesystem::create_directories(folder / "info");
+  motionlang::write_file(folder / "info/names.txt", names);
+  motionlang::write_file(folder / "info/num_frames_min.txt", lengths);
+}
+
+/// NTU-13's files: so many recordings, of its first and last actions in turn.
+inline void write_ntu13(const std::filesystem::path& folder, int recordings, motionlang::Index frames) {
+  std::string names;
+  for (int i = 0; i < recordings; ++i) {
+    const double phase = i % 2 + 0.05 * i;
+    const std::string name = "vibe/S" + std::to_string(i) + (i % 2 == 0 ? "A006.pkl" : "A102.pkl");
+    const auto person = dictionary({{text("pose"), joblib_array(poses(frames, phase), {frames, 72})},
+                                    {text("joints3d"), joblib_array(joints(frames, 49, phase), {frames, 49, 3})}});
+    write(folder / name, dictionary({{number(1), person}}));
+    names += name + "\n";
+  }
+  motionlang::write_file(folder / "ntu_vibe_list.txt", names);
+}
+
 }  // namespace actor_pickles

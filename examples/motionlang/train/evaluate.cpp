@@ -83,7 +83,8 @@ void run(const EvaluationOptions& o) {
   else
     found->second(o);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
-  std::printf("%.1f s\n", time.count());
+  std::fflush(stdout);
+  std::fprintf(stderr, "%.1f s\n", time.count());  // apart from the table, which other commands read
 }
 
 }  // namespace
@@ -134,9 +135,9 @@ void add_evaluate(CLI::App& app) {
                  "With --evaluator: number of motions of a text for multimodality, above 10; 0 leaves it out");
   checked_option(*c, "--time", o->time, in_range(0, 1'000'000),
                  "With --evaluator: also measure how long the model takes to generate this many motions");
-  CLI::Option* bert =
-      folder_option(*c, "--bert", o->bert,
-                    "TM2T motion-to-text: folder of a DistilBERT, BERT or MPNet (Hugging Face), for BERTScore");
+  CLI::Option* bert = folder_option(
+      *c, "--bert", o->bert,
+      "TM2T motion-to-text: folder of a DistilBERT, BERT, RoBERTa or MPNet (Hugging Face), for BERTScore");
   c->add_option("--bert-layer", o->bert_layer, "Layer whose states BERTScore compares; 0 is the last one")
       ->needs(bert)
       ->check(in_range(0, 1000))
