@@ -395,12 +395,12 @@ orderings() {
   claim "ACTOR 3.7, accuracy: ACTOR, a latent for each frame" 95.5 ">" 92.3 "$(accuracy actor)" "$(accuracy actor_frames)"
   claim "ACTOR 3.7, FID: ACTOR, a latent for each frame" 0.12 "<" 2.46 "$(figure actor 2 generated)" "$(figure actor_frames 2 generated)"
   root() { figure "$1" 1 "one sample"; }
-  for other in "deterministic:temos_deterministic:1.175" "deterministic, GRUs (paper: JL2P):temos_jl2p:1.622" \
-    "deterministic, GRU decoder (paper: Lin et al.):temos_lin:1.966" \
+  for other in "deterministic:temos_deterministic:1.175" "deterministic, GRUs (JL2P in the paper):temos_jl2p:1.622" \
+    "deterministic, GRU decoder (Lin et al. in the paper):temos_lin:1.966" \
     "GRU:temos_gru:1.443" "without motion encoder:temos_no_encoder:1.178" "without embedding loss:temos_no_embedding:1.091" \
     "without cross-modal KL:temos_no_cross:0.993" "without Gaussian priors:temos_no_priors:1.049"; do
-    rest=${other#*:temos_} name=${other%:temos_*}
-    claim "TEMOS 4.1 to 4.3, APE root: TEMOS, $name" 0.963 "<" "${rest#*:}" "$(root temos)" "$(root "temos_${rest%%:*}")"
+    name=${other%%:*} rest=${other#*:}
+    claim "TEMOS 4.1 to 4.3, APE root: TEMOS, $name" 0.963 "<" "${rest#*:}" "$(root temos)" "$(root "${rest%%:*}")"
   done
   claim "TEMOS 4.2, APE root: best of ten, one sample" 0.784 "<" 0.963 "$(figure temos 1 "best of $(full 2 10) samples")" "$(root temos)"
   recall() { figure "$1" 1 "all, texts alike"; }
