@@ -84,7 +84,8 @@ void run(const EvaluationOptions& o) {
     found->second(o);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
   std::fflush(stdout);
-  std::fprintf(stderr, "%.1f s\n", time.count());  // apart from the table, which other commands read
+  if (processes().rank() == 0)
+    std::fprintf(stderr, "%.1f s\n", time.count());  // apart from the table, which other commands read
 }
 
 }  // namespace
