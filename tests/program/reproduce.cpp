@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <map>
+#include <regex>
 
 #include <motionlang/file/file.hpp>
 
@@ -52,13 +53,8 @@ TEST_CASE("every option of the page is one of its command") {
     ++seen[command];
     for (std::size_t at = code.find("--"); at != code.npos; at = code.find("--", at + 2)) {
       const std::string option = code.substr(at, code.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", at) - at);
-      const auto is_whole = [&](std::size_t found) {
-        return std::string("abcdefghijklmnopqrstuvwxyz-").find(help[command][found + option.size()]) ==
-               std::string::npos;
-      };
-      std::size_t found = help[command].find(option);
-      while (found != std::string::npos && !is_whole(found)) found = help[command].find(option, found + 1);
-      CHECK_MESSAGE(found != std::string::npos, code, ": ", command, " has no ", option);
+      CHECK_MESSAGE(std::regex_search(help[command], std::regex(option + "(?![a-z-])")), code, ": ", command,
+                    " has no ", option);
     }
   }
   CHECK(seen["evaluate"] > 10);

@@ -132,9 +132,9 @@ TEST_CASE(
        {"6 texts in 3 motions of 2 clips of the training part", "0.5 s", "1.5 s", "all lengths", "a random window"})
     CHECK_MESSAGE(contains(moments.text, word), moments.text);
   const auto curves = shell(
-      "motionlang evaluate train-tmr_whole/model --data . --captions captions.tsv --part training --moments 3 --joined "
-      "2 "
-      "--windows 0.5,1.5 | tail -n +2 > moments.txt && motionlang figure curves moments.txt --rows -o 5_10.svg",
+      "motionlang evaluate train-tmr_whole/model --data . --captions captions.tsv --part training "
+      "--moments 3 --joined 2 --windows 0.5,1.5 | tail -n +2 > moments.txt && motionlang figure curves moments.txt "
+      "--rows -o 5_10.svg",
       clips.path);
   CHECK_MESSAGE((curves.code == 0 && std::filesystem::exists(clips / "5_10.svg")), curves.text);
   CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--moments", "3", "--windows", "99"}).code == 2);
@@ -360,8 +360,8 @@ TEST_CASE("raw KIT-ML, by its own positions and by its motions in AMASS, at 100 
     if (smpl) continue;
     // figure 4.5 from the last two lines of the table
     const auto drawn = shell(
-        "motionlang evaluate out/model --data kit --samples 2 | tail -n 2 | motionlang figure curves - --rows -o "
-        "4_5.svg",
+        "motionlang evaluate out/model --data kit --samples 2 | tail -n 2 | "
+        "motionlang figure curves - --rows -o 4_5.svg",
         folder.path);
     CHECK_MESSAGE((drawn.code == 0 && std::filesystem::exists(folder / "4_5.svg")), drawn.text);
     // the recordings as arrays of joints, as if another program had made them

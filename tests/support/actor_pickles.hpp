@@ -101,6 +101,17 @@ inline void write_humanact12(const std::filesystem::path& folder, int recordings
                                                     {text("y"), list(classes)}}));
 }
 
+/// UESTC's files. poses, joints, cameras: an array for each recording; names, lengths: lines of text files.
+inline void write_uestc_files(const std::filesystem::path& folder, const std::vector<std::string>& poses,
+                              const std::vector<std::string>& joints, const std::vector<std::string>& cameras,
+                              const std::string& names, const std::string& lengths) {
+  write(folder / "vibe_cache_refined.pkl",
+        dictionary({{text("pose"), list(poses)}, {text("joints3d"), list(joints)}, {text("orig_cam"), list(cameras)}}));
+  std::filesystem::create_directories(folder / "info");
+  motionlang::write_file(folder / "info/names.txt", names);
+  motionlang::write_file(folder / "info/num_frames_min.txt", lengths);
+}
+
 /// UESTC's files: so many recordings, of the actions 0, 1, 0, 1, ..., in pairs of persons 1 (training) and 3 (test).
 inline void write_uestc(const std::filesystem::path& folder, int recordings, motionlang::Index frames) {
   std::vector<std::string> all_poses, all_joints, cameras;
@@ -116,12 +127,13 @@ inline void write_uestc(const std::filesystem::path& folder, int recordings, mot
     names += "a" + std::to_string(i % 2) + "_d0_p00" + (i % 4 < 2 ? "1" : "3") + "_c1_color.avi\n";
     lengths += std::to_string(frames) + "\n";
   }
-  write(folder / "vibe_cache_refined.pkl", dictionary({{text("pose"), list(all_poses)},
-                                                       {text("joints3d"), list(all_joints)},
-                                                       {text("orig_cam"), list(cameras)}}));
-  std::filesystem::create_directories(folder / "info");
-  motionlang::write_file(folder / "info/names.txt", names);
-  motionlang::write_file(folder / "info/num_frames_min.txt", lengths);
+  write_uestc_files(folder, all_poses, all_joints, cameras, names, lengths);
+}
+
+/// A person of NTU-13, as a file of it has them by number.
+inline std::string ntu13_person(motionlang::Index frames, double phase) {
+  return dictionary({{text("pose"), joblib_array(poses(frames, phase), {frames, 72})},
+                     {text("joints3d"), joblib_array(joints(frames, 49, phase), {frames, 49, 3})}});
 }
 
 /// NTU-13's files: so many recordings, of its first and last actions in turn.
@@ -130,9 +142,7 @@ inline void write_ntu13(const std::filesystem::path& folder, int recordings, mot
   for (int i = 0; i < recordings; ++i) {
     const double phase = i % 2 + 0.05 * i;
     const std::string name = "vibe/S" + std::to_string(i) + (i % 2 == 0 ? "A006.pkl" : "A102.pkl");
-    const auto person = dictionary({{text("pose"), joblib_array(poses(frames, phase), {frames, 72})},
-                                    {text("joints3d"), joblib_array(joints(frames, 49, phase), {frames, 49, 3})}});
-    write(folder / name, dictionary({{number(1), person}}));
+    write(folder / name, dictionary({{number(1), ntu13_person(frames, phase)}}));
     names += name + "\n";
   }
   motionlang::write_file(folder / "ntu_vibe_list.txt", names);

@@ -81,15 +81,9 @@ struct Uestc : TemporaryFolder {
       j.push_back(pickles::array(joints[i], {3, 49, 3}));
       c.push_back(pickles::array(camera, {3, 4}));
     }
-    pickles::write(*this / "vibe_cache_refined.pkl",
-                   pickles::dictionary({{pickles::text("pose"), pickles::list(p)},
-                                        {pickles::text("joints3d"), pickles::list(j)},
-                                        {pickles::text("orig_cam"), pickles::list(c)}}));
-    std::filesystem::create_directories(*this / "info");
     std::string lines;
     for (const auto& n : names) lines += n + "\r\n";
-    ml::write_file(*this / "info/names.txt", lines);
-    ml::write_file(*this / "info/num_frames_min.txt", lengths);
+    pickles::write_uestc_files(path, p, j, c, lines, lengths);
   }
 };
 
@@ -232,8 +226,7 @@ TEST_CASE("NTU-13: joblib files of person 1, of thirteen actions") {
 
   const TemporaryFolder folder;
   const auto poses = pickles::poses(4, 0.5), joints = pickles::joints(4, 49, 0.5);
-  const auto person = pickles::dictionary({{pickles::text("pose"), pickles::joblib_array(poses, {4, 72})},
-                                           {pickles::text("joints3d"), pickles::joblib_array(joints, {4, 49, 3})}});
+  const auto person = pickles::ntu13_person(4, 0.5);
   pickles::write(folder / "vibe/S1A099.pkl", pickles::dictionary({{pickles::number(1), person}}));
   pickles::write(folder / "vibe/S2A099.pkl", pickles::dictionary({{pickles::number(2), person}}));
   ml::write_file(folder / "ntu_vibe_list.txt", std::string_view("vibe/S1A099.pkl\nvibe/S2A099.pkl\nvibe/S3A001.pkl\n"));
