@@ -13859,6 +13859,10 @@ struct ActorClipsConfig {
   Index way() const { return rotations() * numbers(); }
 };
 
+/// The clips of a published ACTOR: 20 frames per second as in its viewer, in the world of a camera, not turned ahead.
+/// rotations  none: frames have the position of each joint
+ActorClipsConfig published_actor_clips(const std::optional<ActorFeatureOptions>& rotations);
+
 /// Throws config_error 103 for an unknown pose.
 RowMaker actor_row_maker(const ActorClipsConfig& config);
 
@@ -13955,6 +13959,17 @@ inline std::vector<double> actor_rows(const Motion& given, const ActorClipsConfi
 }
 
 }  // namespace detail
+
+MOTIONLANG_BODY ActorClipsConfig published_actor_clips(const std::optional<ActorFeatureOptions>& rotations) {
+  ActorClipsConfig out;
+  out.pose = "xyz";
+  if (rotations) {
+    out.pose = std::string(pose_representation_names[static_cast<std::size_t>(rotations->rotations)]);
+    out.translation = rotations->translation, out.global = rotations->global;
+  }
+  out.turned_ahead = false, out.camera = true, out.fps = 20;
+  return out;
+}
 
 MOTIONLANG_BODY RowMaker actor_row_maker(const ActorClipsConfig& config) {
   return {"actor", config.width(), config.fps, [config](const Motion& m) { return detail::actor_rows(m, config); }};
@@ -16277,6 +16292,15 @@ struct SampleOptions {
   double reverse = 0.3;                // probability that steady walking ahead is played backwards; the caption says so
   double curve = 0.6;                  // probability that steady walking or running ahead is bent; the caption says so
   double then = 0.12;                  // probability that a second action follows; the caption has both
+
+  void require_sound() const;
+  static constexpr auto fields() {
+    using C = SampleOptions;
+    return motionlang::fields("shortest", &C::shortest, "longest", &C::longest, "no_text", &C::no_text, "compose",
+                              &C::compose, "still", &C::still, "passing", &C::passing, "mirror", &C::mirror, "speed",
+                              &C::speed, "stretch", &C::stretch, "tempo", &C::tempo, "reverse", &C::reverse, "curve",
+                              &C::curve, "then", &C::then);
+  }
 };
 
 class TrainingSet {
@@ -16589,6 +16613,22 @@ MOTIONLANG_BODY void TrainingSet::weigh() {
   }
 }
 
+MOTIONLANG_BODY void SampleOptions::require_sound() const {
+  require_value("shortest", shortest, shortest >= 2, "2 or more");
+  for (const auto& [name, value] : {std::pair("no_text", no_text),
+                                    {"compose", compose},
+                                    {"still", still},
+                                    {"passing", passing},
+                                    {"mirror", mirror},
+                                    {"tempo", tempo},
+                                    {"reverse", reverse},
+                                    {"curve", curve},
+                                    {"then", then}})
+    require_value(name, value, value >= 0 && value <= 1, "0 to 1");
+  require_value("speed", speed, speed >= 0 && speed < 1, "0 or more, and less than 1");
+  require_value("stretch", stretch, stretch > 0 && stretch <= 1, "above 0, and at most 1");
+}
+
 MOTIONLANG_BODY void TrainingSet::practise(std::span<const std::string> words, double factor) {
   if (!(factor > 0)) raise<config_error>(101, "TrainingSet: words are practised ", factor, " times as often");
   const auto spaced = [](const std::string& text) { return " " + join_text(detail::caption_words(text), " "); };
@@ -16808,8 +16848,14 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// All texts of a table of captions, or (.json) of a file of annotations or of BABEL. Throws what their readers throw.
-std::vector<std::string> texts_of_file(const std::filesystem::path& path);
+/// The texts of a data set, and their action phrases where words have parts of speech.
+struct DataTexts {
+  std::vector<std::string> texts, phrases;
+};
+/// All texts of a table of captions, of a .json file of annotations or of BABEL, or of a folder as HumanML3D has it.
+/// Such a folder has parts of speech. It is read by all.txt, or by train.txt, val.txt and test.txt. A mirrored clip
+/// (M000012) whose original is listed is left out, since its texts are the same. Throws what the readers throw.
+DataTexts texts_of_data(const std::filesystem::path& path);
 
 /// How often each word occurs; words are in lower case, without punctuation.
 std::map<std::string, std::size_t> word_counts(std::span<const std::string> texts);
@@ -16853,15 +16899,30 @@ inline std::vector<std::string> plain_words(std::string_view text) {
 
 }  // namespace detail
 
-MOTIONLANG_BODY std::vector<std::string> texts_of_file(const std::filesystem::path& path) {
-  std::vector<std::string> out;
-  if (path.extension() == ".json") {
+MOTIONLANG_BODY DataTexts texts_of_data(const std::filesystem::path& path) {
+  DataTexts out;
+  if (std::filesystem::is_directory(path)) {
+    const HumanMl3dFolder data{FilePath(path)};
+    std::vector<std::string> splits{"all"};
+    if (!std::filesystem::exists(path / "all.txt")) splits = {"train", "val", "test"};
+    std::set<std::string> ids;
+    for (const std::string& split : splits) {
+      for (std::string& id : data.ids(split)) ids.insert(std::move(id));
+    }
+    for (const std::string& id : ids) {
+      if (id.front() == 'M' && ids.contains(id.substr(1))) continue;
+      for (const MotionCaption& caption : data.captions(id)) {
+        out.texts.push_back(caption.text);
+        for (std::string& phrase : action_phrases(caption.words)) out.phrases.push_back(std::move(phrase));
+      }
+    }
+  } else if (path.extension() == ".json") {
     for (const AnnotatedMotion& m : read_annotated_texts(path)) {
-      for (const Annotation& a : m.annotations) out.push_back(a.text);
+      for (const Annotation& a : m.annotations) out.texts.push_back(a.text);
     }
   } else {
     for (const ClipLine& line : read_captions(path, path.parent_path()))
-      out.insert(out.end(), line.texts.begin(), line.texts.end());
+      out.texts.insert(out.texts.end(), line.texts.begin(), line.texts.end());
   }
   return out;
 }
@@ -23673,7 +23734,12 @@ inline ActorPoints actor_loss_points(const RunFolder& run, const TensorSet& weig
   return parse_actor_points(detail::RunReader(run, weights, "").text("jointstype", "vertices"));
 }
 
-/// The form of a run's motions, for `actor_points`.
+/// True if pose_rep is xyz: a frame has the position of each joint, and no rotations.
+inline bool actor_has_positions(const RunFolder& run, const TensorSet& weights) {
+  return detail::RunReader(run, weights, "").text("pose_rep", "rot6d") == "xyz";
+}
+
+/// The form of a run's motions, for `actor_points`. Throws config_error 103 for positions.
 ActorPointOptions actor_point_options(const RunFolder& run, const TensorSet& weights);
 
 /// `run` holds the options, if there are any.
@@ -23737,10 +23803,9 @@ inline std::string_view actor_archiname(const ActorConfig& c) {
 }
 
 MOTIONLANG_BODY ActorConfig actor_config(const RunReader& r) {
-  if (r.text("pose_rep", "rot6d") == "xyz")
-    raise<io_error>(404, r.place("pose_rep"), " is xyz: models of positions are not supported");
+  const std::string pose = r.text("pose_rep", "rot6d");
   const std::string e = "encoder.", d = "decoder.", linear1 = ".layers.0.linear1.weight";
-  ActorConfig c{.nfeats = size(parse_pose_representation(r.text("pose_rep", "rot6d"))),
+  ActorConfig c{.nfeats = pose == "xyz" ? 3 : size(parse_pose_representation(pose)),
                 .num_heads = r.number({"num_heads"}, 4, 1024),
                 .activation = parse_activation(r.one_of("activation", "gelu", {"gelu", "relu"}))};
   if (r.has(e + "muQuery")) {
@@ -23783,7 +23848,7 @@ MOTIONLANG_BODY ActorConfig actor_config(const RunReader& r) {
   if (const std::string stated = r.text("archiname", ""); !stated.empty() && stated != actor_archiname(c))
     raise<config_error>(102, r.place("archiname"), " is '", stated, "', the tensors are those of ", actor_archiname(c));
   if (features % c.nfeats != 0)
-    raise<config_error>(102, r.place("pose_rep"), ": rotations of ", counted(c.nfeats, "number"), ", frames have ",
+    raise<config_error>(102, r.place("pose_rep"), " has joints of ", counted(c.nfeats, "number"), ", frames have ",
                         features);
   c.njoints = features / c.nfeats;
   for (const auto& [before, behind] : {std::pair{e + "seqTransEncoder.layers.", ".linear1.weight"},
@@ -23933,12 +23998,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 struct ActorRun {
   Actor<B> model;
-  ActorFeatureOptions features{};
-  ActorPoints points = ActorPoints::vertices;  // that its loss compared
-  ActorFrameOptions frames{};                  // of a training clip; their number: `longest`
-  bool camera = true;                          // the figure is upside down: Y down, as in a camera's coordinates
-  Index longest = 60;                          // frames of its training motions
-  std::vector<std::string> labels;             // of the classes; empty if they are numbers
+  std::optional<ActorFeatureOptions> features{};  // of rotations; none: frames have the position of each joint
+  ActorPoints points = ActorPoints::vertices;     // that its loss compared
+  ActorFrameOptions frames{};                     // of a training clip; their number: `longest`
+  bool camera = true;                             // the figure is upside down: Y down, as in a camera's coordinates
+  Index longest = 60;                             // frames of its training motions
+  std::vector<std::string> labels;                // of the classes; empty if they are numbers
 };
 
 /// A model from texts to motions, with everything that it needs.
@@ -23997,10 +24062,13 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   ActorRun<B> out;
   out.model = actor_network<B>(weights, run);
   out.longest = actor_longest(run, weights, out.model.config);
-  out.features = actor_point_options(run, weights).features;
+  if (!actor_has_positions(run, weights)) out.features = actor_point_options(run, weights).features;
   out.points = actor_loss_points(run, weights);
   out.frames = actor_frame_options(run, weights);
-  const Index joints = 23 + (out.features.global ? 1 : 0) + (out.features.translation ? 1 : 0);
+  const Index joints = out.features ? out.features->rows(24) : 24;
+  if (out.model.config.njoints != joints && !out.features)
+    raise<io_error>(404, run.options_file.string(), ": pose_rep is xyz, and ", weights.name(), " has ",
+                    counted(out.model.config.njoints, "joint"), "; positions are supported for the 24 of SMPL");
   if (out.model.config.njoints != joints)
     raise<config_error>(102, run.options_file.string(), ": glob and translation make ", counted(joints, "row"),
                         " a frame, ", weights.name(), " has ", out.model.config.njoints);
@@ -24534,8 +24602,10 @@ void load_action_weights(M& model, const SafetensorsFile& weights) {
 /// rotations in the world of a camera, and no common heading. Classes of HumanAct12 have its names, others their
 /// numbers.
 /// Throws config_error 102 for a model without the rotation of joint 0.
-/// name  of the file that gives the settings, for messages
-ActionModelFile<ActorTrainingConfig> published_actor_file(const ActorConfig& sizes, const ActorFeatureOptions& features,
+/// rotations  none: frames have the position of each joint
+/// name       of the file that gives the settings, for messages
+ActionModelFile<ActorTrainingConfig> published_actor_file(const ActorConfig& sizes,
+                                                          const std::optional<ActorFeatureOptions>& rotations,
                                                           const ActorFrameOptions& frames, ActorPoints points,
                                                           std::vector<std::string> labels, const std::string& name);
 /// The names of the classes of a published model.
@@ -24680,15 +24750,13 @@ MOTIONLANG_BODY std::vector<std::string> class_names(std::string_view dataset, I
 }
 
 MOTIONLANG_BODY ActionModelFile<ActorTrainingConfig> published_actor_file(
-    const ActorConfig& sizes, const ActorFeatureOptions& features, const ActorFrameOptions& frames, ActorPoints points,
-    std::vector<std::string> labels, const std::string& name) {
-  if (!features.global)
+    const ActorConfig& sizes, const std::optional<ActorFeatureOptions>& rotations, const ActorFrameOptions& frames,
+    ActorPoints points, std::vector<std::string> labels, const std::string& name) {
+  if (rotations && !rotations->global)
     raise<config_error>(102, name, ": glob is false: motions without the rotation of joint 0 are not measured");
   ActionModelFile<ActorTrainingConfig> file;
   ActorClipsConfig& clips = file.config.clips;
-  clips.pose = std::string(pose_representation_names[static_cast<std::size_t>(features.rotations)]);
-  clips.translation = features.translation;
-  clips.turned_ahead = false, clips.camera = true, clips.fps = 20;
+  clips = published_actor_clips(rotations);
   clips.num_frames = sizes.num_frames;
   clips.sampling_step = frames.step;
   clips.random_step = frames.random_step, clips.random_frames = frames.scattered;
@@ -35584,11 +35652,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct NamedTexts {
   std::string name;
   std::vector<std::string> texts;
+  std::vector<std::string> phrases{};  // action phrases of the texts (text/action_phrases.hpp), if they are known
 };
 struct WordCharts {
   CurvePanel words;     // for 1 ... 50 times, how many words of each set appear at least so often
   BarChart verbs;       // texts of each set with the verbs that most texts have
-  std::string about{};  // a line for each set: texts, words, verbs
+  std::string about{};  // a line for each set: texts, words, verbs, action phrases
 };
 /// most  number of verbs
 WordCharts word_charts(std::span<const NamedTexts> sets, std::size_t most = 25);
@@ -35621,7 +35690,9 @@ MOTIONLANG_BODY WordCharts word_charts(std::span<const NamedTexts> sets, std::si
     of_set.push_back(verb_counts(set.texts, verbs));
     for (const auto& [verb, count] : of_set.back()) total[verb] += count;
     out.about += concat_text(set.name, ": ", counted(set.texts.size(), "text"), ", ", counted(counts.size(), "word"),
-                             ", ", counted(of_set.back().size(), "verb"), "\n");
+                             ", ", counted(of_set.back().size(), "verb"));
+    const std::string phrases = PhraseCounts(set.phrases).text();
+    out.about += (phrases.empty() ? "" : "; " + phrases) + "\n";
   }
   std::vector<std::pair<std::size_t, std::string>> order;
   order.reserve(total.size());

@@ -7475,7 +7475,8 @@ MOTIONLANG_BODY std::string_view to_string(SamplingOptions::Sampler sampler) {
 
 MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where) {
   const auto found = std::find(sampler_names.begin(), sampler_names.end(), name);
-  if (found == sampler_names.end()) raise<config_error>(103, where, " '", name, "' is not ddpm, ddim or plms");
+  if (found == sampler_names.end())
+    raise<config_error>(103, where, " '", name, "' is not one of ", join_text(sampler_names));
   return static_cast<SamplingOptions::Sampler>(found - sampler_names.begin());
 }
 
@@ -10193,6 +10194,34 @@ MOTIONLANG_NAMESPACE_END
 /// part of a motion model and be trained together with it. With word vectors it also understands words that no training
 /// caption contains.
 
+#ifndef MOTIONLANG_HAS_CORE_REQUIRE_VALUE_HPP  // <motionlang/core/require_value.hpp>
+#define MOTIONLANG_HAS_CORE_REQUIRE_VALUE_HPP
+/// Values of a configuration that must lie in a range.
+///
+///     require_value("lr", lr, lr >= 0, "0 or more");   // [motionlang.config.101] lr is -1, expected 0 or more
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Throws config_error 101 unless `good`: "lr is -1, expected 0 or more".
+template <class T>
+void require_value(const char* name, T value, bool good, const char* expected) {
+  if (!good) raise<config_error>(101, name, " is ", value, ", expected ", expected);
+}
+
+/// Checks the sizes that every transformer has: latent_dim, ff_size, num_heads, num_layers and dropout. Throws
+/// config_error 101.
+template <class Network>
+void require_sizes(const Network& n) {
+  for (const auto& [name, size] :
+       {std::pair("latent_dim", n.latent_dim), {"ff_size", n.ff_size}, {"num_heads", n.num_heads}})
+    require_value(name, size, size >= 1 && size <= 65'536, "1 to 65536");
+  require_value("num_layers", n.num_layers, n.num_layers >= 1 && n.num_layers <= 256, "1 to 256");
+  require_value("dropout", n.dropout, n.dropout >= 0 && n.dropout < 1, "0 or more, and less than 1");
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_NN_EMBEDDING_HPP  // <motionlang/nn/embedding.hpp>
 #define MOTIONLANG_HAS_NN_EMBEDDING_HPP
 /// A learned row for every symbol.
@@ -10795,6 +10824,21 @@ struct CaptionEncoderConfig {
   double dropout = 0.1;
   Index longest = 64;         // word pieces of a caption, with the tokens of start and end
   double hidden_words = 0.3;  // training: probability that only the vector of a word is used, if it has one
+
+  void require_sound() const {
+    for (const auto& [name, size] : {std::pair("width", width), {"heads", heads}, {"d_ff", d_ff}, {"out", out}})
+      require_value(name, size, size >= 1 && size <= 65'536, "1 to 65536");
+    require_value("layers", layers, layers >= 1 && layers <= 256, "1 to 256");
+    require_value("longest", longest, longest >= 3, "3 or more");
+    require_value("dropout", dropout, dropout >= 0 && dropout < 1, "0 or more, and less than 1");
+    require_value("hidden_words", hidden_words, hidden_words >= 0 && hidden_words <= 1, "0 to 1");
+  }
+  static constexpr auto fields() {
+    using C = CaptionEncoderConfig;
+    return motionlang::fields("width", &C::width, "heads", &C::heads, "d_ff", &C::d_ff, "layers", &C::layers, "out",
+                              &C::out, "dropout", &C::dropout, "longest", &C::longest, "hidden_words",
+                              &C::hidden_words);
+  }
 };
 
 /// Pieces -> embedding (+ projected word vectors) + positions -> pre-norm transformer -> norm -> the row of [CLS] ->

@@ -8,6 +8,7 @@
 #include <motionlang/file/npy.hpp>
 #include <motionlang/weights/embedding_cache.hpp>
 
+#include "../support/official_folders.hpp"
 #include "training_clips.hpp"
 
 namespace {
@@ -134,6 +135,18 @@ TEST_CASE("texts as vectors of a cache, and of a DistilBERT for the decoder of M
                             "a person walks ahead", "--seconds", "2", "--out", "made"},
                            clips.path);
   CHECK_MESSAGE(made.code == 0, made.text);
+  // OpenAI's two files of CLIP, as the papers have it
+  official::write_clip(clips / "CLIP", official::small());
+  for (const char* command : {"train-mdm-smpl", "train-mdm", "train-motiondiffuse"}) {
+    CAPTURE(command);
+    const Outcome by_clip =
+        clips.train_tiny(command, "by_clip", {"--set", "text.encoder=clip", "--text-encoder", "CLIP", "--fresh"});
+    REQUIRE_MESSAGE(by_clip.code == 0, by_clip.text);
+    const Outcome said = run({"generate", "--model", "by_clip/model", "--text-encoder", "CLIP", "--text", "walk",
+                              "--seconds", "2", "--out", "made"},
+                             clips.path);
+    CHECK_MESSAGE(said.code == 0, said.text);
+  }
   const Outcome wrong = clips.train_tiny("train-mdm", "no", {"--set", "text.encoder=distilbert"});
   CHECK_MESSAGE((wrong.code == 2 && contains(wrong.text, "network.arch = trans_dec")), wrong.text);
 }
@@ -194,4 +207,90 @@ TEST_CASE("MDM of actions: train, and generate an action") {
   CHECK(unknown.code != 0);
   const Outcome refused = clips.train_tiny("train-mdm-actions", "no", {"--set", "clips.camera=false"});
   CHECK_MESSAGE((refused.code == 2 && contains(refused.text, "clips.camera = true")), refused.text);
+}
+
+TEST_CASE("the preset bundled is what train does, with every setting by its name") {
+  const DiffusionClips clips;
+  using Words = std::vector<std::string>;
+  const Words data{"--data", ".", "--captions", "captions.tsv"};
+  const auto joined = [](Words first, const Words& second) {
+    first.insert(first.end(), second.begin(), second.end());
+    return first;
+  };
+  const auto bundled = [&](const std::string& out, const Words& more) {
+    return run(joined({"train-mdm-smpl", "--preset", "bundled", "--out", out}, more), clips.path);
+  };
+  const auto tiny = [&](const Words& settings) {  // with data
+    Words out = data;
+    for (const char* size :
+         {"network.latent_dim=16", "network.ff_size=24", "network.num_layers=1", "vocabulary=40", "optimiser.batch=2"})
+      out = joined(out, {"--set", size});
+    for (const std::string& setting : settings) out = joined(out, {"--set", setting});
+    return out;
+  };
+  const Outcome named = run(joined({"train", "--out=named", "--steps=3", "--batch=2", "--lr=1e-3", "--width=16",
+                                    "--feed-forward=24", "--layers=1", "--vocabulary=40", "--text-steps=2",
+                                    "--foot-weight=0.5", "--practise=walks", "--practice=2"},
+                                   data),
+                            clips.path);
+  REQUIRE_MESSAGE(named.code == 0, named.text);
+  const Words settings{"updates=3",       "optimiser.lr=1e-3",     "text_steps=2",
+                       "losses.foot=0.5", "practised=[\"walks\"]", "practice=2"};
+  const Outcome preset = bundled("preset", joined(tiny(settings), {"--license", "MIT"}));
+  REQUIRE_MESSAGE(preset.code == 0, preset.text);
+  CHECK(!clips.losses("preset").empty());
+  CHECK(clips.losses("preset") == clips.losses("named"));
+  const auto a = ml::SafetensorsFile::open(clips / "named/stmc.safetensors"),
+             b = ml::SafetensorsFile::open(clips / "preset/stmc.safetensors");
+  CHECK(b.metadata().at("license") == "MIT");
+  REQUIRE(a.tensors().size() == b.tensors().size());
+  for (const auto& t : a.tensors())
+    CHECK_MESSAGE(ml::values_of<float>(t) == ml::values_of<float>(b.tensor(t.name)), t.name);
+
+  const Outcome started = bundled("started", joined(tiny({"updates=2"}), {"--start", "preset/stmc.safetensors"}));
+  REQUIRE_MESSAGE(started.code == 0, started.text);
+  CHECK(started.text.find("learning texts") == std::string::npos);
+  const Outcome made = run({"generate", "--model", "started/stmc.safetensors", "--text", "a person walks", "--seconds",
+                            "2", "--out", "made"},
+                           clips.path);
+  CHECK_MESSAGE(made.code == 0, made.text);
+
+  // without an average the weights themselves are exported; without updates the epochs decide: 8 segments, batches of 2
+  const Outcome plain = bundled("plain", tiny({"updates=0", "optimiser.epochs=1", "optimiser.ema=0", "text_steps=0"}));
+  REQUIRE_MESSAGE(plain.code == 0, plain.text);
+  CHECK(clips.losses("plain").size() == 4);
+  const auto exported = ml::values_of<float>(
+      ml::SafetensorsFile::open(clips / "plain/stmc.safetensors").tensor("denoiser.to_skel_layer.bias"));
+  auto trained = ml::values_of<float>(clips.checkpoint("plain").tensor("model.denoiser.to_skel_layer.bias"));
+  REQUIRE(exported.size() == trained.size());
+  for (std::size_t i = 0; i < trained.size(); ++i) CHECK(exported[i] == doctest::Approx(trained[i]).epsilon(1e-3));
+
+  // a run that goes on must practise the same words
+  std::vector<std::string> fewer(settings.begin(), settings.end());
+  fewer[4] = "practised=[\"walks\",\"turns\"]";
+  const Outcome practises = bundled("preset", tiny(fewer));
+  CHECK_MESSAGE((practises.code == 1 && contains(practises.text, "another training.practised")), practises.text);
+
+  const Outcome printed = bundled("no", {"--print-config"});
+  CHECK_MESSAGE(contains(printed.text, "\"snr_cap\": 10.0"), printed.text);
+  for (const auto& [more, message] : std::vector<std::pair<Words, std::string>>{
+           {{"--data", "."}, "--preset bundled needs --captions"},
+           {joined(data, {"--splits", "."}), "--splits is not for --preset bundled"},
+           {tiny({"losses.snr_cap=0"}), "losses: snr_cap is 0"},
+           {tiny({"samples.speed=1"}), "samples: speed is 1"},
+           {tiny({"sampling.steps=101"}), "sampling.steps = 101, diffusion.steps = 100"},
+           {tiny({"practice=2"}), "practice = 2, and practised names no words"},
+           {tiny({"text.heads=0"}), "text: heads is 0"},
+           {tiny({"text.width=9"}), "text.width = 9 is odd or no multiple of 4 heads"},
+           {tiny({"pose_scale=0"}), "pose_scale is 0"},
+           {tiny({"diffusion.schedule=chen"}), "that of the bundled model is cosine"},
+           {tiny({"learning_rate=1"}), "learning_rate"}}) {
+    const Outcome refused = bundled("no", more);
+    CHECK_MESSAGE((refused.code != 0 && contains(refused.text, message)), refused.text);
+  }
+  const Outcome unknown = run({"train-mdm-smpl", "--preset", "bundle", "--print-config"}, clips.path);
+  CHECK_MESSAGE((unknown.code == 2 && contains(unknown.text, "small, bundled")), unknown.text);
+  const Outcome other = clips.train_tiny("train-mdm-smpl", "no", {"--start", "preset/stmc.safetensors"});
+  CHECK_MESSAGE((other.code == 2 && contains(other.text, "--start is for --preset bundled")), other.text);
+  CHECK_FALSE(std::filesystem::exists(clips / "no"));
 }

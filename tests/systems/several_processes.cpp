@@ -67,7 +67,7 @@ TEST_CASE("ACTOR, with windows of any length") {
 
 TEST_CASE("the bundled model, with the summary of motions that belongs to its training only") {
   ml::StmcTrainingConfig config = small::stmc_training();
-  config.steps = 6, config.batch = 5;
+  config.updates = 6, config.optimiser.batch = 5;
   const auto make = [&] { return ml::StmcTraining<A>(config, captioned::training_set()); };
   check_parts(make());
   check_processes(make);

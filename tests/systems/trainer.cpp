@@ -59,9 +59,9 @@ TEST_CASE("two steps and two more are four steps, bit for bit, on one thread and
 TEST_CASE("a cap on the ratio of signal to noise weighs clear samples more, up to the cap") {
   const auto loss_of_features = [](double cap) {
     ml::StmcTrainingConfig c = config();
-    c.snr_cap = cap, c.noise_focus = 0, c.batch = 12;
+    c.losses.snr_cap = cap, c.noise_focus = 0, c.optimiser.batch = 12;
     Stmc task(c, data());
-    const auto terms = task.part_loss(ml::Philox{.seed = 3}, 0, {0, c.batch}, {}).terms;
+    const auto terms = task.part_loss(ml::Philox{.seed = 3}, 0, {0, c.optimiser.batch}, {}).terms;
     REQUIRE(terms.front().name == "features");
     return static_cast<double>(terms.front().value.item());
   };
@@ -69,6 +69,22 @@ TEST_CASE("a cap on the ratio of signal to noise weighs clear samples more, up t
   CHECK(weighed > 1.1 * same);
   CHECK(weighed < 10 * same);
   CHECK(more > weighed);
+}
+
+TEST_CASE("a scale of the pose makes its deviations smaller, and leaves those of the root") {
+  const TemporaryFolder folder;
+  const auto deviations = [&](double scale) {
+    auto c = config();
+    c.pose_scale = scale;
+    Stmc(c, data()).export_model(folder / "model", {});
+    return ml::values_of<float>(ml::SafetensorsFile::open(folder / "model").tensor("motion_normalizer.std"));
+  };
+  const auto whole = deviations(1), half = deviations(0.5);
+  REQUIRE(whole.size() == 205);
+  for (std::size_t i = 0; i < 205; ++i) {
+    const bool moves = whole[i] != 1;  // a feature that never changes keeps 1
+    CHECK(half[i] == doctest::Approx(i < 4 || !moves ? whole[i] : whole[i] / 2).epsilon(2e-3));
+  }
 }
 
 TEST_CASE("texts are learnt first: the encoder alone changes, the same on one thread and on two") {
@@ -104,7 +120,7 @@ TEST_CASE("the verb of a caption tells actions apart whose poses are nearly the 
   const auto likeness = [&](double verb_weight) {
     auto c = config();
     c.text_steps = 200;
-    c.verb_weight = verb_weight;
+    c.losses.verb = verb_weight;
     ml::Trainer trainer(Stmc(c, alike));
     trainer.task().learn_texts();
     trainer.task().export_model(folder / "model", {});
@@ -129,7 +145,7 @@ TEST_CASE("a training starts with what a model knows, although it has word vecto
   first.task().export_model(folder / "first", {});
   const auto trained = ml::load_stmc<B>(folder / "first");
 
-  c.seed = 2;
+  c.optimiser.seed = 2;
   const std::vector<std::string> words{"walk", "stroll"};
   const std::vector<float> numbers{1, 0, 0.5f, 0.25f};
   ml::Trainer second(Stmc(c, data(), ml::WordVectors::rounded(words, numbers)));
@@ -213,7 +229,7 @@ TEST_CASE("a checkpoint that cannot be used is refused, and stays") {
   ml::write_file(run.checkpoint, good);
 
   auto other = config();
-  other.model.denoiser.latent_dim = 32;
+  other.network.latent_dim = 32;
   CHECK_THROWS_WITH_AS(ml::Trainer(Stmc(other, data())).resume(run.checkpoint),
                        doctest::Contains("another denoiser.latent_dim (16, not 32)"), ml::config_error);
   other = config();
@@ -222,9 +238,9 @@ TEST_CASE("a checkpoint that cannot be used is refused, and stays") {
                        doctest::Contains("another text.vocabulary;"), ml::config_error);
 
   other = config();
-  other.lr *= 2;
+  other.optimiser.lr *= 2;
   CHECK_THROWS_WITH_AS(ml::Trainer(Stmc(other, data())).resume(run.checkpoint),
-                       doctest::Contains("another training.lr ("), ml::config_error);
+                       doctest::Contains("another training.optimiser.lr ("), ml::config_error);
 
   const captioned::Clips clips;
   std::string captions = ml::read_file(clips.captions);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdio>
+#include <memory>
 
 #include <motionlang/train/diffusion_training.hpp>
 
@@ -37,18 +38,33 @@ void run_diffusion(const DiffusionOptions& o, typename System::Config config) {
   train(ml::DiffusionTraining<TrainingTape, System>(config, data, std::move(texts), statistics), o.common, data);
 }
 
+/// The options of such a command. `presets` holds their names; the first is the default.
+struct DiffusionCommand {
+  CLI::App* app;
+  std::shared_ptr<DiffusionOptions> options = std::make_shared<DiffusionOptions>();
+
+  DiffusionCommand(CLI::App& program, const char* name, const char* what, const std::vector<std::string>& presets,
+                   const char* about_text_encoder)
+      : app(program.add_subcommand(name, what)) {
+    add_training_options(*app, options->common, presets);
+    options->texts.add_to(*app);
+    path_option(*app, "--text-encoder", options->text_encoder, about_text_encoder);
+    folder_option(*app, "--statistics", options->statistics,
+                  "Folder with mean and std of the features. The default is Mean.npy and Std.npy in --data, if the "
+                  "system reads data sets that have them, otherwise the statistics of the training motions");
+  }
+};
+
+template <class System>
+void run_diffusion(const DiffusionOptions& o, typename System::Config (*preset)(const std::string&)) {
+  run_diffusion<System>(o, named_preset([&] { return preset(o.common.preset); }));
+}
+
 template <class System>
 void add_diffusion(CLI::App& app, const char* name, const char* what, const std::vector<std::string>& presets,
                    typename System::Config (*preset)(const std::string&), const char* about_text_encoder) {
-  const auto o = std::make_shared<DiffusionOptions>();
-  CLI::App* c = app.add_subcommand(name, what);
-  add_training_options(*c, o->common, presets);
-  o->texts.add_to(*c);
-  path_option(*c, "--text-encoder", o->text_encoder, about_text_encoder);
-  folder_option(*c, "--statistics", o->statistics,
-                "Folder with mean and std of the features. The default is Mean.npy and Std.npy in --data, if the "
-                "system reads data sets that have them, otherwise the statistics of the training motions");
-  c->callback([o, preset] { run_diffusion<System>(*o, named_preset([&] { return preset(o->common.preset); })); });
+  const DiffusionCommand c(app, name, what, presets, about_text_encoder);
+  c.app->callback([o = c.options, preset] { run_diffusion<System>(*o, preset); });
 }
 
 }  // namespace program

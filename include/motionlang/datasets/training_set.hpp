@@ -9,6 +9,7 @@
 #include <utility>  // pair
 #include <vector>
 
+#include <motionlang/core/fields.hpp>
 #include <motionlang/core/progress.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
@@ -66,6 +67,15 @@ struct SampleOptions {
   double reverse = 0.3;                // probability that steady walking ahead is played backwards; the caption says so
   double curve = 0.6;                  // probability that steady walking or running ahead is bent; the caption says so
   double then = 0.12;                  // probability that a second action follows; the caption has both
+
+  void require_sound() const;
+  static constexpr auto fields() {
+    using C = SampleOptions;
+    return motionlang::fields("shortest", &C::shortest, "longest", &C::longest, "no_text", &C::no_text, "compose",
+                              &C::compose, "still", &C::still, "passing", &C::passing, "mirror", &C::mirror, "speed",
+                              &C::speed, "stretch", &C::stretch, "tempo", &C::tempo, "reverse", &C::reverse, "curve",
+                              &C::curve, "then", &C::then);
+  }
 };
 
 class TrainingSet {

@@ -10,6 +10,7 @@
 #include <tuple>    // tie
 #include <utility>  // move
 
+#include <motionlang/core/require_value.hpp>
 #include <motionlang/datasets/caption_card.hpp>
 #include <motionlang/datasets/clip_lines.hpp>
 #include <motionlang/datasets/segment_motion.hpp>
@@ -250,6 +251,22 @@ MOTIONLANG_BODY void TrainingSet::weigh() {
     }
     s.weight = action.empty() ? 1 : std::clamp(std::sqrt(common / segments_about[action]), 1.0, most);
   }
+}
+
+MOTIONLANG_BODY void SampleOptions::require_sound() const {
+  require_value("shortest", shortest, shortest >= 2, "2 or more");
+  for (const auto& [name, value] : {std::pair("no_text", no_text),
+                                    {"compose", compose},
+                                    {"still", still},
+                                    {"passing", passing},
+                                    {"mirror", mirror},
+                                    {"tempo", tempo},
+                                    {"reverse", reverse},
+                                    {"curve", curve},
+                                    {"then", then}})
+    require_value(name, value, value >= 0 && value <= 1, "0 to 1");
+  require_value("speed", speed, speed >= 0 && speed < 1, "0 or more, and less than 1");
+  require_value("stretch", stretch, stretch > 0 && stretch <= 1, "above 0, and at most 1");
 }
 
 MOTIONLANG_BODY void TrainingSet::practise(std::span<const std::string> words, double factor) {

@@ -5,5 +5,6 @@
 #include <motionlang/train/part_threads.ipp>
 #include <motionlang/train/stmc_start.ipp>
 #include <motionlang/train/stmc_training.ipp>
+#include <motionlang/train/stmc_training_config.ipp>
 #include <motionlang/train/stmc_training_notes.ipp>
 #include <motionlang/train/training_record.ipp>

@@ -4,6 +4,10 @@
 /// caption contains.
 #pragma once
 
+#include <utility>  // pair
+
+#include <motionlang/core/fields.hpp>
+#include <motionlang/core/require_value.hpp>
 #include <motionlang/nn/embedding.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
 #include <motionlang/nn/transformer_encoder.hpp>
@@ -21,6 +25,21 @@ struct CaptionEncoderConfig {
   double dropout = 0.1;
   Index longest = 64;         // word pieces of a caption, with the tokens of start and end
   double hidden_words = 0.3;  // training: probability that only the vector of a word is used, if it has one
+
+  void require_sound() const {
+    for (const auto& [name, size] : {std::pair("width", width), {"heads", heads}, {"d_ff", d_ff}, {"out", out}})
+      require_value(name, size, size >= 1 && size <= 65'536, "1 to 65536");
+    require_value("layers", layers, layers >= 1 && layers <= 256, "1 to 256");
+    require_value("longest", longest, longest >= 3, "3 or more");
+    require_value("dropout", dropout, dropout >= 0 && dropout < 1, "0 or more, and less than 1");
+    require_value("hidden_words", hidden_words, hidden_words >= 0 && hidden_words <= 1, "0 to 1");
+  }
+  static constexpr auto fields() {
+    using C = CaptionEncoderConfig;
+    return motionlang::fields("width", &C::width, "heads", &C::heads, "d_ff", &C::d_ff, "layers", &C::layers, "out",
+                              &C::out, "dropout", &C::dropout, "longest", &C::longest, "hidden_words",
+                              &C::hidden_words);
+  }
 };
 
 /// Pieces -> embedding (+ projected word vectors) + positions -> pre-norm transformer -> norm -> the row of [CLS] ->

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// The training of the bundled model: denoiser and caption encoder together. `motionlang train` calls it.
+/// The training of the bundled model: denoiser and caption encoder together. `motionlang train` and
+/// `motionlang train-mdm-smpl --preset bundled` call it.
 ///
-///     const TrainingSet data("captions.tsv", "clips", {});
-///     Trainer trainer(StmcTraining<A>({}, data));
-///     trainer.run({.out = "run"}, {.prepare = [&] { trainer.task().learn_texts(); }});
-///     trainer.task().export_model("run/stmc.safetensors", {{"license", "MIT"}});
+///     TrainingSet data("captions.tsv", "clips", {});
+///     const auto model = train_stmc<A>({}, data, {}, {.out = "run"}, {{"license", "MIT"}});
 #pragma once
 
 #include <algorithm>   // fill_n, max
@@ -27,39 +26,15 @@
 #include <motionlang/loss/reconstruction.hpp>
 #include <motionlang/nn/linear.hpp>
 #include <motionlang/optim/lr_schedule.hpp>
+#include <motionlang/train/epoch_batches.hpp>
 #include <motionlang/train/learned_captions.hpp>
 #include <motionlang/train/learner.hpp>
 #include <motionlang/train/stmc_start.hpp>
+#include <motionlang/train/stmc_training_config.hpp>
+#include <motionlang/train/stmc_training_notes.hpp>
 #include <motionlang/train/trainer.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
-
-struct StmcTrainingConfig {
-  StmcModelConfig model{
-      .denoiser = {.latent_dim = 256, .ff_size = 768, .num_layers = 6, .num_heads = 4, .dropout = 0.05},
-      .sampling_steps = 20,  // the judge finds most motions right with 20 steps, a fifth of the time of all steps
-      .guidance = 2};        // and more of them with 2 than with 3
-  Index vocabulary = 800;
-  Index steps = 16000;
-  Index batch = 32;
-  double lr = 4e-4;
-  Index warmup = 500;
-  double weight_decay = 0.01;
-  double clip_norm = 1;
-  double ema = 0.999;
-  double velocity_weight = 1;  // of the loss on differences between neighbouring frames
-  double noise_focus = 0.5;    // the share of the samples from the noisiest fifth of the diffusion
-  double snr_cap = 10;         // the largest weight of a sample that shows its motion clearly (detail::snr_weight)
-  double root_weight = 8;      // of the four features that move the figure, against 1 for each of the others
-  double foot_weight = 0.2;    // of the loss on the velocity of the feet, (m/s)^2
-  double text_weight = 0.2;    // of the loss that predicts a summary of the motion from a caption's vector
-  double verb_weight = 0.25;   // within text_weight: of the loss that names the action, against 1 for the summary
-  Index text_steps = 3000;     // of the text encoder alone, before the denoiser is trained
-  std::uint64_t seed = 1;
-  SampleOptions samples{};
-  std::vector<std::string> practised{};  // words for TrainingSet::practise, for the record of the settings
-  double practice = 4;                   // and its factor
-};
 
 namespace detail {
 
@@ -71,20 +46,22 @@ inline constexpr Index root_features = 4;  // the first ones: they move the figu
 
 /// Mean and deviation of every feature over samples as training sees them. A feature that never changes gets deviation
 /// 1. A feature of the pose gets at least `least`: a joint that moves in a few clips only would otherwise weigh as much
-/// as a knee.
+/// as a knee. Deviations of the pose are multiplied by config.pose_scale.
 template <Backend B>
 Normalizer<B> measure(const TrainingSet& data, const StmcTrainingConfig& config) {
   constexpr double least = 0.03;
   FeatureStatistics statistics;
-  for (const TrainingSample& s : draw_batch(data, config, Philox{.seed = config.seed}.split("statistics"), 2000)) {
+  for (const TrainingSample& s :
+       draw_batch(data, config, Philox{.seed = config.optimiser.seed}.split("statistics"), 2000)) {
     const std::vector<double> values(s.features.begin(), s.features.end());
     statistics.add(std::span<const double>(values), smplrifke_size);
   }
   std::vector<float> mean, std;
   for (double m : statistics.mean()) mean.push_back(static_cast<float>(m));
   for (const double d : statistics.standard_deviation()) {
-    const double floor = std::ssize(std) < root_features ? 0 : least;
-    std.push_back(d < 1e-4 ? 1.0f : static_cast<float>(std::max(d, floor)));
+    const bool pose = std::ssize(std) >= root_features;
+    const double at_least = std::max(d, pose ? least : 0);
+    std.push_back(d < 1e-4 ? 1.0f : static_cast<float>(pose ? config.pose_scale * at_least : at_least));
   }
   return {Tensor<B, 1>::from(mean, {std::ssize(mean)}), Tensor<B, 1>::from(std, {std::ssize(std)})};
 }
@@ -115,14 +92,8 @@ Index draw_t(Philox& rng, Index steps, double focus);
 /// movements, such as a waving hand, when it sees them.
 double snr_weight(double abar, double cap);
 
-/// Fills in the sizes that follow from other sizes.
-StmcModelConfig completed(const StmcTrainingConfig& c);
-
 /// The captions without their mirror images, and twice the words that samples add, for WordPiece::of_words.
 std::vector<std::string> said_texts(const TrainingSet& data);
-
-/// The settings of a run, except those of the model.
-std::map<std::string, std::string> stmc_settings(const StmcTrainingConfig& config, const std::string& fingerprint);
 
 }  // namespace detail
 
@@ -149,15 +120,18 @@ class StmcTraining {
   /// Writes the averaged weights in half precision, and the captions.
   void export_model(const std::filesystem::path& path, const std::map<std::string, std::string>& about) const;
 
-  std::uint64_t seed() const { return config_.seed; }
-  Index steps() const { return config_.steps; }
+  std::uint64_t seed() const { return config_.optimiser.seed; }
+  Index steps() const {
+    if (config_.updates > 0) return config_.updates;
+    return config_.optimiser.epochs * EpochBatches(std::ssize(data_->segments()), config_.optimiser.batch).per_epoch();
+  }
   /// Everything that decides what a step computes, except the number of steps: a run may be extended, and its learning
   /// rate then follows the new number.
   std::map<std::string, std::string> settings() const;
   LossTerms<A> loss(Philox rng, Index step, const Context& context) {
-    return part_loss(rng, step, {0, config_.batch}, context);
+    return part_loss(rng, step, {0, config_.optimiser.batch}, context);
   }
-  Index samples(Index) const { return config_.batch; }
+  Index samples(Index) const { return config_.optimiser.batch; }
   LossTerms<A> part_loss(Philox rng, Index step, const BatchPart& part, const Context& context);
   void update(const Gradients<A>& gradients, Index step);
   std::vector<ModuleTensor<A>> parameters();
@@ -166,7 +140,7 @@ class StmcTraining {
 
  private:
   /// The loss of caption vectors (samples, text.out): what they tell about the summaries (samples, summary_size), plus
-  /// verb_weight times the cross-entropy of their verbs. A sample without a verb adds nothing to that.
+  /// losses.verb times the cross-entropy of their verbs. A sample without a verb adds nothing to that.
   Tensor<A, 0> text_loss(const Tensor<A, 2>& texts, const std::vector<float>& summaries,
                          const std::vector<Index>& verbs) const;
 
@@ -189,21 +163,21 @@ class StmcTraining {
 
 template <AutodiffBackend A>
 StmcTraining<A>::StmcTraining(StmcTrainingConfig config, const TrainingSet& data, const WordVectors& vectors)
-    : config_(std::move(config)), data_(&data), diffusion_(CosineSchedule{.steps = config_.model.diffusion_steps}) {
-  config_.model = detail::completed(config_);
+    : config_(std::move(config)), data_(&data), diffusion_(CosineSchedule{.steps = config_.diffusion.steps}) {
+  config_.require_consistent();
   const auto captions = data.all_captions();
   learner_.average = make_stmc<B>(
-      config_.model,
+      config_.model(),
       vectors.empty() ? WordPiece::learn(captions, config_.vocabulary) : WordPiece::of_words(detail::said_texts(data)),
-      Philox{.seed = config_.seed}.split("init"), vectors);
+      Philox{.seed = config_.optimiser.seed}.split("init"), vectors);
   learner_.average.motion_normalizer = detail::measure<B>(data, config_);
   learner_.model = convert_stmc<A>(learner_.average);
-  learner_.ema = config_.ema;
-  learner_.clip_norm = config_.clip_norm;
-  auto rng = Philox{.seed = config_.seed}.split("summary");
-  heads_.summary = convert<A>(Linear<B>(config_.model.text.out, detail::summary_size, rng));
-  heads_.verbs = convert<A>(Linear<B>(config_.model.text.out, std::max<Index>(1, std::ssize(data.verbs())), rng));
-  learner_.adam.config.weight_decay = adam_heads_.config.weight_decay = config_.weight_decay;
+  learner_.ema = config_.optimiser.ema;
+  learner_.clip_norm = config_.optimiser.clip_norm;
+  auto rng = Philox{.seed = config_.optimiser.seed}.split("summary");
+  heads_.summary = convert<A>(Linear<B>(config_.text.out, detail::summary_size, rng));
+  heads_.verbs = convert<A>(Linear<B>(config_.text.out, std::max<Index>(1, std::ssize(data.verbs())), rng));
+  learner_.adam.config = adam_heads_.config = config_.optimiser.adamw();
 }
 
 template <AutodiffBackend A>
@@ -216,14 +190,14 @@ Tensor<A, 0> StmcTraining<A>::text_loss(const Tensor<A, 2>& texts, const std::ve
     const Index verb = verbs[static_cast<std::size_t>(i)];
     if (verb >= 0) with_verb.push_back(i), labels.push_back(verb);
   }
-  if (labels.empty() || config_.verb_weight == 0) return loss;
+  if (labels.empty() || config_.losses.verb == 0) return loss;
   const auto named = sum(cross_entropies(heads_.verbs(gather(texts, with_verb)), labels));
-  return loss + named * (config_.verb_weight / static_cast<double>(verbs.size()));
+  return loss + named * (config_.losses.verb / static_cast<double>(verbs.size()));
 }
 
 template <AutodiffBackend A>
 double StmcTraining<A>::learn_texts(Progress progress) {
-  const auto rng = Philox{.seed = config_.seed}.split("texts");
+  const auto rng = Philox{.seed = config_.optimiser.seed}.split("texts");
   const auto samples =
       detail::draw_batch(*data_, config_, rng.split("samples"), std::min<Index>(20000, 8 * config_.text_steps));
   std::vector<float> summaries;
@@ -232,7 +206,7 @@ double StmcTraining<A>::learn_texts(Progress progress) {
         learner_.average.motion_normalizer.normalize(Tensor<B, 2>::from(s.features, {s.frames, smplrifke_size}));
     detail::append_summary(summaries, rows.span());
   }
-  AdamW<A> adam_text{{.weight_decay = config_.weight_decay}}, adam_heads = adam_text;
+  AdamW<A> adam_text{config_.optimiser.adamw()}, adam_heads = adam_text;
   double value = 0;
   for (Index k = 0; k < config_.text_steps; ++k) {
     auto pick = rng.split("batch").split(static_cast<std::uint64_t>(k));
@@ -269,7 +243,7 @@ void StmcTraining<A>::start_from(const std::filesystem::path& model) {
 template <AutodiffBackend A>
 LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part, const Context& context) {
   const std::array<std::uint64_t, 2> generator{rng.seed, rng.stream};
-  if (drawn_ != generator) batch_ = detail::draw_batch(*data_, config_, rng.split("samples"), config_.batch);
+  if (drawn_ != generator) batch_ = detail::draw_batch(*data_, config_, rng.split("samples"), config_.optimiser.batch);
   drawn_ = generator;
 
   // The clean frames x0 of the part, packed; one t for each sequence; the noise.
@@ -278,7 +252,7 @@ LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part
   std::vector<std::string> captions;
   auto t_rng = rng.split("t");
   Index rows_before = 0;
-  for (Index i = 0; i < config_.batch; ++i) {
+  for (Index i = 0; i < config_.optimiser.batch; ++i) {
     const TrainingSample& s = batch_[static_cast<std::size_t>(i)];
     const Index t_of_sample = detail::draw_t(t_rng, diffusion_.steps(), config_.noise_focus);
     all_lengths.push_back(s.frames);
@@ -292,7 +266,8 @@ LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part
     t.push_back(t_of_sample);
     t_of_row.insert(t_of_row.end(), static_cast<std::size_t>(s.frames), t_of_sample);
   }
-  const double of_samples = part.share(config_.batch), of_frames = part.share(std::span<const Index>(all_lengths)),
+  const double of_samples = part.share(config_.optimiser.batch),
+               of_frames = part.share(std::span<const Index>(all_lengths)),
                of_steps = part.share(std::span<const Index>(all_steps));
   const Offsets offsets(lengths);
   const auto x0 =
@@ -303,29 +278,29 @@ LossTerms<A> StmcTraining<A>::part_loss(Philox rng, Index, const BatchPart& part
   const auto out =
       learner_.model.denoiser(Sequences<A>(q_sample(diffusion_, x0, t_of_row, eps), offsets), t, text, context).rows;
   const auto weights_of_rows = coefficients<A, 2>(
-      t_of_row, [&](Index k) { return std::sqrt(detail::snr_weight(diffusion_.abar(k), config_.snr_cap)); });
-  const auto error = (out - x0) * weights_of_rows * detail::feature_weights<A>(config_.root_weight);
+      t_of_row, [&](Index k) { return std::sqrt(detail::snr_weight(diffusion_.abar(k), config_.losses.snr_cap)); });
+  const auto error = (out - x0) * weights_of_rows * detail::feature_weights<A>(config_.losses.root);
   LossTerms<A> loss;
   loss.add("features", of_frames, mean(square(error)));
-  if (config_.velocity_weight > 0) {  // differences between neighbouring frames of a sequence
+  if (config_.losses.velocity > 0) {  // differences between neighbouring frames of a sequence
     std::vector<Index> now, next;
     for (Index s = 0; s < offsets.count(); ++s) {
       for (Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);
     }
-    loss.add("velocities", config_.velocity_weight * of_steps, mean(square(gather(error, next) - gather(error, now))));
+    loss.add("velocities", config_.losses.velocity * of_steps, mean(square(gather(error, next) - gather(error, now))));
   }
-  if (config_.foot_weight > 0) {
+  if (config_.losses.foot > 0) {
     const auto truth = Tensor<B, 2>::from(values, {offsets.rows(), smplrifke_size});
-    loss.add("feet", config_.foot_weight * of_steps,
+    loss.add("feet", config_.losses.foot * of_steps,
              foot_velocity_loss<A>(learner_.model.motion_normalizer.denormalize(out), truth, offsets, training_fps));
   }
-  if (config_.text_weight > 0) {
+  if (config_.losses.text > 0) {
     std::vector<float> wanted;
     const auto width = static_cast<std::size_t>(smplrifke_size);
     for (Index s = 0; s < offsets.count(); ++s)
       detail::append_summary(wanted, x0.span().subspan(static_cast<std::size_t>(offsets.begin(s)) * width,
                                                        static_cast<std::size_t>(offsets.length(s)) * width));
-    loss.add("text", config_.text_weight * of_samples, text_loss(text.tokens.rows, wanted, verbs));
+    loss.add("text", config_.losses.text * of_samples, text_loss(text.tokens.rows, wanted, verbs));
   }
   return loss;
 }
@@ -339,20 +314,20 @@ std::vector<ModuleTensor<A>> StmcTraining<A>::parameters() {
 
 template <AutodiffBackend A>
 void StmcTraining<A>::update(const Gradients<A>& gradients, Index step) {
-  const WarmupCosine rate{
-      .peak = config_.lr, .floor = config_.lr * 0.02, .warmup = config_.warmup, .total = config_.steps};
-  learner_.update(gradients, rate(step), step);
-  adam_heads_.config.lr = rate(step);
+  const double lr = config_.optimiser.rate(step, steps());
+  learner_.update(gradients, lr, step);
+  learner_.follow();
+  adam_heads_.config.lr = lr;
   adam_heads_.step(heads_, gradients);
 }
 
 template <AutodiffBackend A>
 std::map<std::string, std::string> StmcTraining<A>::settings() const {
-  auto out = stmc_metadata(config_.model, learner_.average.text_encoder.tokenizer);
+  auto out = stmc_metadata(config_.model(), learner_.average.text_encoder.tokenizer);
   out["model"] = "stmc training";
-  out.erase("sampling");  // does not change a training step
+  for (const char* name : {"sampling", "guidance"}) out.erase(name);  // they do not change a training step
   if (const WordVectors& vectors = learner_.average.text_encoder.vectors; !vectors.empty())
-    out["word_vectors"] = concat_text(vectors.checksum(), ", hidden ", config_.model.text.hidden_words);
+    out["word_vectors"] = concat_text(vectors.checksum(), ", hidden ", config_.text.hidden_words);
   out.merge(detail::stmc_settings(config_, data_->fingerprint()));
   return out;
 }
@@ -375,8 +350,41 @@ template <AutodiffBackend A>
 void StmcTraining<A>::export_model(const std::filesystem::path& path,
                                    const std::map<std::string, std::string>& about) const {
   const CaptionEncoder<B>& encoder = learner_.average.text_encoder;
-  save_stmc(path, learner_.average, config_.model, about, DType::F16,
+  save_stmc(path, learner_.average, config_.model(), about, DType::F16,
             learned_captions(*data_, text_vectors(encoder), encoder.vectors));
+}
+
+/// The knowledge of a new training before its first step.
+struct StmcStart {
+  std::filesystem::path model{};  // of the same sizes, best with config.text_steps = 0; empty: random weights
+  WordVectors vectors{};          // of words beyond those of the captions
+};
+
+/// The whole training: practises, starts, learns texts, trains, and writes options.out / "stmc.safetensors", whose path
+/// it returns. Only the first of several processes writes. A stopped run continues from its checkpoint.
+/// about      license, provenance, command, ..., for the metadata beside stmc_training_notes
+/// callbacks  `prepare` is called before texts are learnt
+/// texts      the progress of learning texts
+/// Throws     config_error 101, 102, 103 for an invalid configuration; as TrainingSet::practise, start_from and
+///            Trainer::run
+template <AutodiffBackend A>
+std::filesystem::path train_stmc(const StmcTrainingConfig& config, TrainingSet& data, const StmcStart& start,
+                                 const TrainingOptions& options, std::map<std::string, std::string> about,
+                                 TrainingCallbacks callbacks = {}, Progress texts = {}) {
+  if (!config.practised.empty()) data.practise(config.practised, config.practice);
+  Trainer<StmcTraining<A>> trainer(StmcTraining<A>(config, data, start.vectors));
+  StmcTraining<A>& task = trainer.task();
+  callbacks.prepare = [&, before = std::move(callbacks.prepare)] {
+    if (before) before();
+    if (!start.model.empty()) task.start_from(start.model);
+    if (config.text_steps > 0) task.learn_texts(texts);
+  };
+  trainer.run(options, callbacks);
+  const std::filesystem::path model = options.out / "stmc.safetensors";
+  if (options.communicator.rank() > 0) return model;
+  about.merge(stmc_training_notes(data));
+  task.export_model(model, about);
+  return model;
 }
 
 MOTIONLANG_NAMESPACE_END

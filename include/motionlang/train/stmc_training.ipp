@@ -45,50 +45,9 @@ MOTIONLANG_BODY double snr_weight(double abar, double cap) {
   return abar >= 1 ? cap : std::clamp(abar / (1 - abar), 1.0, cap);
 }
 
-MOTIONLANG_BODY StmcModelConfig completed(const StmcTrainingConfig& c) {
-  auto model = c.model;
-  model.denoiser.tx_dim = model.text.out;
-  return model;
-}
-
 MOTIONLANG_BODY std::vector<std::string> said_texts(const TrainingSet& data) {
   std::vector<std::string> out(2, std::string(added_caption_words));
   for (const CaptionedSegment& s : data.segments()) out.insert(out.end(), s.captions.begin(), s.captions.end());
-  return out;
-}
-
-MOTIONLANG_BODY std::map<std::string, std::string> stmc_settings(const StmcTrainingConfig& config,
-                                                                 const std::string& fingerprint) {
-  std::map<std::string, std::string> out;
-  auto add = [&](const std::string& name, auto value) { out["training." + name] = concat_text(value); };
-  add("data", fingerprint);
-  add("batch", config.batch);
-  add("lr", config.lr);
-  add("warmup", config.warmup);
-  add("weight_decay", config.weight_decay);
-  add("clip_norm", config.clip_norm);
-  add("ema", config.ema);
-  add("velocity_weight", config.velocity_weight);
-  add("noise_focus", config.noise_focus);
-  add("snr_cap", config.snr_cap);
-  add("root_weight", config.root_weight);
-  add("foot_weight", config.foot_weight);
-  add("text_weight", config.text_weight);
-  add("verb_weight", config.verb_weight);
-  add("text_steps", config.text_steps);
-  add("dropout", config.model.denoiser.dropout);
-  add("text_dropout", config.model.text.dropout);
-  add("seed", config.seed);
-  if (!config.practised.empty()) {
-    add("practised", concat_text(join_text(config.practised), " (", config.practice, " times as often)"));
-  }
-  add("samples",
-      concat_text(config.samples.shortest, " to ", counted(config.samples.longest, "frame"), ", no text ",
-                  config.samples.no_text, ", composed ", config.samples.compose, ", still ", config.samples.still,
-                  ", passing ", config.samples.passing, ", mirrored ", config.samples.mirror, ", speed ",
-                  config.samples.speed, ", stretched ", config.samples.stretch, ", tempo ", config.samples.tempo,
-                  ", reversed ", config.samples.reverse, ", curved ", config.samples.curve, ", then ",
-                  config.samples.then));
   return out;
 }
 

@@ -23,6 +23,7 @@
 #include <motionlang/train/sinc_training.hpp>
 #include <motionlang/train/stmc_start.hpp>
 #include <motionlang/train/stmc_training.hpp>
+#include <motionlang/train/stmc_training_config.hpp>
 #include <motionlang/train/stmc_training_notes.hpp>
 #include <motionlang/train/tm2t_describer_training.hpp>
 #include <motionlang/train/tm2t_tokenizer_training.hpp>
@@ -90,6 +91,9 @@ void sinc_training(const SincTrainingConfig& config, const About& about) {
 }
 void stmc_start(Stmc<B>& model) {
 #include "train/stmc_start.1.inc"
+}
+void stmc_training_config() {
+#include "train/stmc_training_config.1.inc"
 }
 void stmc_training() {
 #include "train/stmc_training.1.inc"
