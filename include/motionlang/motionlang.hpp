@@ -223,6 +223,7 @@
 #include <motionlang/diffusion/sampler.hpp>
 #include <motionlang/diffusion/schedule.hpp>
 
+#include <motionlang/text/action_phrases.hpp>
 #include <motionlang/text/bag_of_words.hpp>
 #include <motionlang/text/bert.hpp>
 #include <motionlang/text/bert_tokenizer.hpp>

@@ -36,6 +36,12 @@ TEST_CASE("figure: each kind writes its picture") {
   CHECK(contains(moments, "a person walks"));
   CHECK(contains(drawn({"words", "c.tsv", (examples / "training/captions.tsv").string(), "--most", "5"}), ">c.tsv<"));
   CHECK(contains(ml::read_file(w / "f_verbs.svg"), ">walk<"));
+  std::filesystem::create_directories(w / "KIT-ML/texts");
+  ml::write_file(w / "KIT-ML/all.txt", std::string_view("00001\n"));
+  ml::write_file(w / "KIT-ML/texts/00001.txt",
+                 std::string_view("a man walks slowly#a/DET man/NOUN walk/VERB slowly/ADV#0.0#0.0\n"));
+  const Outcome phrases = w.run({"figure", "words", "KIT-ML/", "-o", "f.svg"});
+  CHECK_MESSAGE(contains(phrases.text, "KIT-ML: 1 text, 4 words, 0 verbs; 1 action phrase"), phrases.text);
 }
 
 TEST_CASE("figure: what cannot be drawn") {

@@ -84,8 +84,12 @@ void draw_moments(const FigureCommand& o) {
 
 void draw_words(const FigureCommand& o) {
   std::vector<ml::NamedTexts> sets;
-  for (const std::string& file : o.in)
-    sets.push_back({std::filesystem::path(file).filename().string(), ml::texts_of_file(file)});
+  for (const std::string& place : o.in) {
+    auto [texts, phrases] = ml::texts_of_data(place);
+    const auto path = std::filesystem::path(place).lexically_normal();
+    const auto name = path.has_filename() ? path.filename() : path.parent_path().filename();  // "KIT-ML/" has none
+    sets.push_back({name.string(), std::move(texts), std::move(phrases)});
+  }
   const ml::WordCharts charts = ml::word_charts(sets, o.most);
   print(charts.about);
   const std::filesystem::path out(o.out);
@@ -150,7 +154,9 @@ void add_figure(CLI::App& app) {
       *c, o, "words",
       "Words and verbs of data sets (thesis, figure A.3). Writes NAME.svg (words by how often they appear) and "
       "NAME_verbs.svg",
-      "Tables of captions, or .json files of annotations or of BABEL", 8, draw_words);
+      "Tables of captions, .json files of annotations or of BABEL, or folders in the form of HumanML3D or KIT-ML, "
+      "whose action phrases are counted, too",
+      8, draw_words);
   checked_option(*words, "--most", o->most, in_range(1, 1000), "Number of verbs");
 }
 

@@ -17,8 +17,14 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// All texts of a table of captions, or (.json) of a file of annotations or of BABEL. Throws what their readers throw.
-std::vector<std::string> texts_of_file(const std::filesystem::path& path);
+/// The texts of a data set, and their action phrases where words have parts of speech.
+struct DataTexts {
+  std::vector<std::string> texts, phrases;
+};
+/// All texts of a table of captions, of a .json file of annotations or of BABEL, or of a folder as HumanML3D has it.
+/// Such a folder has parts of speech. It is read by all.txt, or by train.txt, val.txt and test.txt. A mirrored clip
+/// (M000012) whose original is listed is left out, since its texts are the same. Throws what the readers throw.
+DataTexts texts_of_data(const std::filesystem::path& path);
 
 /// How often each word occurs; words are in lower case, without punctuation.
 std::map<std::string, std::size_t> word_counts(std::span<const std::string> texts);

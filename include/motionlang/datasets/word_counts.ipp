@@ -3,12 +3,15 @@
 #pragma once
 
 #include <algorithm>  // count_if
-#include <set>        // verbs
+#include <set>        // ids, verbs
+#include <utility>    // move
 
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/datasets/annotated_texts.hpp>
 #include <motionlang/datasets/caption_card.hpp>
+#include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/datasets/word_counts.hpp>
+#include <motionlang/text/action_phrases.hpp>
 #include <motionlang/text/word_forms.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -36,15 +39,30 @@ inline std::vector<std::string> plain_words(std::string_view text) {
 
 }  // namespace detail
 
-MOTIONLANG_BODY std::vector<std::string> texts_of_file(const std::filesystem::path& path) {
-  std::vector<std::string> out;
-  if (path.extension() == ".json") {
+MOTIONLANG_BODY DataTexts texts_of_data(const std::filesystem::path& path) {
+  DataTexts out;
+  if (std::filesystem::is_directory(path)) {
+    const HumanMl3dFolder data{FilePath(path)};
+    std::vector<std::string> splits{"all"};
+    if (!std::filesystem::exists(path / "all.txt")) splits = {"train", "val", "test"};
+    std::set<std::string> ids;
+    for (const std::string& split : splits) {
+      for (std::string& id : data.ids(split)) ids.insert(std::move(id));
+    }
+    for (const std::string& id : ids) {
+      if (id.front() == 'M' && ids.contains(id.substr(1))) continue;
+      for (const MotionCaption& caption : data.captions(id)) {
+        out.texts.push_back(caption.text);
+        for (std::string& phrase : action_phrases(caption.words)) out.phrases.push_back(std::move(phrase));
+      }
+    }
+  } else if (path.extension() == ".json") {
     for (const AnnotatedMotion& m : read_annotated_texts(path)) {
-      for (const Annotation& a : m.annotations) out.push_back(a.text);
+      for (const Annotation& a : m.annotations) out.texts.push_back(a.text);
     }
   } else {
     for (const ClipLine& line : read_captions(path, path.parent_path()))
-      out.insert(out.end(), line.texts.begin(), line.texts.end());
+      out.texts.insert(out.texts.end(), line.texts.begin(), line.texts.end());
   }
   return out;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Bodies of the headers in text/, compiled once for motionlang::instantiated.
+#include <motionlang/text/action_phrases.ipp>
 #include <motionlang/text/bag_of_words.ipp>
 #include <motionlang/text/bert_tokenizer.ipp>
 #include <motionlang/text/clip_tokenizer.ipp>

@@ -18,11 +18,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct NamedTexts {
   std::string name;
   std::vector<std::string> texts;
+  std::vector<std::string> phrases{};  // action phrases of the texts (text/action_phrases.hpp), if they are known
 };
 struct WordCharts {
   CurvePanel words;     // for 1 ... 50 times, how many words of each set appear at least so often
   BarChart verbs;       // texts of each set with the verbs that most texts have
-  std::string about{};  // a line for each set: texts, words, verbs
+  std::string about{};  // a line for each set: texts, words, verbs, action phrases
 };
 /// most  number of verbs
 WordCharts word_charts(std::span<const NamedTexts> sets, std::size_t most = 25);

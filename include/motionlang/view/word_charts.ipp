@@ -8,6 +8,7 @@
 
 #include <motionlang/core/error.hpp>
 #include <motionlang/datasets/word_counts.hpp>
+#include <motionlang/text/action_phrases.hpp>
 #include <motionlang/view/word_charts.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -32,7 +33,9 @@ MOTIONLANG_BODY WordCharts word_charts(std::span<const NamedTexts> sets, std::si
     of_set.push_back(verb_counts(set.texts, verbs));
     for (const auto& [verb, count] : of_set.back()) total[verb] += count;
     out.about += concat_text(set.name, ": ", counted(set.texts.size(), "text"), ", ", counted(counts.size(), "word"),
-                             ", ", counted(of_set.back().size(), "verb"), "\n");
+                             ", ", counted(of_set.back().size(), "verb"));
+    const std::string phrases = PhraseCounts(set.phrases).text();
+    out.about += (phrases.empty() ? "" : "; " + phrases) + "\n";
   }
   std::vector<std::pair<std::size_t, std::string>> order;
   order.reserve(total.size());

@@ -3,6 +3,7 @@
 
 #include <motionlang/file/json.hpp>
 #include <motionlang/systems/tmr.hpp>
+#include <motionlang/text/action_phrases.hpp>
 #include <motionlang/text/bert.hpp>
 #include <motionlang/text/bert_tokenizer.hpp>
 #include <motionlang/text/clip_text.hpp>
@@ -24,6 +25,9 @@
 
 #include <iostream>
 
+void action_phrases_() {
+#include "text/action_phrases.1.inc"
+}
 void roberta_() {
 #include "text/roberta_tokenizer.1.inc"
 }

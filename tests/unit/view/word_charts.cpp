@@ -6,7 +6,8 @@
 namespace ml = motionlang;
 
 TEST_CASE("words by how often they appear, and the verbs that most texts have") {
-  const std::vector<ml::NamedTexts> sets{{"a", {"walk slowly", "walk", "sit down slowly"}}, {"b", {"a person sits"}}};
+  const std::vector<ml::NamedTexts> sets{{"a", {"walk slowly", "walk", "sit down slowly"}},
+                                         {"b", {"a person sits"}, {"sit"}}};
   const ml::WordCharts charts = ml::word_charts(sets);
   REQUIRE(charts.words.curves.size() == 2);
   const ml::Curve& a = charts.words.curves[0];
@@ -20,7 +21,9 @@ TEST_CASE("words by how often they appear, and the verbs that most texts have") 
   REQUIRE(charts.verbs.groups.size() == 2);  // of two texts each
   for (const ml::BarGroup& g : charts.verbs.groups)
     CHECK(g.values == (g.name == "walk" ? std::vector<double>{2, 0} : std::vector<double>{1, 1}));
-  CHECK(charts.about == "a: 3 texts, 4 words, 2 verbs\nb: 1 text, 3 words, 1 verb\n");
+  CHECK(charts.about ==
+        "a: 3 texts, 4 words, 2 verbs\nb: 1 text, 3 words, 1 verb; 1 action phrase, 1 time on average; 'sit' "
+        "most often, 1 time; 1 less than ten times, 1 once\n");
   CHECK(ml::word_charts(sets, 1).verbs.groups.size() == 1);
   CHECK(ml::word_charts({}).words.curves.empty());
 }
