@@ -244,6 +244,14 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
   refused("turned/model", "labels.tsv",
           "different clips: fps 20, turned_ahead false, translation true, global true and fps 20, turned_ahead true, "
           "translation true, global true");
+  // a model of positions is judged by a classifier that reads them
+  ml::ActorConfig of_positions = official::small_actor();
+  of_positions.nfeats = 3, of_positions.njoints = 24;
+  official::write_actor_run(w / "positions", of_positions, "", "xyz");
+  REQUIRE(train("train-classifier", "reads_positions", {as_they_face, "clips.pose=xyz", once}).code == 0);
+  const Outcome judged = evaluate("reads_positions/model", "labels.tsv", "positions");
+  REQUIRE_MESSAGE(judged.code == 0, judged.text);
+  CHECK_MESSAGE(contains(judged.text, "  generated"), judged.text);
   // its motions to learn from
   const Outcome learnt =
       train("train-classifier", "learnt", {as_they_face, once, "generated_share=1", "generated_kind=denoised"},

@@ -116,6 +116,24 @@ TEST_CASE("generate: ACTOR takes actions, TEMOS a text") {
   CHECK(temos.bvh("a walk # 0 # 2\n", w / "c.bvh") == ml::read_file(w / "out/a_walk.bvh"));
 }
 
+TEST_CASE("generate: a published ACTOR whose frames are positions (pose_rep xyz)") {
+  const OfficialWorkplace w;
+  ml::ActorConfig c = official::small_actor();
+  c.nfeats = 3, c.njoints = 24;
+  official::write_actor_run(w / "actor", c, "", "xyz");
+  w.did({"generate", "--model", "actor", "--action", "walk", "--seconds", "1"});
+  CHECK(w.joints("out/walk.npy") == std::vector<ml::Index>{20, 24, 3});
+  CHECK(contains(w.did({"info", "actor"}), "24 rows of 3 numbers a frame (xyz)"));
+  ml::write_bvh(w / "noisy.bvh", synthetic::walk({.frames = 40, .fps = 20}));
+  w.did({"convert", "noisy.bvh", "clean.bvh", "--denoise", "actor", "--action", "walk"});
+  CHECK(ml::read_bvh_motion(w / "clean.bvh").frames() == 40);
+  c.njoints = 18;  // those of NTU-13's own positions
+  official::write_actor_run(w / "ntu", c, "", "xyz");
+  const Outcome ntu = w.run({"generate", "--model", "ntu", "--action", "walk"});
+  CHECK_MESSAGE((ntu.code == 1 && contains(ntu.text, "[motionlang.io.404]") && contains(ntu.text, "has 18 joints")),
+                ntu.text);
+}
+
 TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from text to text, others not") {
   const OfficialWorkplace w;
   const auto generate = [&](std::vector<std::string> more) {
@@ -282,11 +300,11 @@ TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer moti
   walk = ml::placed(walk, {0.7, {2, 0, -1}});
   const auto cleaned = [&](const ml::Motion& motion) {
     const ml::Index action = 1, frames = motion.frames();
-    const auto rows = ml::actor_rows_of_motion(motion, run.features);
+    const auto rows = ml::actor_rows_of_motion(motion, *run.features);
     const std::vector<official::B::scalar> values(rows.begin(), rows.end());
     const ml::Sequences<official::B> x(ml::Tensor<official::B, 2>::from(values, {frames, 150}), ml::Offsets{frames});
     const auto made = ml::denoise(run.model, x, std::span(&action, 1)).rows;
-    return ml::motion_of_actor(ml::actor_inverse(made.span(), 24, run.features), 20);
+    return ml::motion_of_actor(ml::actor_inverse(made.span(), 24, *run.features), 20);
   };
   const auto differ = [](const ml::Motion& a, const ml::Motion& b) {  // wherever they stand
     return synthetic::largest_distance(ml::placed(a, ml::placement_between(a, 0, b, 0)), b);

@@ -23,14 +23,15 @@ inline ml::Actor<B> actor(const ml::ActorConfig& c) {
   return {c, rng};
 }
 /// opt.yaml and two checkpoints, of which the second counts.
-inline void write_actor_run(const fs::path& folder, const ml::ActorConfig& c, const std::string& extra = "") {
+inline void write_actor_run(const fs::path& folder, const ml::ActorConfig& c, const std::string& extra = "",
+                            const std::string& pose = "rot6d") {
   write_text(
       folder / "opt.yaml",
       ml::concat_text(
           "activation: gelu\narchiname: transformer\nbatch_size: 20\ndataset: humanact12\nglob: true\nglob_rot:\n"
           "- 3.141592653589793\n- 0\n- 0\njointstype: vertices\nlambdas:\n  kl: 1.0e-05\nlatent_dim: ",
           c.latent_dim, "\nlosses:\n- rc\n- kl\nmodeltype: cvae\nnum_frames: 60\nnum_layers: ", c.num_layers,
-          "\npose_rep: rot6d\ntranslation: true\n"));
+          "\npose_rep: ", pose, "\ntranslation: true\n"));
   TorchArchive older, archive;
   add_zeros(older, "nothing", {1});
   write_bytes(folder / "checkpoint_0900.pth.tar", older.finish());

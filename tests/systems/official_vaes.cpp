@@ -22,7 +22,7 @@ TEST_CASE("ACTOR: opt.yaml and the last checkpoint") {
   CHECK(run.model.config == config);
   CHECK(all_numbers(run.model) == all_numbers(official::actor(config)));
   CHECK(run.labels.size() == 12);
-  CHECK((run.features.translation && run.features.global && run.camera));
+  CHECK((run.features && run.features->translation && run.features->global && run.camera));
   const std::vector<Index> action{3}, duration{10};
   ml::Philox rng{.seed = 1}, same{.seed = 1};
   const auto a = ml::generate(run.model, action, duration, rng),

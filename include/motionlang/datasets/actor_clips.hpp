@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,6 +52,10 @@ struct ActorClipsConfig {
   /// The position in a frame at which the path of the root begins.
   Index way() const { return rotations() * numbers(); }
 };
+
+/// The clips of a published ACTOR: 20 frames per second as in its viewer, in the world of a camera, not turned ahead.
+/// rotations  none: frames have the position of each joint
+ActorClipsConfig published_actor_clips(const std::optional<ActorFeatureOptions>& rotations);
 
 /// Throws config_error 103 for an unknown pose.
 RowMaker actor_row_maker(const ActorClipsConfig& config);

@@ -65,6 +65,17 @@ inline std::vector<double> actor_rows(const Motion& given, const ActorClipsConfi
 
 }  // namespace detail
 
+MOTIONLANG_BODY ActorClipsConfig published_actor_clips(const std::optional<ActorFeatureOptions>& rotations) {
+  ActorClipsConfig out;
+  out.pose = "xyz";
+  if (rotations) {
+    out.pose = std::string(pose_representation_names[static_cast<std::size_t>(rotations->rotations)]);
+    out.translation = rotations->translation, out.global = rotations->global;
+  }
+  out.turned_ahead = false, out.camera = true, out.fps = 20;
+  return out;
+}
+
 MOTIONLANG_BODY RowMaker actor_row_maker(const ActorClipsConfig& config) {
   return {"actor", config.width(), config.fps, [config](const Motion& m) { return detail::actor_rows(m, config); }};
 }

@@ -13,6 +13,7 @@
 
 #include <functional>  // models that are trained elsewhere
 
+#include <motionlang/datasets/actor_clips.hpp>
 #include <motionlang/generate/actor_latents.hpp>
 #include <motionlang/generate/babel_latents.hpp>
 #include <motionlang/generate/motion_model_place.hpp>
@@ -51,11 +52,32 @@ std::unique_ptr<MotionModel> load_diffusion_motion_model(const MotionModelPlace&
   return stmc_motion_model(std::move(stmc), known_words(SafetensorsFile::open(file).metadata()), std::move(captions));
 }
 
+/// ACTOR whose frames are rows of these clips.
+template <Backend B>
+std::unique_ptr<MotionModel> actor_motion_model_of_clips(Actor<B> actor, std::vector<std::string> labels,
+                                                         const ActorClipsConfig& clips, Index longest) {
+  return actor_motion_model<B>({.model = std::move(actor),
+                                .labels = std::move(labels),
+                                .fps = clips.fps,
+                                .longest = longest,
+                                .motion_of =
+                                    [=](std::span<const typename B::scalar> rows) {
+                                      Motion out = actor_motion(std::vector<float>(rows.begin(), rows.end()), clips);
+                                      place_on_floor(out);  // its path starts at the first frame
+                                      return out;
+                                    },
+                                .rows_of = actor_row_maker(clips).rows});
+}
+
 /// Published ACTOR.
 template <Backend B>
 std::unique_ptr<MotionModel> load_actor_motion_model(const FilePath& run) {
   auto actor = load_actor_run<B>(run);
-  const ActorFeatureOptions options = actor.features;
+  if (!actor.features) {
+    return actor_motion_model_of_clips<B>(std::move(actor.model), std::move(actor.labels), published_actor_clips({}),
+                                          actor.longest);
+  }
+  const ActorFeatureOptions options = *actor.features;
   const double fps = 20;  // the viewer's rate in the repository; the data state none
   return actor_motion_model<B>(
       {.model = std::move(actor.model),

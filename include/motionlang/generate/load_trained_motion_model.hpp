@@ -19,17 +19,8 @@ template <Backend B>
 std::unique_ptr<MotionModel> load_trained_actor_motion_model(const FilePath& folder) {
   ActorModel<B> model = load_actor<B>(folder);
   const ActorClipsConfig clips = model.file.config.clips;
-  return actor_motion_model<B>({.model = std::move(model.actor),
-                                .labels = std::move(model.file.labels),
-                                .fps = clips.fps,
-                                .longest = clips.num_frames > 0 ? clips.num_frames : clips.max_len,
-                                .motion_of =
-                                    [=](std::span<const typename B::scalar> rows) {
-                                      Motion out = actor_motion(std::vector<float>(rows.begin(), rows.end()), clips);
-                                      place_on_floor(out);  // its path starts at the first frame
-                                      return out;
-                                    },
-                                .rows_of = actor_row_maker(clips).rows});
+  return actor_motion_model_of_clips<B>(std::move(model.actor), std::move(model.file.labels), clips,
+                                        clips.num_frames > 0 ? clips.num_frames : clips.max_len);
 }
 
 /// Throws what the loaders of the systems throw.

@@ -44,7 +44,12 @@ inline ActorPoints actor_loss_points(const RunFolder& run, const TensorSet& weig
   return parse_actor_points(detail::RunReader(run, weights, "").text("jointstype", "vertices"));
 }
 
-/// The form of a run's motions, for `actor_points`.
+/// True if pose_rep is xyz: a frame has the position of each joint, and no rotations.
+inline bool actor_has_positions(const RunFolder& run, const TensorSet& weights) {
+  return detail::RunReader(run, weights, "").text("pose_rep", "rot6d") == "xyz";
+}
+
+/// The form of a run's motions, for `actor_points`. Throws config_error 103 for positions.
 ActorPointOptions actor_point_options(const RunFolder& run, const TensorSet& weights);
 
 /// `run` holds the options, if there are any.

@@ -24,10 +24,9 @@ inline std::string_view actor_archiname(const ActorConfig& c) {
 }
 
 MOTIONLANG_BODY ActorConfig actor_config(const RunReader& r) {
-  if (r.text("pose_rep", "rot6d") == "xyz")
-    raise<io_error>(404, r.place("pose_rep"), " is xyz: models of positions are not supported");
+  const std::string pose = r.text("pose_rep", "rot6d");
   const std::string e = "encoder.", d = "decoder.", linear1 = ".layers.0.linear1.weight";
-  ActorConfig c{.nfeats = size(parse_pose_representation(r.text("pose_rep", "rot6d"))),
+  ActorConfig c{.nfeats = pose == "xyz" ? 3 : size(parse_pose_representation(pose)),
                 .num_heads = r.number({"num_heads"}, 4, 1024),
                 .activation = parse_activation(r.one_of("activation", "gelu", {"gelu", "relu"}))};
   if (r.has(e + "muQuery")) {
@@ -70,7 +69,7 @@ MOTIONLANG_BODY ActorConfig actor_config(const RunReader& r) {
   if (const std::string stated = r.text("archiname", ""); !stated.empty() && stated != actor_archiname(c))
     raise<config_error>(102, r.place("archiname"), " is '", stated, "', the tensors are those of ", actor_archiname(c));
   if (features % c.nfeats != 0)
-    raise<config_error>(102, r.place("pose_rep"), ": rotations of ", counted(c.nfeats, "number"), ", frames have ",
+    raise<config_error>(102, r.place("pose_rep"), " has joints of ", counted(c.nfeats, "number"), ", frames have ",
                         features);
   c.njoints = features / c.nfeats;
   for (const auto& [before, behind] : {std::pair{e + "seqTransEncoder.layers.", ".linear1.weight"},

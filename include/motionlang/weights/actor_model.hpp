@@ -72,8 +72,10 @@ void load_action_weights(M& model, const SafetensorsFile& weights) {
 /// rotations in the world of a camera, and no common heading. Classes of HumanAct12 have its names, others their
 /// numbers.
 /// Throws config_error 102 for a model without the rotation of joint 0.
-/// name  of the file that gives the settings, for messages
-ActionModelFile<ActorTrainingConfig> published_actor_file(const ActorConfig& sizes, const ActorFeatureOptions& features,
+/// rotations  none: frames have the position of each joint
+/// name       of the file that gives the settings, for messages
+ActionModelFile<ActorTrainingConfig> published_actor_file(const ActorConfig& sizes,
+                                                          const std::optional<ActorFeatureOptions>& rotations,
                                                           const ActorFrameOptions& frames, ActorPoints points,
                                                           std::vector<std::string> labels, const std::string& name);
 /// The names of the classes of a published model.

@@ -76,15 +76,13 @@ MOTIONLANG_BODY std::vector<std::string> class_names(std::string_view dataset, I
 }
 
 MOTIONLANG_BODY ActionModelFile<ActorTrainingConfig> published_actor_file(
-    const ActorConfig& sizes, const ActorFeatureOptions& features, const ActorFrameOptions& frames, ActorPoints points,
-    std::vector<std::string> labels, const std::string& name) {
-  if (!features.global)
+    const ActorConfig& sizes, const std::optional<ActorFeatureOptions>& rotations, const ActorFrameOptions& frames,
+    ActorPoints points, std::vector<std::string> labels, const std::string& name) {
+  if (rotations && !rotations->global)
     raise<config_error>(102, name, ": glob is false: motions without the rotation of joint 0 are not measured");
   ActionModelFile<ActorTrainingConfig> file;
   ActorClipsConfig& clips = file.config.clips;
-  clips.pose = std::string(pose_representation_names[static_cast<std::size_t>(features.rotations)]);
-  clips.translation = features.translation;
-  clips.turned_ahead = false, clips.camera = true, clips.fps = 20;
+  clips = published_actor_clips(rotations);
   clips.num_frames = sizes.num_frames;
   clips.sampling_step = frames.step;
   clips.random_step = frames.random_step, clips.random_frames = frames.scattered;

@@ -15,6 +15,8 @@
 ///          config_error 101, 102 if options and tensors differ, 103, 107
 #pragma once
 
+#include <optional>  // rotations
+
 #include <motionlang/datasets/action_names.hpp>
 #include <motionlang/weights/actor_file.hpp>
 #include <motionlang/weights/teach_sinc_file.hpp>
@@ -25,12 +27,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 struct ActorRun {
   Actor<B> model;
-  ActorFeatureOptions features{};
-  ActorPoints points = ActorPoints::vertices;  // that its loss compared
-  ActorFrameOptions frames{};                  // of a training clip; their number: `longest`
-  bool camera = true;                          // the figure is upside down: Y down, as in a camera's coordinates
-  Index longest = 60;                          // frames of its training motions
-  std::vector<std::string> labels;             // of the classes; empty if they are numbers
+  std::optional<ActorFeatureOptions> features{};  // of rotations; none: frames have the position of each joint
+  ActorPoints points = ActorPoints::vertices;     // that its loss compared
+  ActorFrameOptions frames{};                     // of a training clip; their number: `longest`
+  bool camera = true;                             // the figure is upside down: Y down, as in a camera's coordinates
+  Index longest = 60;                             // frames of its training motions
+  std::vector<std::string> labels;                // of the classes; empty if they are numbers
 };
 
 /// A model from texts to motions, with everything that it needs.
@@ -89,10 +91,13 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   ActorRun<B> out;
   out.model = actor_network<B>(weights, run);
   out.longest = actor_longest(run, weights, out.model.config);
-  out.features = actor_point_options(run, weights).features;
+  if (!actor_has_positions(run, weights)) out.features = actor_point_options(run, weights).features;
   out.points = actor_loss_points(run, weights);
   out.frames = actor_frame_options(run, weights);
-  const Index joints = 23 + (out.features.global ? 1 : 0) + (out.features.translation ? 1 : 0);
+  const Index joints = out.features ? out.features->rows(24) : 24;
+  if (out.model.config.njoints != joints && !out.features)
+    raise<io_error>(404, run.options_file.string(), ": pose_rep is xyz, and ", weights.name(), " has ",
+                    counted(out.model.config.njoints, "joint"), "; positions are supported for the 24 of SMPL");
   if (out.model.config.njoints != joints)
     raise<config_error>(102, run.options_file.string(), ": glob and translation make ", counted(joints, "row"),
                         " a frame, ", weights.name(), " has ", out.model.config.njoints);

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/kinematics/retarget.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/synthetic_motion.hpp"
@@ -20,6 +21,28 @@ TEST_CASE("the rows of a frame follow from the settings") {
   CHECK(ml::ActorClipsConfig{.pose = "rotquat"}.width() == 25 * 4);
   CHECK(ml::ActorClipsConfig{.pose = "rotmat", .translation = false}.way() == 24 * 9);
   CHECK_ERROR(ml::actor_row_maker({.pose = "euler"}), "[motionlang.config.103]");
+}
+
+TEST_CASE("clips of published models: rotations or positions, in the world of a camera, and back") {
+  const auto positions = ml::published_actor_clips({});
+  CHECK(positions.is_xyz());
+  const auto rotations = ml::published_actor_clips(
+      ml::ActorFeatureOptions{.rotations = ml::PoseRepresentation::rotquat, .translation = false});
+  CHECK(rotations.pose == "rotquat");
+  CHECK_FALSE(rotations.translation);
+  CHECK((rotations.camera && !rotations.turned_ahead && rotations.fps == 20));
+  const ml::Motion walk = ml::retarget(synthetic::walk({.frames = 12, .fps = 20, .turn = 0.4}));
+  const auto rows = ml::actor_row_maker(positions).rows(walk);
+  REQUIRE(rows.size() == 12 * 72);
+  CHECK(rows[0] == 0);                // they begin at the root
+  CHECK(rows[15 * 3 + 1] < rows[1]);  // the head is below the pelvis: figures are upside down
+  const ml::Motion back = ml::actor_motion(std::vector<float>(rows.begin(), rows.end()), positions);
+  const auto there = back.positions(), here = walk.positions();
+  REQUIRE(there.size() == here.size());
+  double worst = 0;
+  for (std::size_t i = 0; i < here.size(); ++i)
+    worst = std::max(worst, ml::norm(there[i] - (here[i] - walk.root_at(0))));
+  CHECK(worst < 0.02);
 }
 
 TEST_CASE("labels are sorted, and a class is the place of its label") {

@@ -46,6 +46,9 @@ TEST_CASE("a published model says how its clips are made; one without the rotati
   CHECK(file.config.clips.camera);
   CHECK(file.config.losses.points == "smpl");
   features.global = false;
+  const auto positions = ml::published_actor_file(sizes, std::nullopt, {}, ml::ActorPoints::smpl, {}, "opt.yaml");
+  CHECK(positions.config.clips.pose == "xyz");
+  CHECK(positions.config.clips.width() == 72);
   CHECK_ERROR(ml::published_actor_file(sizes, features, {}, ml::ActorPoints::smpl, {}, "opt.yaml"),
               "[motionlang.config.102] opt.yaml: glob is false");
 }
