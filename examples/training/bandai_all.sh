@@ -358,11 +358,12 @@ sinc_rows() {
 # figure RESULT COLUMN BEGIN [AFTER]: that value of the line that `row` finds; no number if there is none.
 figure() { row "$1" . "$3" "${4:-}" | awk -F ' *[|] *' -v at="$2" '{ sub(/±.*/, "", $(at + 2)); print $(at + 2) }'; }
 
-# stmc_figure COLUMN METHOD: the same of table 6.1, with distances as the thesis writes them.
+# stmc_figure COLUMN METHOD [JUDGE [TABLE]]: the same of table 6.1. TABLE is "as coded" or "as written".
 stmc_figure() {
-  [ ! -f results/stmc_judge_of_pairs.txt ] || awk -F ' *[|] *' -v at="$1" -v method="$2" '
-    /^as written/ { found = 1 }
-    found && $2 == method { print $(at + 4); exit }' results/stmc_judge_of_pairs.txt
+  judged=results/stmc_${3:-judge_of_pairs}.txt
+  [ ! -f "$judged" ] || awk -F ' *[|] *' -v at="$1" -v method="$2" -v table="^${4:-as coded}" '
+    $0 ~ table { found = 1 }
+    found && $2 == method { print $(at + 4); exit }' "$judged"
 }
 
 # claim WHAT PAPER SIGN PAPER HERE HERE: a line of the table of orderings. SIGN is "<" or ">".
@@ -370,7 +371,7 @@ claim() {
   awk -v what="$1" -v a="$2" -v sign="$3" -v b="$4" -v x="$5" -v y="$6" 'BEGIN {
     number = "^-?[0-9]+([.][0-9]+)?$"
     here = x ~ number && y ~ number ? x " " sign " " y : "missing"
-    holds = here == "missing" ? "missing" : (sign == "<" ? x + 0 < y + 0 : x + 0 > y + 0) ? "yes" : "no"
+    holds = here == "missing" ? "missing" : x + 0 == y + 0 ? "equal" : (x + 0 < y + 0) == (sign == "<") ? "yes" : "no"
     print "| " what " | " a " " sign " " b " | " here " | " holds " |"
   }'
 }
@@ -382,11 +383,17 @@ orderings() {
   for other in "one text:30.5 > 12.1" "DiffCollage, single track:30.5 > 29.1" \
     "SINC without lerp:30.5 < 32.3" "SINC with lerp:30.5 < 31.8"; do
     name=${other%%:*} values=${other#*:}
-    claim "STMC 6.1, R@1: STMC, $name" $values "$(stmc_figure 1 STMC)" "$(stmc_figure 1 "$name")"
+    for judge in judge judge_of_pairs; do
+      [ $judge = judge ] && seen='judge of single clips' || seen='judge of clips and pairs'
+      claim "STMC 6.1, R@1, $seen: STMC, $name" $values "$(stmc_figure 1 STMC $judge)" "$(stmc_figure 1 "$name" $judge)"
+    done
   done
   for other in "one text:1.8" "DiffCollage, single track:1.2" "SINC without lerp:4.2" "SINC with lerp:1.2"; do
     name=${other%%:*}
-    claim "STMC 6.1, transition: STMC, $name" 0.9 "<" "${other#*:}" "$(stmc_figure 6 STMC)" "$(stmc_figure 6 "$name")"
+    for table in "as coded" "as written"; do
+      claim "STMC 6.1, transition $table: STMC, $name" 0.9 "<" "${other#*:}" \
+        "$(stmc_figure 6 STMC judge "$table")" "$(stmc_figure 6 "$name" judge "$table")"
+    done
   done
   accuracy() { figure "$1" 1 generated; }
   claim "ACTOR 3.2, accuracy: rotations and points, rotations" 91.1 ">" 42.4 "$(accuracy actor)" "$(accuracy actor_rotations)"
@@ -421,6 +428,7 @@ orderings() {
   claim "SINC B.2, score: pairs and singles, pairs" 0.640 ">" 0.631 "$(score sinc)" "$(score sinc_pairs)"
   claim "SINC B.2, score: pairs and singles, composed by body parts" 0.640 ">" 0.618 \
     "$(score sinc)" "$(score singles "labels alone, composed")"
+  claim "SINC B.3, score: half synthetic pairs, none" 0.644 ">" 0.640 "$(score sinc_synthetic)" "$(score sinc)"
   claim "TM2T 1, R@1: TM2T, without motion tokens" 0.516 ">" 0.483 "$(figure m2t 1 described)" "$(figure m2t_no_tokens 1 described)"
   claim "TM2T 1, CIDEr: TM2T, without motion tokens" 72.5 ">" 68.3 "$(figure m2t 10 described)" "$(figure m2t_no_tokens 10 described)"
   for other in "without inverse alignment:t2m_no_alignment:1.739" "Transformer:t2m_transformer:1.669"; do

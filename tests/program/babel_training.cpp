@@ -208,6 +208,11 @@ TEST_CASE("body-parts: questions for labels without an answer, a table of the an
                                  "answers.jsonl", "--form", "free", "--prompts", "prompts.jsonl"});
   CHECK_MESSAGE(contains(fewer, "4 labels of 5 without an answer  prompts.jsonl"), fewer);  // turn's names no part
   CHECK(contains(ml::read_file(w / "prompts.jsonl"), "List the body parts involved in this action: turn"));
+  const std::string choices =
+      did({"body-parts", "--babel", "babel.json", "--spelling", "spelling.json", "--form", "list"});
+  CHECK_MESSAGE(contains(choices, "{\"label\":\"walk\",\"prompt\":\""), choices);
+  CHECK(choices != questions);
+  CHECK(!contains(choices, "List the body parts involved in this action: walk"));  // that is the free form
   did({"body-parts", "--answers", "answers.jsonl", "--table", "table.json"});
   CHECK(contains(ml::read_file(w / "table.json"), "\"walk\""));
 

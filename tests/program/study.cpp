@@ -57,6 +57,9 @@ TEST_CASE("study, study-count: pairs with a catch trial") {
   CHECK(contains(ml::read_file(w / "bars.svg"), "ours : theirs"));
   CHECK_MESSAGE(contains(all.text, "| ours | theirs | 2 | 2 / 0 / 2 | 0 / 2 / 0 | 50.0 "), all.text);
 
+  const Outcome hidden = w.run({"study", "study.tsv", "-o", "hidden.html", "--seed", "5", "--hide-text"});
+  CHECK_MESSAGE(hidden.code == 0, hidden.text);
+  CHECK(!contains(ml::read_file(w / "hidden.html"), "raise both arms"));
   for (const char* kind : {"ranking", "rating"}) {
     const Outcome other = w.run({"study", "study.tsv", "-o", "other.html", "--kind", kind});
     CHECK_MESSAGE(other.code == 0, other.text);

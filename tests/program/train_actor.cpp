@@ -389,6 +389,15 @@ TEST_CASE("an ACTOR without the rotation of joint 0; vertices that move; network
   trained("train-actor", "timeless", timeless);
   CHECK(clips.weights("timeless").size() < clips.weights("time").size());  // a column less
   CHECK(run({"generate", "--model", "timeless/model", "--action", "walk", "--seconds", "0.8"}, clips.path).code == 0);
+  // table 3.4: ways in which the decoder reads the action
+  trained("train-actor", "action_bias", {});
+  for (const std::string conditioning : {"concat_bias", "zandtime", "time_encoding"}) {
+    CAPTURE(conditioning);
+    trained("train-actor", conditioning, {"--set", "network.conditioning=" + conditioning});
+    CHECK(clips.losses(conditioning) != clips.losses("action_bias"));
+    CHECK(run({"generate", "--model", conditioning + "/model", "--action", "walk", "--seconds", "0.8"}, clips.path)
+              .code == 0);
+  }
 }
 
 TEST_CASE("a latent for each frame is trained, generated, denoised and measured") {

@@ -7,6 +7,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/features/motion_features.hpp>
+#include <motionlang/file/id_list.hpp>
 #include <motionlang/file/npz.hpp>
 #include <motionlang/file/safetensors.hpp>
 #include <motionlang/formats/amass.hpp>
@@ -15,6 +16,7 @@
 #include <motionlang/weights/text_motion_model.hpp>
 #include <motionlang/weights/word_vector_file.hpp>
 
+#include "../support/body_arrays.hpp"
 #include "../support/raw_kit.hpp"
 #include "training_clips.hpp"
 
@@ -389,6 +391,54 @@ TEST_CASE("raw KIT-ML, by its own positions and by its motions in AMASS, at 100 
       std::filesystem::remove(folder / ("lin/0000" + std::string(id) + ".npy"));
     CHECK(contains(run(beside, folder.path).text, "lin: a file is needed for each of 2 motions; 2 left out"));
   }
+
+  // as published: KIT-ML's own splits, the published turn, a language model
+  std::filesystem::create_directories(folder / "kit-splits");
+  ml::write_ids((folder / "kit-splits/train.txt").string(),
+                std::vector<std::string>{"00000", "00001", "00002", "00003"});
+  ml::write_ids((folder / "kit-splits/val.txt").string(), std::vector<std::string>{"00004"});
+  ml::write_ids((folder / "kit-splits/test.txt").string(), std::vector<std::string>{"00005", "00006"});
+  write_distilbert(folder / "language");
+  const std::vector<std::string> published{"--data", "kit", "--splits", "kit-splits", "--text-encoder", "language"};
+  std::vector<std::string> settings = published;
+  settings.insert(settings.end(), {"--set", "features=smplvelp-published", "--set", "text.encoder=distilbert", "--set",
+                                   "data.min_seconds=0.5"});
+  const auto trained = train_tiny("train-temos", folder.path, settings);
+  REQUIRE_MESSAGE(trained.code == 0, trained.text);
+  CHECK_MESSAGE(contains(trained.text, "4 motions to train on, 1 for validation, 2 for tests"), trained.text);
+  std::vector<std::string> measure = published;
+  measure.insert(measure.begin(), {"evaluate", "out/model", "--samples", "1"});
+  const auto measured = run(measure, folder.path);
+  REQUIRE_MESSAGE(measured.code == 0, measured.text);
+  CHECK_MESSAGE(contains(measured.text, "one sample"), measured.text);
+
+  // AMASS by annotations, on MMM's joints of an SMPL-H body
+  std::string annotations;
+  for (int i = 0; i < 8; ++i) {
+    const std::string id = "0000" + std::to_string(i);
+    annotations += (i == 0 ? "{\"" : ", \"") + id + R"(": {"path": "KIT/3/)" + id +
+                   R"(_poses", "duration": 1.6, "annotations": [{"seg_id": ")" + id +
+                   R"(_0", "text": "a person walks", "start": 0.0, "end": 1.6}]})";
+  }
+  ml::write_file(folder / "annotations.json", annotations + "}");
+  auto body = body_arrays::chain(52, 6890, 10);
+  for (const std::string side : {"l", "r"}) {
+    body.push_back({"hands_components" + side, body_arrays::array(std::vector<double>(90), {2, 45})});
+    body.push_back({"hands_mean" + side, body_arrays::array(std::vector<double>(45), {45})});
+  }
+  ml::write_npz(folder / "SMPLH.npz", body);
+  const std::vector<std::string> amass{"--data",           "kit/amass", "--annotations",
+                                       "annotations.json", "--splits",  "kit-splits"};
+  settings = amass;
+  settings.insert(settings.end(), {"--set", "features=smplvelp-published", "--set", "data.min_seconds=0.5"});
+  const auto of_amass = train_tiny("train-temos", folder.path, settings);
+  REQUIRE_MESSAGE(of_amass.code == 0, of_amass.text);
+  measure = amass;
+  measure.insert(measure.begin(), {"evaluate", "out/model", "--samples", "1", "--joints", "mmm", "--rate", "12.5",
+                                   "--body", "SMPLH.npz"});
+  const auto on_mmm = run(measure, folder.path);
+  REQUIRE_MESSAGE(on_mmm.code == 0, on_mmm.text);
+  CHECK_MESSAGE(contains(on_mmm.text, "MMM's joints of SMPL-H"), on_mmm.text);
 }
 
 TEST_CASE("galleries of what TMR finds; motions of another program in its tables") {
@@ -437,6 +487,15 @@ TEST_CASE("galleries of what TMR finds; motions of another program in its tables
     CHECK(refused.code != 0);
     CHECK_MESSAGE(contains(refused.text, message), refused.text);
   }
+}
+
+TEST_CASE("TMR without the loss of reconstruction, a row of table 5.3") {
+  const Clips clips;
+  const auto done = clips.train("train-tmr", "out", {"--set", "losses.recons=0", "--set", "optimiser.epochs=1"});
+  REQUIRE_MESSAGE(done.code == 0, done.text);
+  CHECK(clips.terms("out") == std::vector<std::string>{"kl", "latent", "contrastive"});
+  const auto measured = run({"evaluate", "out/model", "--data", ".", "--captions", "captions.tsv"}, clips.path);
+  CHECK_MESSAGE(measured.code == 0, measured.text);
 }
 
 TEST_CASE("the text encoder may have layers and heads of its own") {

@@ -213,6 +213,12 @@ TEST_CASE(
   with_bert.push_back("roberta");
   const std::string by_roberta = did(with_bert);
   CHECK_MESSAGE(contains(by_roberta, "BERTScore by layer 1 of 1 of roberta"), by_roberta);
+  write_roberta(clips / "roberta-large", 24);
+  with_bert.back() = "roberta-large";
+  with_bert.insert(with_bert.end(), {"--bert-layer", "17", "--bert-baseline", "tm2t"});
+  const std::string as_published = did(with_bert);
+  CHECK_MESSAGE(contains(as_published, "BERTScore by layer 17 of 24 of roberta-large, with TM2T's baseline"),
+                as_published);
 
   // lemmas of a data set, and word vectors of a folder
   const std::string set = (clips / "h3d").string();

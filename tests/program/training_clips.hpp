@@ -147,13 +147,13 @@ void write_language_model(const std::filesystem::path& folder, const char* type,
 }
 
 /// A tiny RoBERTa with its tokenizer.
-inline void write_roberta(const std::filesystem::path& folder) {
+inline void write_roberta(const std::filesystem::path& folder, ml::Index layers = 1) {
   write_language_model<ml::Roberta<ml::EigenBackend<float>>>(folder, "roberta",
                                                              {.vocabulary = 262,
                                                               .width = 8,
                                                               .heads = 2,
                                                               .d_ff = 12,
-                                                              .layers = 1,
+                                                              .layers = layers,
                                                               .positions = 40,
                                                               .token_types = 1,
                                                               .padding = 1});

@@ -320,7 +320,7 @@ TEST_CASE("metadata: every key is needed and checked") {
   check_metadata("sampling", "ddpm 9", 101, {"9 steps of sampling, the process has 8"});
   check_metadata("sampling", "ddpm many", 107, {"'sampling' = 'many'"});
   for (const char* sampler : {"", "euler 5", "DDPM"})
-    check_metadata("sampling", sampler, 103, {"is not ddpm, ddim or plms"});
+    check_metadata("sampling", sampler, 103, {"is not one of ddpm, ddim, plms"});
 }
 
 TEST_CASE("hostile sizes are refused before memory is taken") {

@@ -90,7 +90,7 @@ TEST_CASE("the options choose the sampler; names are read and written") {
   CHECK(same_bits(ml::sample<B, 2>(process, looks, draws, {.sampler = Sampler::ddim, .eta = 0.5}),
                   ml::sample_ddim(process, start, looks, noise, 0.5)));
   for (const char* name : {"ddpm", "ddim", "plms"}) CHECK(ml::to_string(ml::parse_sampler(name)) == name);
-  CHECK_ERROR(ml::parse_sampler("euler"), "[motionlang.config.103] sampler 'euler' is not ddpm, ddim or plms");
+  CHECK_ERROR(ml::parse_sampler("euler"), "[motionlang.config.103] sampler 'euler' is not one of ddpm, ddim, plms");
 }
 
 TEST_CASE("DDIM without eta is deterministic and asks for no noise; with eta 1 it is ancestral") {
