@@ -10,6 +10,7 @@
 #include <algorithm>    // min
 #include <array>        // names
 #include <cmath>        // sqrt
+#include <cstddef>      // sizes
 #include <string_view>  // names
 #include <vector>       // old values
 

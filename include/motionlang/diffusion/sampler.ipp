@@ -20,7 +20,8 @@ MOTIONLANG_BODY std::string_view to_string(SamplingOptions::Sampler sampler) {
 
 MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where) {
   const auto found = std::find(sampler_names.begin(), sampler_names.end(), name);
-  if (found == sampler_names.end()) raise<config_error>(103, where, " '", name, "' is not ddpm, ddim or plms");
+  if (found == sampler_names.end())
+    raise<config_error>(103, where, " '", name, "' is not one of ", join_text(sampler_names));
   return static_cast<SamplingOptions::Sampler>(found - sampler_names.begin());
 }
 

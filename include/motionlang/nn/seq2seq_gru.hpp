@@ -9,6 +9,8 @@
 /// Differs from the paper: no positions and no mu network, as published
 #pragma once
 
+#include <utility>  // move
+
 #include <motionlang/nn/bi_gru.hpp>
 #include <motionlang/nn/decoding.hpp>
 #include <motionlang/nn/embedding.hpp>

@@ -85,7 +85,7 @@ struct ActorFrames {
   }
   /// The same with latents of the prior. noise: standard normal values (frames, latent).
   Sequences<B> generate(const Tensor<B, 2>& noise, std::span<const Index> labels, const Offsets& lengths) const {
-    auto states = still(prior.gru, lengths.count());
+    auto states = zero_states(prior.gru, lengths.count());
     return written(noise, labels, lengths, [&](const Tensor<B, 2>& seen, const Tensor<B, 2>& eps) {
       const auto h = gru_step<B>(prior.gru.layers, prior.embed(seen), states);
       return LatentGaussian<B>{prior.mu(h), prior.logvar(h)}.sample(eps);
@@ -94,12 +94,12 @@ struct ActorFrames {
 
  private:
   /// The states of a stack before the first frame.
-  static std::vector<Tensor<B, 2>> still(const Gru<B>& stack, Index motions) {
+  static std::vector<Tensor<B, 2>> zero_states(const Gru<B>& stack, Index motions) {
     std::vector<Tensor<B, 2>> out;
     for (const GruLayer<B>& layer : stack.layers) out.push_back(Tensor<B, 2>::zeros({motions, layer.hidden()}));
     return out;
   }
-  /// The prior reads what is known before each frame: the last frame, the action and the time.
+  /// Rows of what is known before each frame: the last frame, the action and the time. The prior reads them.
   Sequences<B> known_before(std::span<const Index> labels, const Sequences<B>& x) const {
     const auto before = detail::frames_before(x);
     return before.with(concat(1, before.rows, side(labels, x.offsets)));
@@ -117,7 +117,7 @@ struct ActorFrames {
                          ", expected ", latent_dim(), " values each");
     const Sequences<B> about(concat(1, side(labels, lengths), given), lengths);
     const detail::TimeSteps<B> time(about);
-    auto states = still(gru, lengths.count());
+    auto states = zero_states(gru, lengths.count());
     std::vector<Tensor<B, 2>> frames;
     for (const auto& now : time.steps) {
       const Index motions = now.size(0), known = now.size(1) - latent_dim();
