@@ -54,8 +54,8 @@ TEST_CASE("ACTOR: options that contradict the tensors, variants that are not rea
   refused("latent_dim: 16", "latent_dim: 32", "latent_dim is 32, tensor 'encoder.muQuery'");
   refused("archiname: transformer", "archiname: gru", "archiname is 'gru', the tensors are those of transformer");
   refused("translation: true", "translation: false", "glob and translation make 24 rows a frame");
-  refused("pose_rep: rot6d", "pose_rep: xyz", "models of positions are not supported");
-  refused("pose_rep: rot6d", "pose_rep: rotquat", "rotations of 4 numbers, frames have 150");
+  refused("pose_rep: rot6d", "pose_rep: xyz", "positions are supported for the 24 of SMPL");
+  refused("pose_rep: rot6d", "pose_rep: rotquat", "joints of 4 numbers, frames have 150");
   official::write_text(folder / "opt.yaml", options);
   official::write_actor_run(folder.path, official::small_actor(), "extra.weight");
   CHECK_ERROR(ml::load_actor_run<B>(folder.path), "unexpected extra.weight");
