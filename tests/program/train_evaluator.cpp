@@ -56,12 +56,13 @@ TEST_CASE("train-evaluator: both stages learn and go on with the same numbers; t
     CHECK_MESSAGE(std::filesystem::exists(place / "matching/model" / name), name);
   CHECK(contains(run({"info", "matching/model"}, place.path).text, "guo evaluator"));
 
-  // what it has learnt by heart it finds
   write_distilbert(place / "sentences");
   const auto with_likeness =
       run({"evaluate", "matching/model", "--data", "h3d", "--part", "training", "--sentence-encoder", "sentences"},
           place.path);
   CHECK_MESSAGE((with_likeness.code == 0 && contains(with_likeness.text, "alike")), with_likeness.text);
+
+  // what it has learnt by heart it finds
   const auto found = run({"evaluate", "matching/model", "--data", "h3d", "--part", "training"}, place.path);
   REQUIRE_MESSAGE(found.code == 0, found.text);
   CHECK(contains(found.text, "6 motions of the training part, by the nearest vectors of matching/model ("));
