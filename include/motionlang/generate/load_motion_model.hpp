@@ -54,10 +54,10 @@ std::unique_ptr<MotionModel> load_diffusion_motion_model(const MotionModelPlace&
 
 /// ACTOR whose frames are rows of these clips.
 template <Backend B>
-std::unique_ptr<MotionModel> actor_motion_model_of_clips(Actor<B> actor, std::vector<std::string> labels,
+std::unique_ptr<MotionModel> actor_motion_model_of_clips(Actor<B> actor, const std::vector<std::string>& labels,
                                                          const ActorClipsConfig& clips, Index longest) {
   return actor_motion_model<B>({.model = std::move(actor),
-                                .labels = std::move(labels),
+                                .labels = labels,
                                 .fps = clips.fps,
                                 .longest = longest,
                                 .motion_of =
@@ -74,7 +74,7 @@ template <Backend B>
 std::unique_ptr<MotionModel> load_actor_motion_model(const FilePath& run) {
   auto actor = load_actor_run<B>(run);
   if (!actor.features) {
-    return actor_motion_model_of_clips<B>(std::move(actor.model), std::move(actor.labels), published_actor_clips({}),
+    return actor_motion_model_of_clips<B>(std::move(actor.model), actor.labels, published_actor_clips({}),
                                           actor.longest);
   }
   const ActorFeatureOptions options = *actor.features;

@@ -19,7 +19,7 @@ template <Backend B>
 std::unique_ptr<MotionModel> load_trained_actor_motion_model(const FilePath& folder) {
   ActorModel<B> model = load_actor<B>(folder);
   const ActorClipsConfig clips = model.file.config.clips;
-  return actor_motion_model_of_clips<B>(std::move(model.actor), std::move(model.file.labels), clips,
+  return actor_motion_model_of_clips<B>(std::move(model.actor), model.file.labels, clips,
                                         clips.num_frames > 0 ? clips.num_frames : clips.max_len);
 }
 

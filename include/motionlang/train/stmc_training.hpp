@@ -380,7 +380,7 @@ std::filesystem::path train_stmc(const StmcTrainingConfig& config, TrainingSet& 
     if (config.text_steps > 0) task.learn_texts(texts);
   };
   trainer.run(options, callbacks);
-  const std::filesystem::path model = options.out / "stmc.safetensors";
+  std::filesystem::path model = options.out / "stmc.safetensors";
   if (options.communicator.rank() > 0) return model;
   about.merge(stmc_training_notes(data));
   task.export_model(model, about);
