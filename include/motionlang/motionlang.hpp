@@ -269,6 +269,7 @@
 #include <motionlang/compose/overlap.hpp>
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/plan_options.hpp>
+#include <motionlang/compose/recalled_motions.hpp>
 #include <motionlang/compose/sinc_assignment.hpp>
 #include <motionlang/compose/sinc_composition.hpp>
 #include <motionlang/compose/stitching.hpp>

@@ -26978,6 +26978,9 @@ class TextTable {
   /// `encode` throws.
   static TextTable encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words = {});
 
+  /// Other texts by the encoder of this table, which has its own mean. An empty table stays empty. Throws what
+  /// `encoded` throws.
+  TextTable encoded_again(std::vector<std::string> texts) const;
   /// The table with more texts at its end, which are encoded now. The mean stays. An empty table stays empty. Throws
   /// what `encoded` throws.
   TextTable with(const std::vector<std::string>& more) const;
@@ -27140,6 +27143,11 @@ MOTIONLANG_BODY TextTable TextTable::encoded(std::vector<std::string> texts, Tex
   return {std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words)};
 }
 
+MOTIONLANG_BODY TextTable TextTable::encoded_again(std::vector<std::string> texts) const {
+  if (empty()) return {};
+  return encoded(std::move(texts), table().encode, table().words);
+}
+
 MOTIONLANG_BODY TextTable TextTable::with(const std::vector<std::string>& more) const {
   if (empty()) return {};
   Table all = table();
@@ -27251,6 +27259,13 @@ struct KnownAction {
   std::string then{};
 };
 
+/// A caption, by its row of the table, and how alike it or its mirror image is to a text.
+struct NearCaption {
+  Index row = 0;
+  bool mirrored = false;
+  double likeness = 0;
+};
+
 class KnownCaptions {
  public:
   /// No captions.
@@ -27267,6 +27282,10 @@ class KnownCaptions {
   /// none.
   KnownCaptions with_tried(const std::vector<std::string>& texts, std::vector<double> done) const;
 
+  /// The same with more captions and their actions, and with other actions for captions that it has. All texts are
+  /// encoded anew. No captions stay none. Throws shape_error 205 for other numbers of texts and actions.
+  KnownCaptions with_captions(const std::vector<std::string>& texts, const std::vector<KnownAction>& actions) const;
+
   bool empty() const { return actions_.empty(); }
   const TextTable& table() const { return table_; }
   const std::vector<KnownAction>& actions() const { return actions_; }
@@ -27276,10 +27295,14 @@ class KnownCaptions {
 
   /// At most `count` captions or mirror images of captions, the nearest first, each once.
   std::vector<NearText> nearest(const std::string& text, Index count) const;
+  /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. If all
+  /// are far (likeness below 0.7), those of its beginning, if that or its mirror image is a caption: "kick" for "he
+  /// kicks the xylophone".
+  std::vector<NearCaption> meant(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
-  /// The action of a text that is known, by the captions near it. Their majority decides if it repeats. It takes as
-  /// long as three quarters of these do at most. What follows is that of the nearest.
+  /// The action of a text, or of its beginning (as in `meant`), by the captions near it. Their majority decides if it
+  /// repeats. It takes as long as three quarters of these do at most. What follows is that of the nearest.
   std::optional<KnownAction> action(const std::string& text) const;
   /// The share of motions that do what the text says, by the texts nearly like it that were tried. Nothing if there are
   /// none.
@@ -27290,8 +27313,12 @@ class KnownCaptions {
     NearText near{};
     bool mirrored = false;
   };
-  /// In the rows from `first` to before `last`.
+  /// In the rows from `first` to before `last`. A caption that is the mirror image of another is found twice.
   std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
+  /// The text, or its beginning if that is a caption and the text is far from all of them.
+  std::string known_beginning(const std::string& text) const;
+  /// Each text once.
+  static std::vector<Found> different(std::vector<Found> all, Index count);
 
   TextTable table_{};
   std::vector<KnownAction> actions_{};
@@ -27424,6 +27451,35 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+
+/// "do not" for "don't".
+inline std::string without_contractions(std::string text) {
+  constexpr std::pair<std::string_view, std::string_view> contractions[] = {
+      {"won't", "will not"}, {"can't", "can not"}, {"n't", " not"}};
+  for (const auto& [contraction, words] : contractions) {
+    for (std::size_t at = 0; (at = text.find(contraction, at)) != text.npos;)
+      text.replace(at, contraction.size(), words);
+  }
+  return text;
+}
+
+/// A verb, and what it may be a form of: "kicks" and "kicking" of "kick", "hopping" of "hop", "dancing" of "dance".
+inline std::vector<std::string> plain_forms(const std::string& verb) {
+  std::vector<std::string> out{verb};
+  for (const std::string_view ending : {"s", "es", "ing"}) {
+    if (!verb.ends_with(ending) || verb.size() < ending.size() + 2) continue;
+    const std::string stem = verb.substr(0, verb.size() - ending.size());
+    out.push_back(stem);
+    if (ending != "ing") continue;
+    out.push_back(stem + "e");
+    if (stem[stem.size() - 1] == stem[stem.size() - 2]) out.push_back(stem.substr(0, stem.size() - 1));
+  }
+  return out;
+}
+
+}  // namespace detail
+
 MOTIONLANG_BODY KnownCaptions::KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness,
                                              std::vector<double> done, std::string_view source)
     : table_(std::move(table)), actions_(std::move(actions)), nearness_(nearness), done_(std::move(done)) {
@@ -27438,12 +27494,32 @@ MOTIONLANG_BODY KnownCaptions KnownCaptions::with_tried(const std::vector<std::s
   return {table_.first(std::ssize(actions_)).with(texts), actions_, nearness_, std::move(done)};
 }
 
+MOTIONLANG_BODY KnownCaptions KnownCaptions::with_captions(const std::vector<std::string>& texts,
+                                                           const std::vector<KnownAction>& actions) const {
+  if (texts.size() != actions.size())
+    raise<shape_error>(205, "KnownCaptions: ", counted(actions.size(), "action"), " for ",
+                       counted(texts.size(), "text"));
+  if (empty()) return {};
+  const auto old = table_.texts().begin(), tried = old + std::ssize(actions_);
+  std::vector<std::string> all(old, tried);
+  std::vector<KnownAction> of_all = actions_;
+  std::map<std::string, std::size_t> row;
+  for (std::size_t i = 0; i < all.size(); ++i) row.emplace(all[i], i);
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const auto [at, is_new] = row.emplace(texts[i], all.size());
+    if (is_new) all.push_back(texts[i]), of_all.emplace_back();
+    of_all[at->second] = actions[i];
+  }
+  const std::vector<std::string> tried_texts(tried, table_.texts().end());
+  return {table_.encoded_again(std::move(all)).with(tried_texts), std::move(of_all), nearness_, done_};
+}
+
 MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std::string& text, Index count,
                                                                        Index first, Index last) const {
   std::vector<std::string> texts{text};
   if (std::string mirrored = mirror_caption(text); mirrored != text) texts.push_back(std::move(mirrored));
   const auto near = table_.nearest(texts, count, [&](Index, Index row) { return row >= first && row < last; });
-  std::vector<Found> all, out;
+  std::vector<Found> all;
   for (std::size_t t = 0; t < near.size(); ++t) {
     for (NearText n : near[t]) {
       if (t == 1) n.text = mirror_caption(n.text);
@@ -27452,6 +27528,13 @@ MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const Found& a, const Found& b) { return a.near.likeness > b.near.likeness; });
+  // A caption itself is before its equals, which rounding may have put first: "look left", the image of "look right".
+  std::stable_partition(all.begin(), all.end(), [&](const Found& f) { return !f.mirrored && f.near.text == text; });
+  return all;
+}
+
+MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::different(std::vector<Found> all, Index count) {
+  std::vector<Found> out;
   for (Found& f : all) {
     const bool again = std::any_of(out.begin(), out.end(), [&](const Found& o) { return o.near.text == f.near.text; });
     if (!again && std::ssize(out) < count) out.push_back(std::move(f));
@@ -27461,7 +27544,42 @@ MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std
 
 MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& text, Index count) const {
   std::vector<NearText> out;
-  for (Found& f : found(text, count, 0, std::ssize(actions_))) out.push_back(std::move(f.near));
+  auto all = found(detail::without_contractions(text), count, 0, std::ssize(actions_));
+  for (Found& f : different(std::move(all), count)) out.push_back(std::move(f.near));
+  return out;
+}
+
+MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& written) const {
+  constexpr double near = 0.7;
+  const std::string text = detail::without_contractions(written);
+  const auto best = nearest(text, 1);
+  if (best.empty() || best.front().likeness >= near) return text;
+  std::vector<std::string> words = WordPiece::words(text);
+  const auto verb = std::find_if_not(words.begin(), words.end(), detail::is_function_word);
+  if (verb == words.end()) return text;
+  words.erase(words.begin(), verb);
+  const auto& captions = table_.texts();
+  const auto tried = captions.begin() + std::ssize(actions_);
+  const auto has = [&](const std::string& caption) { return std::find(captions.begin(), tried, caption) != tried; };
+  const std::vector<std::string> forms = detail::plain_forms(words.front());
+  for (std::size_t count = words.size(); count > 0; --count) {
+    for (const std::string& form : forms) {
+      std::string start = form;
+      for (std::size_t i = 1; i < count; ++i) start += " " + words[i];
+      if (has(start) || has(mirror_caption(start))) return start;
+    }
+  }
+  return text;
+}
+
+MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string& text, Index count) const {
+  constexpr double nearly_as_alike = 0.96;
+  std::vector<NearCaption> out;
+  for (const Found& f : found(known_beginning(text), count, 0, std::ssize(actions_))) {
+    const double least = std::max(nearness_, out.empty() ? 0 : nearly_as_alike * out.front().likeness);
+    if (f.near.likeness < least || std::ssize(out) == count) break;
+    out.push_back({f.near.row, f.mirrored, f.near.likeness});
+  }
   return out;
 }
 
@@ -27470,10 +27588,11 @@ MOTIONLANG_BODY bool KnownCaptions::knows(const std::string& text) const {
   return !first.empty() && first.front().likeness >= nearness_;
 }
 
-MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& text) const {
+MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& whole) const {
+  const std::string text = known_beginning(whole);
   constexpr Index asked = 12;
   constexpr double as_near = 0.9, exact = 3;  // a share of the best likeness; the weight of the caption itself
-  const auto found = this->found(text, asked, 0, std::ssize(actions_));
+  const auto found = different(this->found(text, asked, 0, std::ssize(actions_)), asked);
   if (found.empty() || found.front().near.likeness < nearness_) return std::nullopt;
   double repeats = 0, all = 0;
   const auto weight = [&](const Found& f) {
@@ -27507,7 +27626,7 @@ MOTIONLANG_BODY std::optional<double> KnownCaptions::success(const std::string& 
   constexpr Index asked = 3;
   constexpr double nearly_same = 0.8;
   double done = 0, weights = 0;
-  for (const Found& f : found(text, asked, std::ssize(actions_), table_.size())) {
+  for (const Found& f : different(found(text, asked, std::ssize(actions_), table_.size()), asked)) {
     if (f.near.likeness < nearly_same) continue;
     done += f.near.likeness * done_[static_cast<std::size_t>(f.near.row) - actions_.size()];
     weights += f.near.likeness;
@@ -28941,11 +29060,19 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// It does not depend on the feature type or the network: any layout with a partition into parts, any `Denoiser`.
 
-#ifndef MOTIONLANG_HAS_COMPOSE_STITCHING_HPP  // <motionlang/compose/stitching.hpp>
-#define MOTIONLANG_HAS_COMPOSE_STITCHING_HPP
-/// Cuts crops out of a motion, and puts a motion together from crops, per body part and interval.
+#ifndef MOTIONLANG_HAS_COMPOSE_RECALLED_MOTIONS_HPP  // <motionlang/compose/recalled_motions.hpp>
+#define MOTIONLANG_HAS_COMPOSE_RECALLED_MOTIONS_HPP
+/// Remembered motions for the texts of a collage, which its clean estimates follow.
 ///
-/// All index lists are made once per plan. Cutting and stitching are then gathers and scatters of whole rows.
+/// A network that was trained on few gestures makes poses that are right and hardly move. A model may therefore
+/// remember some motions. In every step, the clean estimate of a crop whose text has one is drawn towards it:
+///
+///     x0 = (1 - recall) x0 + recall remembered
+///
+/// The frames of a crop before and after its text have the first and the last row, with its speed. Other crops are the
+/// network's, so it makes the passages between texts. Stitching combines the motion with the texts of other parts.
+///
+/// Source  ours; the idea is that of replacing known parts of a clean estimate (Lugmayr et al. 2022, "RePaint")
 
 #ifndef MOTIONLANG_HAS_COMPOSE_PLAN_HPP  // <motionlang/compose/plan.hpp>
 #define MOTIONLANG_HAS_COMPOSE_PLAN_HPP
@@ -29404,6 +29531,79 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// Finds motions for texts. datasets/motion_memory.hpp has one; any other may be written.
+class MotionRecall {
+ public:
+  MotionRecall() = default;
+  MotionRecall(const MotionRecall&) = delete;
+  MotionRecall& operator=(const MotionRecall&) = delete;
+  virtual ~MotionRecall() = default;
+
+  /// The features of a motion for the text, (frames, features), not normalised. Nothing if no motion is known.
+  /// choice  in 0 ... 1: chooses one, if there are several. The same arguments give the same motion
+  virtual std::vector<double> features(const std::string& text, Index frames, double choice) const = 0;
+  /// Digits that change with any motion or text.
+  virtual std::string fingerprint() const = 0;
+};
+
+/// The share of the remembered motion that is usual.
+inline constexpr double usual_recall = 0.9;
+
+/// A remembered motion in a crop of a batch.
+template <Backend B>
+struct RecalledMotion {
+  Index crop = 0;       // in the batch
+  Tensor<B, 2> rows{};  // (frames of the crop, features), normalised
+};
+
+/// The motions for all texts of a plan. The first value of a timeline's noise chooses among several, so the same noise
+/// gives the same motion, alone and in a batch.
+/// noise  the initial one, (timelines * stride, features)
+template <Backend B>
+std::vector<RecalledMotion<B>> recalled_motions(const MotionRecall& memory, const BatchPlan& plan,
+                                                const Tensor<B, 2>& noise, Index stride,
+                                                const Normalizer<B>& normalizer) {
+  using S = typename B::scalar;
+  std::vector<RecalledMotion<B>> out;
+  const Index width = noise.size(1);
+  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+    const TimelinePlan& p = plan.timelines[m];
+    const auto z = noise.span()[m * static_cast<std::size_t>(stride * width)];
+    const double choice = std::erfc(-static_cast<double>(z) / std::sqrt(2.0)) / 2;  // uniform in 0 ... 1
+    for (std::size_t c = 0; c < p.crops.size(); ++c) {
+      const Crop& crop = p.crops[c];
+      if (crop.is_transition() || crop.range.size() == 0) continue;
+      const Interval& text = p.timeline.intervals[static_cast<std::size_t>(crop.interval)];
+      const Index frames = text.end - text.start;
+      const std::vector<double> values = memory.features(text.text, frames, choice);
+      if (values.empty()) continue;
+      if (std::ssize(values) != frames * width)
+        raise<shape_error>(205, "recalled_motions: ", values.size(), " values for '", text.text, "', ",
+                           counted(frames, "frame"), " of ", counted(width, "feature"), " have ", frames * width);
+      std::vector<S> rows;
+      rows.reserve(static_cast<std::size_t>(crop.range.size() * width));
+      for (Index f = crop.range.start; f < crop.range.end; ++f) {
+        const auto* from = values.data() + std::clamp(f - text.start, Index{0}, frames - 1) * width;
+        rows.insert(rows.end(), from, from + width);
+      }
+      out.push_back({.crop = plan.first_crop[m] + static_cast<Index>(c),
+                     .rows = normalizer.normalize(Tensor<B, 2>::from(rows, {crop.range.size(), width}))});
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_STITCHING_HPP  // <motionlang/compose/stitching.hpp>
+#define MOTIONLANG_HAS_COMPOSE_STITCHING_HPP
+/// Cuts crops out of a motion, and puts a motion together from crops, per body part and interval.
+///
+/// All index lists are made once per plan. Cutting and stitching are then gathers and scatters of whole rows.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
 namespace detail {
 
 /// 1 in the columns of a part, else 0: (1, features).
@@ -29623,7 +29823,6 @@ Offsets joined(const Offsets& a, const Offsets& b);
 ///         depends on the frames of a crop but not on its text is done once, too. The longest sequences come first, so
 ///         that threads end together. Crops without frames are left out. Texts, offsets and index lists are prepared
 ///         here, not in the loop.
-///         prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
@@ -29646,6 +29845,20 @@ class Collage {
     texts_.end_position.insert(texts_.end_position.end(), null.end_position.begin(), null.end_position.end());
     detail::check_texts(plan_, text.count(), null.count());
     prepare_step();
+  }
+  /// From now on, the clean estimates of crops follow these motions (compose/recalled_motions.hpp).
+  /// recall  the share of a motion in 0 ... 1; the network's is the rest
+  /// Throws  config_error 101 for another share, shape_error 205 for motions with other features
+  void follow(std::vector<RecalledMotion<B>> motions, double recall = usual_recall) {
+    if (!(recall >= 0 && recall <= 1)) raise<config_error>(101, "Collage: a recall of ", recall, " is not in 0 ... 1");
+    for (const RecalledMotion<B>& m : motions) {
+      if (m.rows.size(1) != layout_.size)
+        raise<shape_error>(205, "Collage: a motion to follow is ", m.rows.shape(), ", the collage has ",
+                           counted(layout_.size, "feature"));
+    }
+    recalled_ = std::move(motions);
+    recall_ = recall;
+    prepare_recall();
   }
   /// The same with only some of the crops and slices of its plan (compose/edits.hpp).
   Collage with_plan(BatchPlan plan) const {  // NOLINT(performance-unnecessary-value-param): it is moved from
@@ -29686,7 +29899,7 @@ class Collage {
     s.cond = gather(out, cond_);
     s.null = guidance_ == 1 ? s.cond : gather(out, null_);
     s.guided = guidance_ == 1 ? s.cond : guide(s.cond, s.null, guidance_);
-    s.x0 = stitch_(to_x0(s.guided, s.crops));
+    s.x0 = stitch_(recalled(to_x0(s.guided, s.crops)));
     return s;
   }
   CollageStep<B> step(const Tensor<B, 2>& x, Index t) const {
@@ -29712,6 +29925,31 @@ class Collage {
     crops_ = fixed && traits.uses_lengths ? detail::own_frames(plan_, motion_.stride, traits.crop_frames) : motion_;
     stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
     build_batch();
+    prepare_recall();
+  }
+
+  /// The values of remembered motions in the rows of the crops, and the share that stays the network's.
+  void prepare_recall() {
+    using S = typename B::scalar;
+    follows_ = !recalled_.empty() && recall_ > 0;
+    if (!follows_) return;
+    const auto width = static_cast<std::size_t>(layout_.size);
+    std::vector<S> own(static_cast<std::size_t>(crops_.offsets.rows()), S{1}), values(own.size() * width);
+    for (const RecalledMotion<B>& m : recalled_) {
+      const Index rows = crops_.offsets.length(m.crop);
+      for (Index f = 0; f < std::min(rows, m.rows.size(0)); ++f) {
+        const auto row = static_cast<std::size_t>(crops_.offsets.begin(m.crop) + f);
+        own[row] = static_cast<S>(1 - recall_);
+        const auto from = m.rows.span().subspan(static_cast<std::size_t>(f) * width, width);
+        for (std::size_t i = 0; i < width; ++i) values[row * width + i] = static_cast<S>(recall_) * from[i];
+      }
+    }
+    own_share_ = Tensor<B, 2>::from(own, {std::ssize(own), 1});
+    recalled_share_ = Tensor<B, 2>::from(values, {std::ssize(own), layout_.size});
+  }
+  Tensor<B, 2> recalled(Tensor<B, 2> x0) const {
+    if (!follows_) return x0;
+    return x0 * own_share_ + recalled_share_;
   }
 
   /// The outputs of the network for all jobs, one after the other.
@@ -29747,6 +29985,10 @@ class Collage {
   Index rows_at_once_;
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
+  std::vector<RecalledMotion<B>> recalled_{};
+  double recall_ = 0;
+  bool follows_ = false;                         // whether a crop of this plan follows a motion
+  Tensor<B, 2> own_share_{}, recalled_share_{};  // (rows of the crops, 1) and (..., features)
   std::vector<Batch> batches_;
   std::vector<Index> cond_, null_;  // for every row of the crops its row in all batches, with its text and without
 };
@@ -30386,6 +30628,7 @@ struct FrameTerm {
   bool add = true;
   FrameRange crop;
   std::string_view text;
+  FrameRange own;  // the frames of the text, in which a crop may follow a remembered motion
   bool operator==(const FrameTerm&) const = default;
 };
 
@@ -30395,8 +30638,13 @@ inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan,
   const auto note = [&](const std::vector<Slice>& slices, bool add) {
     for (const Slice& s : slices) {
       const Crop& crop = plan.crops[static_cast<std::size_t>(s.crop)];
+      FrameRange own{};
+      if (!crop.is_transition()) {
+        const Interval& text = plan.timeline.intervals[static_cast<std::size_t>(crop.interval)];
+        own = {text.start, text.end};
+      }
       for (Index f = s.to.start; f < s.to.end; ++f)
-        terms[static_cast<std::size_t>(f)].push_back({s.part, add, crop.range, plan.text(crop)});
+        terms[static_cast<std::size_t>(f)].push_back({s.part, add, crop.range, plan.text(crop), own});
     }
   };
   note(plan.add, true), note(plan.subtract, false);
@@ -36742,8 +36990,9 @@ struct StmcOptions {
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
   Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Affects only the memory
-  Progress progress{};                      // called after every step; may cancel
-  Index first = 0;  // the place of the first sequence in a longer list, of which these are a part
+  double recall = usual_recall;  // the share of remembered motions in their frames, 0 ... 1; 0: the network alone
+  Progress progress{};           // called after every step; may cancel
+  Index first = 0;               // the place of the first sequence in a longer list, of which these are a part
 };
 
 /// Clean motions, normalised, in consecutive rows.
@@ -36769,10 +37018,11 @@ struct Stmc {
   Normalizer<B> motion_normalizer, text_normalizer;
   GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
   FeatureLayout layout = smplrifke_layout();
-  double guidance = 2.5;       // for sampling, if the caller does not set it
-  SamplingOptions sampling{};  // the same
-  Index steps = 0;             // the same; 0: all of the process
-  double fps = 20;             // of its motions
+  double guidance = 2.5;                         // for sampling, if the caller does not set it
+  SamplingOptions sampling{};                    // the same
+  Index steps = 0;                               // the same; 0: all of the process
+  double fps = 20;                               // of its motions
+  std::shared_ptr<const MotionRecall> memory{};  // motions that texts recall; null: none
 
   /// The weights of a text encoder without fields are in files of its own.
   static constexpr auto fields() {
@@ -36897,11 +37147,13 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise, class Estimate, bool>
 CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                       Estimate&& estimate) const {
+  if (!(options.recall >= 0 && options.recall <= 1))
+    raise<config_error>(101, "Stmc: a recall of ", options.recall, " is not in 0 ... 1");
   const auto [text, null] = encode(plan);
   if (options.first > 0)
     detail::require_own_motions(denoiser.traits().mates, /*one_token=*/text.tokens.offsets.longest() <= 1);
-  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
-                              options.rows_at_once);
+  Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
+                        options.rows_at_once);
   const auto sequences = static_cast<Index>(collage.plan().timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
   auto rows = [&](Index draw) {
@@ -36909,13 +37161,18 @@ CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcO
     if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
     return reshape<2>(z, {sequences * collage.stride(), layout.size});
   };
+  const Tensor<B, 2> first = rows(0);
+  if (memory && options.recall > 0)
+    collage.follow(recalled_motions(*memory, collage.plan(), first, collage.stride(), motion_normalizer),
+                   options.recall);
   const GaussianDiffusion kept = process(options.steps);
   const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
     return clean_motion(c, kept, denoiser.traits().prediction, x, t);
   };
   auto x0 = sample_clean_motions<B>(
-      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
-      options.sampling.value_or(sampling), options.progress);
+      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); },
+      [&](Index draw) { return draw == 0 ? first : rows(draw); }, options.sampling.value_or(sampling),
+      options.progress);
   return {std::move(x0), collage.stride()};
 }
 
@@ -36970,7 +37227,8 @@ Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
           .guidance = m.guidance,
           .sampling = m.sampling,
           .steps = m.steps,
-          .fps = m.fps};
+          .fps = m.fps,
+          .memory = m.memory};
 }
 
 /// Weights packed for inference. The model must not be changed afterwards.

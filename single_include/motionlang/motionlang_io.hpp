@@ -15833,6 +15833,205 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_DATASETS_MOTION_MEMORY_HPP  // <motionlang/datasets/motion_memory.hpp>
+#define MOTIONLANG_HAS_DATASETS_MOTION_MEMORY_HPP
+/// Motions that a model remembers for its captions (compose/recalled_motions.hpp).
+///
+/// A text recalls a motion if the caption nearest to it has one, or another that is nearly as alike
+/// (KnownCaptions::meant). If that is the mirror image of a caption, the motion is mirrored, too. An action that goes
+/// on (KnownAction::repeats) is played at its own speed, in rounds. Another is played faster or slower, so that it
+/// takes the time of the text. If there is much more time, it is played again, or its last pose is held if that is not
+/// like its first.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A caption, by its line in the table, has a motion, by its place in the memory.
+struct RememberedMotion {
+  Index caption = 0, motion = 0;
+  bool operator==(const RememberedMotion&) const = default;
+};
+
+class MotionMemory final : public MotionRecall {
+ public:
+  /// motions  on SMPL's 24 joints, all at one frame rate, which is that of the model
+  /// of       which caption has which motions; a caption may have several
+  /// source   stands in messages, such as the name of a file
+  /// Throws   shape_error 203 for a caption or a motion that does not exist, and for an empty motion; config_error 102
+  ///          for motions of other joints, or of several frame rates; what Motion::validate throws
+  MotionMemory(KnownCaptions captions, std::vector<Motion> motions, std::vector<RememberedMotion> of,
+               std::string_view source = "MotionMemory");
+
+  const KnownCaptions& captions() const { return captions_; }
+  const std::vector<Motion>& motions() const { return motions_; }
+  const std::vector<RememberedMotion>& remembered() const { return of_; }
+  /// The number of captions that have a motion.
+  Index captions_with_motions() const;
+
+  /// The motion for a text, in as many frames. Nothing if no motion is known.
+  std::optional<Motion> motion(const std::string& text, Index frames, double choice) const;
+
+  /// The same as features of STMC (features/smplrifke.hpp).
+  std::vector<double> features(const std::string& text, Index frames, double choice) const override;
+  std::string fingerprint() const override;
+
+ private:
+  KnownCaptions captions_;
+  std::vector<Motion> motions_;
+  std::vector<RememberedMotion> of_;  // sorted
+};
+
+/// How a motion is played in another time.
+enum class PlayedAgain {
+  no,        // its own speed, and its last pose is held; 1.5 times as fast at most, and then its end is left out
+  to_fit,    // faster or slower, 1.5 times at most, and in rounds where one would have to be slower
+  as_it_is,  // its own speed, in rounds, of which the last one is cut
+};
+/// A motion in exactly this many frames. A round is blended into the one before it. Throws shape_error 203 unless both
+/// have frames.
+Motion played_in(const Motion& motion, Index frames, PlayedAgain again = PlayedAgain::to_fit);
+
+/// True if the last pose of a motion, with its heading, is within 30 degrees of the first one in every joint.
+bool comes_back(const Motion& motion);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_MOTION_MEMORY_IPP  // <motionlang/datasets/motion_memory.ipp>
+#define MOTIONLANG_HAS_DATASETS_MOTION_MEMORY_IPP
+// Bodies of motion_memory.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY MotionMemory::MotionMemory(KnownCaptions captions, std::vector<Motion> motions,
+                                           std::vector<RememberedMotion> of, std::string_view source)
+    : captions_(std::move(captions)), motions_(std::move(motions)), of_(std::move(of)) {
+  const Index joints = smpl24_skeleton().size(), texts = std::ssize(captions_.actions());
+  for (const Motion& m : motions_) {
+    const Index place = &m - motions_.data();
+    m.validate();
+    if (m.frames() == 0) raise<shape_error>(203, source, ": motion ", place, " has no frame");
+    if (m.skeleton.size() != joints)
+      raise<config_error>(102, source, ": motion ", place, " has ", counted(m.skeleton.size(), "joint"), ", not ",
+                          joints);
+    if (m.skeleton.names != smpl24_skeleton().names || m.skeleton.parents != smpl24_skeleton().parents)
+      raise<config_error>(102, source, ": motion ", place, " has other joints than SMPL");
+    if (m.fps != motions_.front().fps)
+      raise<config_error>(102, source, ": motion ", place, " has ", m.fps, " frames per second, the first one ",
+                          motions_.front().fps);
+  }
+  for (const RememberedMotion& r : of_) {
+    if (r.caption < 0 || r.caption >= texts)
+      raise<shape_error>(203, source, ": caption ", r.caption, " of ", counted(texts, "caption"), " has a motion");
+    if (r.motion < 0 || r.motion >= std::ssize(motions_))
+      raise<shape_error>(203, source, ": caption ", r.caption, " has motion ", r.motion, " of ", motions_.size());
+  }
+  const auto before = [](const RememberedMotion& a, const RememberedMotion& b) {
+    return std::pair(a.caption, a.motion) < std::pair(b.caption, b.motion);
+  };
+  std::sort(of_.begin(), of_.end(), before);
+}
+
+namespace detail {
+
+/// The whole motion in `frames` frames, at most 1.5 times as fast, and not slower than `slowest`; then its last pose.
+inline Motion played_once(const Motion& motion, Index frames, double slowest) {
+  constexpr double fastest = 1.5;
+  const Index own = motion.frames();
+  const double speed = frames < 2 || own < 2 ? 1.0 : static_cast<double>(own - 1) / static_cast<double>(frames - 1);
+  // A little slower, so that rounding does not lose the last frame.
+  const Motion played = speed == 1 ? motion : change_speed(motion, std::clamp(speed, slowest, fastest) * (1 - 1e-9));
+  Motion out = crop(played, 0, std::min(frames, played.frames()));
+  const Index last = out.frames() - 1;
+  const std::vector<Quaternion<double>> pose(out.rotations(last).begin(), out.rotations(last).end());
+  while (out.frames() < frames) {
+    out.root.push_back(out.root_at(last));
+    out.local.insert(out.local.end(), pose.begin(), pose.end());
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion played_in(const Motion& motion, Index frames, PlayedAgain again) {
+  const Index own = motion.frames();
+  if (own < 1 || frames < 1)
+    raise<shape_error>(203, "played_in: ", counted(own, "frame"), " to be played in ", counted(frames, "frame"));
+  constexpr Index blended = 4;
+  const double slowest = again == PlayedAgain::no ? 1 : 2.0 / 3;
+  Motion out;
+  if (again == PlayedAgain::as_it_is && own > 1) {
+    const Index shared = std::min(blended, own / 2);
+    for (out = motion; out.frames() < frames;)
+      out = shared == 0 ? concatenate(out, motion) : blend_into(out, motion, shared);
+    return crop(out, 0, frames);
+  }
+  const Index times = again == PlayedAgain::to_fit ? std::max<Index>(1, (frames + own / 2) / own) : 1;
+  const Index shared = times == 1 ? 0 : std::min({blended, own, frames / times});  // frames of two rounds
+  const Index all = frames + shared * (times - 1);
+  for (Index k = 0; k < times; ++k) {
+    Motion round = detail::played_once(motion, all * (k + 1) / times - all * k / times, slowest);
+    out = k == 0 ? std::move(round) : shared == 0 ? concatenate(out, round) : blend_into(out, round, shared);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY bool comes_back(const Motion& motion) {
+  constexpr double near = std::numbers::pi / 6;
+  if (motion.frames() == 0) return true;
+  const auto first = motion.rotations(0), last = motion.rotations(motion.frames() - 1);
+  for (std::size_t j = 0; j < first.size(); ++j) {
+    if (distance(first[j], last[j]) > near) return false;
+  }
+  return true;
+}
+
+MOTIONLANG_BODY std::optional<Motion> MotionMemory::motion(const std::string& text, Index frames, double choice) const {
+  if (of_.empty() || frames < 2) return std::nullopt;
+  constexpr Index asked = 8;
+  const auto before = [](const RememberedMotion& r, Index caption) { return r.caption < caption; };
+  for (const NearCaption& near : captions_.meant(text, asked)) {
+    const auto first = std::lower_bound(of_.begin(), of_.end(), near.row, before);
+    const auto last = std::lower_bound(first, of_.end(), near.row + 1, before);
+    if (first == last) continue;
+    const auto count = static_cast<double>(last - first);
+    const double place = std::clamp(choice >= 0 ? choice * count : 0.0, 0.0, count - 1);  // NaN is 0
+    const auto which = static_cast<Index>(place);
+    const Motion& motion = motions_[static_cast<std::size_t>((first + which)->motion)];
+    const bool goes_on = captions_.actions()[static_cast<std::size_t>(near.row)].repeats;
+    const PlayedAgain again = goes_on              ? PlayedAgain::as_it_is
+                              : comes_back(motion) ? PlayedAgain::to_fit
+                                                   : PlayedAgain::no;
+    return played_in(near.mirrored ? mirror(motion) : motion, frames, again);
+  }
+  return std::nullopt;
+}
+
+MOTIONLANG_BODY Index MotionMemory::captions_with_motions() const {
+  std::set<Index> rows;
+  for (const RememberedMotion& r : of_) rows.insert(r.caption);
+  return std::ssize(rows);
+}
+
+MOTIONLANG_BODY std::vector<double> MotionMemory::features(const std::string& text, Index frames, double choice) const {
+  const auto found = motion(text, frames, choice);
+  return found ? smplrifke_from_motion(*found) : std::vector<double>();
+}
+
+MOTIONLANG_BODY std::string MotionMemory::fingerprint() const {
+  std::uint64_t hash = 0;
+  const auto add = [&](const auto& list) { hash = detail::content_hash(std::as_bytes(std::span(list)), hash); };
+  // The motion of a text also depends on the captions without one, which may be nearer, and on what goes on.
+  add(captions_.table().codes()), add(captions_.table().mean()), add(std::array{captions_.nearness()});
+  for (const std::string& text : captions_.table().texts()) add(text);
+  for (const KnownAction& action : captions_.actions()) add(std::array{action.repeats});
+  for (const Motion& m : motions_) add(m.root), add(m.local);
+  for (const RememberedMotion& r : of_) add(std::array{r.caption, r.motion});
+  return detail::hexadecimal(hash);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_DATASETS_MOTION_TOKENS_HPP  // <motionlang/datasets/motion_tokens.hpp>
 #define MOTIONLANG_HAS_DATASETS_MOTION_TOKENS_HPP
 /// Motion tokens in files, and the pairs of tokens and words that TM2T is trained on.
@@ -16318,9 +16517,12 @@ class TrainingSet {
   /// All captions and their mirror images, from which a tokenizer learns.
   std::vector<std::string> all_captions() const;
 
-  /// Makes segments `factor` times as likely to be drawn if one of their captions has one of these words or phrases
-  /// ("nod" also finds "nods" and "nodding"): what `motionlang judge` still sees fail. Throws config_error 101 for a
-  /// factor that is not above 0, 102 for words that no caption has.
+  /// The segments, by their places, of which a caption has one of these words or phrases ("nod" also finds "nods" and
+  /// "nodding"). No words: all. Throws config_error 102 for words that no caption has.
+  std::vector<std::size_t> saying(std::span<const std::string> words) const;
+
+  /// Makes segments `factor` times as likely to be drawn if they say one of these words: what `motionlang judge`
+  /// still sees fail. Throws config_error 101 for a factor that is not above 0, and what `saying` throws.
   void practise(std::span<const std::string> words, double factor);
 
   /// A sample that depends only on the generator. It is one of these:
@@ -16629,10 +16831,9 @@ MOTIONLANG_BODY void SampleOptions::require_sound() const {
   require_value("stretch", stretch, stretch > 0 && stretch <= 1, "above 0, and at most 1");
 }
 
-MOTIONLANG_BODY void TrainingSet::practise(std::span<const std::string> words, double factor) {
-  if (!(factor > 0)) raise<config_error>(101, "TrainingSet: words are practised ", factor, " times as often");
+MOTIONLANG_BODY std::vector<std::size_t> TrainingSet::saying(std::span<const std::string> words) const {
   const auto spaced = [](const std::string& text) { return " " + join_text(detail::caption_words(text), " "); };
-  std::vector<bool> chosen(segments_.size());
+  std::vector<bool> chosen(segments_.size(), words.empty());
   for (const std::string& word : words) {
     const std::string start = spaced(word);
     bool found = false;
@@ -16641,11 +16842,19 @@ MOTIONLANG_BODY void TrainingSet::practise(std::span<const std::string> words, d
         if (spaced(caption).find(start) != std::string::npos) chosen[i] = found = true;
       }
     }
-    if (!found) raise<config_error>(102, "TrainingSet: no caption has \"", word, "\", so nobody can practise it");
+    if (!found) raise<config_error>(102, "TrainingSet: no caption has \"", word, "\", so none can be chosen by it");
   }
+  std::vector<std::size_t> out;
   for (std::size_t i = 0; i < segments_.size(); ++i) {
-    if (chosen[i]) segments_[i].weight *= factor;
+    if (chosen[i]) out.push_back(i);
   }
+  return out;
+}
+
+MOTIONLANG_BODY void TrainingSet::practise(std::span<const std::string> words, double factor) {
+  if (!(factor > 0)) raise<config_error>(101, "TrainingSet: words are practised ", factor, " times as often");
+  if (words.empty()) return;
+  for (const std::size_t i : saying(words)) segments_[i].weight *= factor;
   list_choices();
 }
 
@@ -26307,6 +26516,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// The prefix of the names of their tensors, which are constants.
 inline constexpr const char* caption_tensors = "captions.";
+/// That of the motions of captions (weights/motion_memory_file.hpp), which name captions by their lines.
+inline constexpr const char* memory_tensors = "memory.";
 
 /// None if the file lists no captions. encode: by the text encoder of the file; words: its vectors of words. Throws
 /// io_error 406, 407, config_error 107.
@@ -26327,7 +26538,20 @@ class StoredCaptions {
   std::vector<std::string> following_{};
 };
 
-/// Writes the file again with these captions instead of its own. Throws io_error 401.
+namespace detail {
+
+/// The tensors and the metadata of a file without its captions.
+struct FileWithoutCaptions {
+  explicit FileWithoutCaptions(const SafetensorsFile& file);
+
+  std::vector<TensorView> tensors;
+  std::map<std::string, std::string> metadata;
+};
+
+}  // namespace detail
+
+/// Writes the file again with these captions instead of its own. Texts that were tried may differ. Throws io_error 401,
+/// and config_error 102 for other captions if the file has motions for its own.
 void replace_known_captions(const FilePath& path, const KnownCaptions& captions);
 
 /// The captions of a file of ours. encoder: of the same file, with its vectors of words.
@@ -26460,18 +26684,29 @@ MOTIONLANG_BODY void StoredCaptions::add_to(std::vector<TensorView>& tensors,
     tensors.push_back(tensor_view(prefix + "done", {std::ssize(done_)}, std::span<const float>(done_)));
 }
 
-MOTIONLANG_BODY void replace_known_captions(const FilePath& path, const KnownCaptions& captions) {
-  const auto file = SafetensorsFile::open(path);
-  std::vector<TensorView> tensors;
+MOTIONLANG_BODY detail::FileWithoutCaptions::FileWithoutCaptions(const SafetensorsFile& file)
+    : metadata(file.metadata()) {
   for (const TensorView& t : file.tensors()) {
     if (!t.name.starts_with(caption_tensors)) tensors.push_back(t);
   }
-  auto metadata = file.metadata();
-  for (const char* entry : {detail::captions_entry, detail::following_entry, detail::nearness_entry})
-    metadata.erase(entry);
+  for (const char* entry : {captions_entry, following_entry, nearness_entry}) metadata.erase(entry);
+}
+
+MOTIONLANG_BODY void replace_known_captions(const FilePath& path, const KnownCaptions& captions) {
+  const auto file = SafetensorsFile::open(path);
+  detail::FileWithoutCaptions rest(file);
+  const bool has_motions = std::any_of(rest.tensors.begin(), rest.tensors.end(),
+                                       [](const TensorView& t) { return t.name.starts_with(memory_tensors); });
+  if (has_motions) {
+    const auto own = detail::lines_of_entry(file, detail::captions_entry);
+    const auto count = captions.actions().size();
+    if (static_cast<std::size_t>(file.tensor(std::string(caption_tensors) + "seconds").shape.count()) != count ||
+        !std::equal(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(count), captions.table().texts().begin()))
+      raise<config_error>(102, file.name(), ": it has motions for its captions, which would belong to others then");
+  }
   const StoredCaptions stored(captions);
-  stored.add_to(tensors, metadata);
-  write_safetensors(path, tensors, metadata);
+  stored.add_to(rest.tensors, rest.metadata);
+  write_safetensors(path, rest.tensors, rest.metadata);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -26549,6 +26784,169 @@ MOTIONLANG_BODY ModelSystem model_system(const FilePath& model) {
       std::any_of(fs::directory_iterator(folder), fs::directory_iterator(), is_weights))
     return {"stmc", true};
   return {read_model_folder(model).system, true};
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_MOTION_MEMORY_FILE_HPP  // <motionlang/weights/motion_memory_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_MOTION_MEMORY_FILE_HPP
+/// The motions that a model remembers, in the file of its weights (datasets/motion_memory.hpp).
+///
+/// load_stmc reads them with the weights, and write_motion_memory writes others.
+///
+/// Tensors  memory.poses (66, frames) I16: the rotation vectors of SMPL's first 22 joints, in 1e-4 rad (features have
+///          no rotations of the hands; times follow each other, so that the file packs well); memory.root (frames, 3)
+///          F32: metres, Y up; memory.ends (motions) I32: the frame behind each motion; memory.captions (pairs, 2) I16:
+///          the line of a caption and the place of its motion. A frame takes 144 bytes
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// True if the file has motions, or a part of them.
+bool remembers_motions(const SafetensorsFile& file);
+/// Null if the file has no motions.
+/// captions  those of the file (stored_known_captions); fps: of the model
+/// Throws    io_error 406, 407 for tensors that are missing, unknown or do not fit each other; config_error 107 for
+///           roots farther than 10 km away; what MotionMemory throws
+std::shared_ptr<const MotionMemory> stored_motion_memory(const SafetensorsFile& file, KnownCaptions captions,
+                                                         double fps);
+
+/// Writes the weights of a file to another file, or to the same, with this memory and its captions instead of its own.
+/// Lengths of bones become those of SMPL's mean body. Throws io_error 401, config_error 101 for a memory with more than
+/// 32,767 texts or motions, and 102 for motions with another frame rate than the model's.
+void write_motion_memory(const FilePath& from, const FilePath& to, const MotionMemory& memory);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_MOTION_MEMORY_FILE_IPP  // <motionlang/weights/motion_memory_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_MOTION_MEMORY_FILE_IPP
+// Bodies of motion_memory_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr double radians_per_step = 1e-4;  // of the stored rotation vectors
+inline constexpr std::size_t stored_rotations = 22, all_rotations = 24;
+
+}  // namespace detail
+
+MOTIONLANG_BODY bool remembers_motions(const SafetensorsFile& file) {
+  const auto& tensors = file.tensors();
+  return std::any_of(tensors.begin(), tensors.end(),
+                     [](const TensorView& t) { return t.name.starts_with(memory_tensors); });
+}
+
+MOTIONLANG_BODY std::shared_ptr<const MotionMemory> stored_motion_memory(const SafetensorsFile& file,
+                                                                         KnownCaptions captions, double fps) {
+  const std::string prefix = memory_tensors;
+  if (!remembers_motions(file)) return nullptr;
+  const TensorView &poses = file.tensor(prefix + "poses"), &root = file.tensor(prefix + "root"),
+                   &ends = file.tensor(prefix + "ends"), &of = file.tensor(prefix + "captions");
+  const auto require = [&](const TensorView& view, DType dtype, const FileShape& shape) {
+    if (view.dtype != dtype || view.shape != shape)
+      raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.dtype, " ", view.shape, ", not ", dtype,
+                      " ", shape);
+  };
+  const auto first_size = [](const TensorView& view) { return view.shape.rank() == 0 ? 0 : view.shape[0]; };
+  const Index frames = first_size(root);
+  require(poses, DType::I16, {3 * Index{detail::stored_rotations}, frames});
+  require(root, DType::F32, {frames, 3});
+  require(ends, DType::I32, {first_size(ends)});
+  require(of, DType::I16, {first_size(of), 2});
+  for (const TensorView& t : file.tensors()) {
+    if (t.name.starts_with(prefix) && t.name != poses.name && t.name != root.name && t.name != ends.name &&
+        t.name != of.name)
+      raise<io_error>(406, file.name(), ": tensor '", t.name, "' is unknown");
+  }
+  constexpr double farthest = 1e4;  // metres
+  for (const double x : values_of<double>(root)) {
+    if (!(std::abs(x) <= farthest))
+      raise<config_error>(107, file.name(), ": tensor '", root.name, "' has a ", x, "; -", farthest, " ... ", farthest,
+                          " are allowed");
+  }
+  const auto angles = values_of<std::int16_t>(poses);
+  const auto places = values_of<float>(root);
+  std::vector<Motion> motions;
+  std::size_t first = 0;
+  for (const std::int32_t end : values_of<std::int32_t>(ends)) {
+    if (end <= static_cast<Index>(first) || end > frames)
+      raise<io_error>(407, file.name(), ": tensor '", ends.name, "': a motion ends before frame ", end,
+                      " and begins with frame ", first, " of ", frames);
+    Motion& m = motions.emplace_back(Motion{smpl24_skeleton(), fps, {}, {}, {}});
+    for (; first < static_cast<std::size_t>(end); ++first) {
+      const float* p = places.data() + 3 * first;
+      m.root.push_back({p[0], p[1], p[2]});
+      for (std::size_t j = 0; j < detail::stored_rotations; ++j) {
+        const auto angle = [&](std::size_t i) {
+          return detail::radians_per_step * angles[(3 * j + i) * static_cast<std::size_t>(frames) + first];
+        };
+        m.local.push_back(to_quaternion(exp_so3(Vec3<double>{angle(0), angle(1), angle(2)})));
+      }
+      m.local.resize(m.root.size() * detail::all_rotations, Quaternion<double>::identity());
+    }
+  }
+  if (static_cast<Index>(first) != frames)
+    raise<io_error>(407, file.name(), ": tensor '", ends.name, "': the motions have ", counted(first, "frame"), ", '",
+                    poses.name, "' has ", frames);
+  std::vector<RememberedMotion> remembered;
+  const auto pairs = values_of<std::int16_t>(of);
+  for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) remembered.push_back({pairs[i], pairs[i + 1]});
+  return std::make_shared<const MotionMemory>(std::move(captions), std::move(motions), std::move(remembered),
+                                              file.name());
+}
+
+MOTIONLANG_BODY void write_motion_memory(const FilePath& from, const FilePath& to, const MotionMemory& memory) {
+  constexpr Index most = std::numeric_limits<std::int16_t>::max();
+  if (memory.captions().table().size() > most || std::ssize(memory.motions()) > most)
+    raise<config_error>(101, to.string(), ": ", counted(memory.motions().size(), "motion"), " and ",
+                        counted(memory.captions().table().size(), "text"), " to remember; ", most, " are possible");
+  std::vector<std::int16_t> of;
+  std::vector<float> root;
+  std::vector<std::int32_t> ends;
+  for (const Motion& m : memory.motions()) {
+    for (const auto& p : m.root) root.insert(root.end(), {float(p.x), float(p.y), float(p.z)});
+    ends.push_back(static_cast<std::int32_t>(root.size() / 3));
+  }
+  const std::size_t all = root.size() / 3;
+  std::vector<std::int16_t> poses(3 * detail::stored_rotations * all);
+  std::size_t frame = 0;
+  for (const Motion& m : memory.motions()) {
+    for (Index f = 0; f < m.frames(); ++f, ++frame) {
+      for (std::size_t j = 0; j < detail::stored_rotations; ++j) {
+        const auto v = log_so3(m.rotations(f)[j]);
+        for (std::size_t i = 0; const double x : {v.x, v.y, v.z})
+          poses[(3 * j + i++) * all + frame] = static_cast<std::int16_t>(std::lround(x / detail::radians_per_step));
+      }
+    }
+  }
+  for (const RememberedMotion& r : memory.remembered()) {
+    of.push_back(static_cast<std::int16_t>(r.caption));
+    of.push_back(static_cast<std::int16_t>(r.motion));
+  }
+  const auto file = SafetensorsFile::open(from);
+  if (!memory.motions().empty() && file.metadata().contains("fps")) {
+    const double own = memory.motions().front().fps;
+    if (const auto fps = detail::metadata_number<double>(file.metadata(), "fps", file.name()); fps != own)
+      raise<config_error>(102, file.name(), ": the model has ", fps, " frames per second, the motions to remember ",
+                          own);
+  }
+  const std::string prefix = memory_tensors;
+  detail::FileWithoutCaptions rest(file);
+  auto& tensors = rest.tensors;
+  std::erase_if(tensors, [&](const TensorView& t) { return t.name.starts_with(prefix); });
+  const StoredCaptions captions(memory.captions());
+  captions.add_to(tensors, rest.metadata);
+  if (!ends.empty()) {
+    const Index frames = std::ssize(root) / 3;
+    tensors.push_back(
+        tensor_view(prefix + "poses", {std::ssize(poses) / frames, frames}, std::span<const std::int16_t>(poses)));
+    tensors.push_back(tensor_view(prefix + "root", {frames, 3}, std::span<const float>(root)));
+    tensors.push_back(tensor_view(prefix + "ends", {std::ssize(ends)}, std::span<const std::int32_t>(ends)));
+    tensors.push_back(tensor_view(prefix + "captions", {std::ssize(of) / 2, 2}, std::span<const std::int16_t>(of)));
+  }
+  write_safetensors(to, tensors, rest.metadata);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -26703,7 +27101,8 @@ inline constexpr Index int8_matrix_least = 4096;  // numbers
 
 /// stored  element type to which floating-point tensors are rounded; none: unchanged. I8: matrices of at least
 ///         int8_matrix_least numbers become whole numbers of 8 bits (weights/int8_matrix.hpp), and the rest stays.
-///         Such matrices become floating-point numbers again with any other type
+///         Such matrices become floating-point numbers again with any other type. Tensors of captions and of
+///         remembered motions (`captions.*`, `memory.*`) keep their types
 /// Throws  io_error 401, and what write_safetensors, TensorStore::add and int8_matrix throw
 void write_safetensors_copy(const FilePath& path, const WeightFile& weights, std::optional<DType> stored = {});
 
@@ -26729,6 +27128,10 @@ MOTIONLANG_BODY void write_safetensors_copy(const FilePath& path, const WeightFi
   std::list<Int8Matrix> matrices;
   for (const TensorView& t : weights.tensors()) {
     const bool real = t.dtype >= DType::F16 && t.dtype <= DType::F64;
+    if (t.name.starts_with(caption_tensors) || t.name.starts_with(memory_tensors)) {
+      tensors.push_back(t);  // tables of the model, which have types of their own
+      continue;
+    }
     const TensorView* const scales = int8_scales_of(weights, t);
     const bool scaled = scales != nullptr || is_int8_scales(weights, t);
     if (scaled && stored && stored != DType::I8) {
@@ -26850,9 +27253,15 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{}, std::move(vectors));
   KeyReport report = load_module_partly(model, file, "", LoadFor::inference);
   std::erase_if(report.unexpected, [](const std::string& name) {
-    return name.starts_with(detail::vector_tensors) || name.starts_with(caption_tensors);
+    return name.starts_with(detail::vector_tensors) || name.starts_with(caption_tensors) ||
+           name.starts_with(memory_tensors);
   });
   if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);
+  if (remembers_motions(file)) {
+    const CaptionEncoder<B>& encoder = model.text_encoder;
+    model.memory =
+        stored_motion_memory(file, stored_known_captions(file, text_vectors(encoder), encoder.vectors), model.fps);
+  }
   return model;
 }
 /// The same from a file. Published models and folders: load_stmc(path, options) of weights/stmc_checkpoint.hpp.
@@ -27104,7 +27513,8 @@ StmcCheckpoint<B> load_stmc(const FilePath& path, const CheckpointOptions& optio
             .guidance = stmc.guidance,
             .sampling = stmc.sampling,
             .steps = stmc.steps,
-            .fps = stmc.fps};
+            .fps = stmc.fps,
+            .memory = std::move(stmc.memory)};
   };
   if (place.run) {
     PublishedStmc<B> stmc = load_diffusion_run<B>(*place.run, options);
@@ -27193,6 +27603,13 @@ template <Module M>
 RecordModel record_model(const M& model) {
   return {weights_checksum(model), weights_precision(model)};
 }
+/// The same with the motions that the model remembers.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+RecordModel record_model_of(const Stmc<B, D, E>& stmc) {
+  RecordModel out = record_model(stmc);
+  if (stmc.memory) out.checksum += stmc.memory->fingerprint();
+  return out;
+}
 /// Guidance and sampling are set in the options. The timelines go into the store.
 Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps, TensorStore& store);
 /// model   the one that the edit will use
@@ -27210,7 +27627,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   run.options.sampling = record.options.sampling.value_or(stmc.sampling);
   run.options.guidance = record.options.guidance.value_or(stmc.guidance);
   TensorStore store;
-  auto metadata = detail::record_metadata(run, detail::record_model(stmc), record.x0.size(), store);
+  auto metadata = detail::record_metadata(run, detail::record_model_of(stmc), record.x0.size(), store);
   detail::add_metadata(metadata, about, "record", path.string());
   std::vector<TensorView> views = store.views();
   for (std::size_t k = 0; k < record.x0.size(); ++k) {
@@ -27226,7 +27643,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
 /// 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
-  detail::RecordAbout run = detail::read_record(file, detail::record_model(stmc), stmc.diffusion.steps());
+  detail::RecordAbout run = detail::read_record(file, detail::record_model_of(stmc), stmc.diffusion.steps());
   const Shape shape{std::ssize(run.timelines) * run.rows, stmc.layout.size};
   StmcRecord<B> out{.timelines = std::move(run.timelines),
                     .rng = run.rng,
@@ -27316,6 +27733,7 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const RecordMod
       {"exact", run.exact ? "1" : "0"},
       {"overlap", text(o.overlap)},
       {"guidance", metadata_real_text(*o.guidance)},
+      {"recall", metadata_real_text(o.recall)},
       {"sampler", std::string(to_string(sampling.sampler))},
       {"eta", metadata_real_text(sampling.eta)},
       {"noise_scale", sampling.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
@@ -27362,6 +27780,9 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const Recor
                                              .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
+  if (m.contains("recall")) out.options.recall = real("recall");
+  if (const double recall = out.options.recall; !(recall >= 0 && recall <= 1))
+    raise<config_error>(101, name, ": metadata 'recall' = ", recall, " is not in 0 ... 1");
   const bool published = word("noise_scale") != "posterior_std";
   out.options.sampling->noise_scale = published ? NoiseScale::posterior_variance : NoiseScale::posterior_std;
   const Index timelines = metadata_size(m, "timelines", latest_time, name);

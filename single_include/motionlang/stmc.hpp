@@ -8130,6 +8130,7 @@ struct GenerateOptions {
   std::optional<SamplingOptions::Sampler> sampler{};  // the default is the model's
   std::optional<NoiseScale> noise_scale{};            // of ddpm; the default is the model's
   std::optional<double> guidance{};                   // weight of the text, 1: none; the default is the model's
+  std::optional<double> recall{};  // share of motions that the model remembers, 0 ... 1; the default is 0.9
   std::optional<double> fact{};    // scales the latent noise: 0 gives the mean motion; the default is 1
   StmcMode mode = StmcMode::stmc;  // or a baseline, which never cuts texts
   double overlap = 0.5;            // seconds that neighbouring texts share around a cut
@@ -8201,56 +8202,454 @@ struct PlanOptions {
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP  // <motionlang/diffusion/mdm_smpl.hpp>
-#define MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP
-/// MDM-SMPL: the denoiser of the STMC paper.
-
-#ifndef MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP  // <motionlang/diffusion/denoiser.hpp>
-#define MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP
-/// The concept of a denoising network, for samplers and for STMC.
-
-#ifndef MOTIONLANG_HAS_CORE_CONTEXT_HPP  // <motionlang/core/context.hpp>
-#define MOTIONLANG_HAS_CORE_CONTEXT_HPP
-/// Settings of a model call besides its inputs. By default they are empty, and no dropout runs.
-
-#ifndef MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP  // <motionlang/core/batch_sums.hpp>
-#define MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP
-/// Sums over the parts of a batch, for networks that normalise by the statistics of the whole batch.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The view that a part of a batch has of the others. Each part has its own object, in its Context.
-/// Models  the parts of train/meeting_parts.hpp
-class BatchSums {
- public:
-  virtual ~BatchSums() = default;
-  /// Replaces each number by its sum over all parts, whose bits do not depend on the number of processes. It waits for
-  /// the other parts, so all parts must call it equally often, with equally many numbers.
-  virtual void add(std::span<double> numbers) const = 0;
-  /// True for the one part of a process that changes what its parts share, such as running statistics.
-  virtual bool keeps_statistics() const = 0;
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
+#ifndef MOTIONLANG_HAS_COMPOSE_RECALLED_MOTIONS_HPP  // <motionlang/compose/recalled_motions.hpp>
+#define MOTIONLANG_HAS_COMPOSE_RECALLED_MOTIONS_HPP
+/// Remembered motions for the texts of a collage, which its clean estimates follow.
 ///
-///     model(x, t, text, {.dropout = rng.split("dropout").split(step)});
-struct Context {
-  std::optional<Philox> dropout{};
-  mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
-  bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
-  const BatchSums* sums = nullptr;  // of a part of a batch: batch norm takes the statistics of all parts
+/// A network that was trained on few gestures makes poses that are right and hardly move. A model may therefore
+/// remember some motions. In every step, the clean estimate of a crop whose text has one is drawn towards it:
+///
+///     x0 = (1 - recall) x0 + recall remembered
+///
+/// The frames of a crop before and after its text have the first and the last row, with its speed. Other crops are the
+/// network's, so it makes the passages between texts. Stitching combines the motion with the texts of other parts.
+///
+/// Source  ours; the idea is that of replacing known parts of a clean estimate (Lugmayr et al. 2022, "RePaint")
 
-  /// The generator of the next dropout mask. Only when `dropout` is set.
-  Philox next_mask() const { return dropout->split(drawn++); }
+#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_HPP  // <motionlang/compose/plan.hpp>
+#define MOTIONLANG_HAS_COMPOSE_PLAN_HPP
+/// From timelines to the integers of a composition: the crops to denoise, and the frames of each crop that are added to
+/// or subtracted from frames of the motion, for each body part. There are no tensors here.
+///
+/// Source     thesis 6.2.3; STMC (Petrovich et al. 2024); reference: nv-tlabs/stmc src/stmc.py process_timelines
+/// Notation   a, b -> start, end of an interval; T -> frames; O, l, r -> Overlap; x -> cut
+/// Property   For every body part and frame, additions minus subtractions = 1, however close the cuts are. This holds
+///            if extension and transition crops are both on or both off; see net_weights
+/// Differs    from the reference, if the options say so: gaps are filled with the unconditional text "" (the reference
+///            stops), and transitions at which no part changes can be left out
+
+#ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP  // <motionlang/compose/overlap.hpp>
+#define MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP
+/// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
+///
+/// Source   thesis 6.2.3, "Temporal stitching"; STMC (Petrovich et al. 2024) src/stmc.py
+/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap. The longer half is on
+///          the right
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A half-open range of frames.
+struct FrameRange {
+  Index start = 0, end = 0;
+  Index size() const { return end - start; }
+  bool operator==(const FrameRange&) const = default;
+};
+
+/// A total of O frames: l = O div 2 to the left of a cut, r = O - l to the right.
+struct Overlap {
+  Index left = 0, right = 0;
+
+  /// Throws config_error 101 if it is negative or beyond `latest_time`.
+  static Overlap of_frames(Index total);
+  static Overlap of_seconds(double total, double fps) { return of_frames(frame_at(total, fps)); }
+
+  /// [max(s - l, 0), min(e + r, frames))
+  FrameRange extend(FrameRange range, Index frames) const {
+    return {std::max<Index>(range.start - left, 0), std::min(range.end + right, frames)};
+  }
+  /// Around a cut x: [max(x - l, 0), min(x + r, frames)).
+  FrameRange window(Index cut, Index frames) const { return extend({cut, cut}, frames); }
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_IPP  // <motionlang/compose/overlap.ipp>
+#define MOTIONLANG_HAS_COMPOSE_OVERLAP_IPP
+// Bodies of overlap.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Overlap Overlap::of_frames(Index total) {
+  if (total < 0 || total > latest_time) raise<config_error>(101, "Overlap: ", total, " frames");
+  return {total / 2, total - total / 2};
+}
+
+MOTIONLANG_NAMESPACE_END
 #endif
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP  // <motionlang/compose/sinc_assignment.hpp>
+#define MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP
+/// Assigns each body part to one text while several texts are active.
+///
+/// Source   thesis 6.2.3, figure 6.4: the heuristic of SINC (thesis B.2.1) as STMC src/stmc.py applies it. Where papers
+///          and code differ (the base is a text with legs first, ties are random), this follows the code.
+/// Rule     1. The base is the text with the most body parts. It must have the part that carries the path (the legs of
+///             a human), unless no text has it. It gets all parts.
+///          2. The others take their parts from the present owners. They come by number of parts, the largest first, in
+///             file order among equals. So the text with fewer parts wins, and among equals the later one.
+/// Ties     between base texts: the first in the file, or random as published when a generator is given
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Number of the interval that owns each body part.
+using PartOwners = std::vector<Index>;
+
+/// A generator that can shuffle a list: PythonRandom (as published), NumpyRandom.
+template <class G>
+concept Shuffler = requires(G& g, std::span<Index> list) {
+  g.shuffle(list);
+};
+
+/// The library's rule for ties: keep the order of the file.
+struct FirstWins {
+  void shuffle(std::span<Index>) const {}
+};
+
+namespace detail {
+
+/// Among texts with the path (or all, if none has it), the one with the most parts. On a tie, the first after a
+/// shuffle. Shuffling a single text takes no random numbers.
+template <class T, Shuffler G>
+Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
+  const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts; };
+  std::vector<Index> candidates;
+  for (Index i : texts) {
+    if (parts(i).has(timeline.body.path())) candidates.push_back(i);
+  }
+  if (candidates.empty()) candidates.assign(texts.begin(), texts.end());
+  ties.shuffle(std::span<Index>(candidates));
+  Index base = candidates.front();
+  for (Index i : candidates) {
+    if (parts(i).count() > parts(base).count()) base = i;
+  }
+  return base;
+}
+
+}  // namespace detail
+
+/// Owners of all parts on a piece with at least one text. `texts` are numbers of intervals in file order.
+template <class T, Shuffler G>
+PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
+  const Index base = detail::base_text(timeline, texts, ties);
+  const int size = timeline.body.size();
+  PartOwners owners(static_cast<std::size_t>(size), base);
+  for (int count = size; count > 0; --count) {  // texts with many parts first, in file order among equals
+    for (Index i : texts) {
+      const BodyParts parts = timeline.intervals[static_cast<std::size_t>(i)].parts;
+      if (i == base || parts.count() != count) continue;
+      for (int p = 0; p < size; ++p) {
+        if (parts.has(static_cast<BodyPart>(p))) owners[static_cast<std::size_t>(p)] = i;
+      }
+    }
+  }
+  return owners;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A range of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
+/// numbers agree with the reference; they have no effect.
+struct Crop {
+  Index interval = 0;  // -1: a transition, with the unconditional text
+  FrameRange range;
+  bool is_transition() const { return interval < 0; }
+  bool operator==(const Crop&) const = default;
+};
+
+/// A part belongs to one text for a range of frames. Neighbours have different owners.
+struct PartInterval {
+  BodyPart part{};
+  Index owner = 0;
+  FrameRange range;
+  bool operator==(const PartInterval&) const = default;
+};
+
+/// The frames `from` of a crop become the frames `to` of the motion, for the features of one part.
+struct Slice {
+  BodyPart part{};
+  Index crop = 0;
+  FrameRange from, to;
+  bool operator==(const Slice&) const = default;
+};
+
+/// A window in which a part changes its owner, for interpolation instead of blending (the SINC+lerp baseline).
+struct LerpWindow {
+  BodyPart part{};
+  Index transition = 0;
+  FrameRange range;
+  bool operator==(const LerpWindow&) const = default;
+};
+
+/// Everything about one timeline. All lists are sorted by part, then by time.
+struct TimelinePlan {
+  Timeline timeline;                 // gaps filled
+  Index frames = 0;                  // T
+  std::vector<Piece> pieces;         // between cuts
+  std::vector<PartOwners> owners;    // on each piece
+  std::vector<PartInterval> merged;  // before extension
+  std::vector<Crop> crops;           // one for each interval, then the transitions by time
+  std::vector<Slice> add, subtract;
+  std::vector<LerpWindow> lerp;  // also without transition crops
+
+  /// "" for transitions.
+  std::string_view text(const Crop& crop) const {
+    if (crop.is_transition()) return {};
+    return timeline.intervals[static_cast<std::size_t>(crop.interval)].text;
+  }
+};
+
+/// Several timelines that are sampled together. The crops of timeline m have the numbers first_crop[m] ...
+/// first_crop[m + 1] - 1 in the batch; slices count crops from the first one of their timeline.
+struct BatchPlan {
+  std::vector<TimelinePlan> timelines;
+  std::vector<Index> first_crop{0};
+  Index frames = 0;  // of the longest timeline
+
+  Index crops() const { return first_crop.back(); }
+};
+
+namespace detail {
+
+/// Throws timeline_error 505 at a piece without a text.
+void require_text(const Piece& piece);
+
+/// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
+void check_crops(const TimelinePlan& plan, Index longest);
+
+/// A plan with its pieces, which have no owners yet. Throws timeline_error 503 ... 505, 507, config_error 101.
+TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options);
+
+/// Derives the plan from the owners of the pieces. Throws timeline_error 506, 508.
+void finish_plan(TimelinePlan& plan, const PlanOptions& options);
+
+}  // namespace detail
+
+/// The plan of one timeline. `ties` decides between equal base texts: FirstWins, or a generator (see PlanOptions and
+/// sinc_assignment.hpp).
+/// Throws     timeline_error 503 (parts of another body), 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long),
+///            config_error 101
+template <Shuffler G>
+TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options, G& ties) {
+  TimelinePlan plan = detail::pieces_of(std::move(timeline), options);
+  for (const Piece& piece : plan.pieces) {
+    detail::require_text(piece);
+    plan.owners.push_back(assign_parts(plan.timeline, piece.intervals, ties));
+  }
+  detail::finish_plan(plan, options);
+  return plan;
+}
+TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options = {});
+
+/// Puts plans into one batch.
+BatchPlan batch_plans(std::vector<TimelinePlan> plans);
+
+/// Plans of all timelines, in order, with one generator.
+template <Shuffler G>
+BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options, G& ties) {
+  std::vector<TimelinePlan> plans;
+  for (const Timeline& t : timelines) plans.push_back(plan_timeline(t, options, ties));
+  return batch_plans(std::move(plans));
+}
+BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options = {});
+
+/// Smallest and largest number of additions minus subtractions over all parts and frames. Both are 1 in a plan that
+/// extends and has transition crops, or does neither.
+struct NetWeights {
+  int smallest = 0, largest = 0;
+};
+NetWeights net_weights(const TimelinePlan& plan);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_IPP  // <motionlang/compose/plan.ipp>
+#define MOTIONLANG_HAS_COMPOSE_PLAN_IPP
+// Bodies of plan.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline std::string quoted(const Interval& i) { return concat_text("'", i.text, "' (", i.start, " to ", i.end, ")"); }
+
+/// " (line 3, column 1)", nothing if the interval was not read from a text.
+inline std::string place_of(const Interval& i) {
+  return i.place.line == 0 ? "" : concat_text(" (line ", i.place.line, ", column ", i.place.column, ")");
+}
+
+inline void check_timeline(const Timeline& timeline) {
+  if (timeline.intervals.empty()) raise<timeline_error>(507, "plan_timeline: no interval");
+  for (const Interval& i : timeline.intervals) {
+    if (i.start < 0 || i.end < i.start || i.end > latest_time) {
+      raise<timeline_error>(504, "plan_timeline: ", quoted(i), " is not a range of frames of the motion");
+    }
+    if ((i.parts.bits & ~timeline.body.all().bits) != 0) {
+      raise<timeline_error>(503, "plan_timeline: ", quoted(i), " moves other body parts than ", timeline.body);
+    }
+  }
+  if (timeline.end() == 0) raise<timeline_error>(504, "plan_timeline: the timeline has no frame");
+}
+
+MOTIONLANG_BODY void require_text(const Piece& piece) {
+  if (!piece.intervals.empty()) return;
+  raise<timeline_error>(505, "plan_timeline: no text covers frames ", piece.start, " to ", piece.end);
+}
+
+/// Joins neighbouring pieces of a part that have the same owner.
+inline void merge_pieces(TimelinePlan& plan) {
+  const auto parts = static_cast<std::size_t>(plan.timeline.body.size());
+  for (std::size_t p = 0; p < parts; ++p) {
+    for (std::size_t k = 0; k < plan.pieces.size(); ++k) {
+      const Piece& piece = plan.pieces[k];
+      const Index owner = plan.owners[k][p];
+      if (k > 0 && plan.owners[k - 1][p] == owner)
+        plan.merged.back().range.end = piece.end;
+      else
+        plan.merged.push_back({static_cast<BodyPart>(p), owner, {piece.start, piece.end}});
+    }
+  }
+}
+
+/// The cuts with a transition, ascending: all except the first and the last. At a cut where no part changes its owner,
+/// it throws timeline_error 506 or leaves the cut out.
+inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts hidden) {
+  std::vector<Index> cuts;
+  for (std::size_t k = 1; k < plan.pieces.size(); ++k) {
+    const Index cut = plan.pieces[k].start;
+    if (plan.owners[k] != plan.owners[k - 1]) {
+      cuts.push_back(cut);
+    } else if (hidden == HiddenTexts::refuse) {
+      for (const Interval& i : plan.timeline.intervals) {
+        if (i.start != cut && i.end != cut) continue;
+        raise<timeline_error>(506, "plan_timeline: ", quoted(i), " owns no body part at frame ", cut,
+                              ": other texts hide it; give it parts that no text with fewer parts takes", place_of(i));
+      }
+    }
+  }
+  return cuts;
+}
+
+MOTIONLANG_BODY void check_crops(const TimelinePlan& plan, Index longest) {
+  for (const Crop& c : plan.crops) {
+    if (longest == 0 || c.range.size() <= longest) continue;
+    raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", counted(c.range.size(), "frame"),
+                          " with its overlap; the denoiser accepts ", longest,
+                          c.is_transition() ? ""
+                                            : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
+                                                  ". Divide it into shorter ones");
+  }
+}
+
+inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
+                       const PlanOptions& options) {
+  for (std::size_t i = 0; i < plan.timeline.intervals.size(); ++i) {
+    const FrameRange range{plan.timeline.intervals[i].start, plan.timeline.intervals[i].end};
+    plan.crops.push_back({static_cast<Index>(i), options.extend ? overlap.extend(range, plan.frames) : range});
+  }
+  if (options.transition_crops) {
+    for (Index cut : cuts) plan.crops.push_back({-1, overlap.window(cut, plan.frames)});
+  }
+  check_crops(plan, options.longest_crop);
+}
+
+/// For each stretch of a part, its extended frames are added from the crop of its owner. At its start, the window of
+/// the transition, which both neighbours have added, is subtracted once.
+inline void make_slices(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
+                        const PlanOptions& options) {
+  const auto texts = static_cast<Index>(plan.timeline.intervals.size());
+  for (const PartInterval& m : plan.merged) {
+    const FrameRange to = options.extend ? overlap.extend(m.range, plan.frames) : m.range;
+    const Index begin = plan.crops[static_cast<std::size_t>(m.owner)].range.start;
+    plan.add.push_back({m.part, m.owner, {to.start - begin, to.end - begin}, to});
+
+    const auto cut = std::lower_bound(cuts.begin(), cuts.end(), m.range.start);
+    if (cut == cuts.end() || *cut != m.range.start) continue;  // the beginning
+    const Index transition = cut - cuts.begin();
+    const FrameRange window = overlap.window(*cut, plan.frames);
+    plan.lerp.push_back({m.part, transition, window});
+    if (options.transition_crops) plan.subtract.push_back({m.part, texts + transition, {0, window.size()}, window});
+  }
+}
+
+MOTIONLANG_BODY TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options) {
+  check_timeline(timeline);
+  Overlap::of_frames(options.overlap);
+  TimelinePlan plan;
+  if (options.gaps == Gaps::fill) fill_gaps(timeline);
+  plan.timeline = std::move(timeline);
+  plan.frames = plan.timeline.end();
+  plan.pieces = elementary_pieces(plan.timeline);
+  const Index first = plan.pieces.empty() ? plan.frames : plan.pieces.front().start;
+  if (first > 0) raise<timeline_error>(505, "plan_timeline: no text covers frames 0 to ", first);
+  return plan;
+}
+
+MOTIONLANG_BODY void finish_plan(TimelinePlan& plan, const PlanOptions& options) {
+  const Overlap overlap = Overlap::of_frames(options.overlap);
+  merge_pieces(plan);
+  const std::vector<Index> cuts = transition_cuts(plan, options.hidden);
+  make_crops(plan, cuts, overlap, options);
+  make_slices(plan, cuts, overlap, options);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options) {
+  FirstWins ties;
+  return plan_timeline(std::move(timeline), options, ties);
+}
+
+MOTIONLANG_BODY BatchPlan batch_plans(std::vector<TimelinePlan> plans) {
+  BatchPlan batch;
+  batch.timelines = std::move(plans);
+  for (const TimelinePlan& plan : batch.timelines) {
+    batch.first_crop.push_back(batch.first_crop.back() + std::ssize(plan.crops));
+    batch.frames = std::max(batch.frames, plan.frames);
+  }
+  return batch;
+}
+
+MOTIONLANG_BODY BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options) {
+  FirstWins ties;
+  return plan_timelines(timelines, options, ties);
+}
+
+MOTIONLANG_BODY NetWeights net_weights(const TimelinePlan& plan) {
+  NetWeights net{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
+  for (int p = 0; p < plan.timeline.body.size(); ++p) {
+    std::vector<std::pair<Index, int>> steps{{0, 0}, {plan.frames, 0}};  // frame, change of the weight
+    const auto count = [&](const std::vector<Slice>& slices, int weight) {
+      for (const Slice& s : slices) {
+        if (s.part != static_cast<BodyPart>(p)) continue;
+        steps.emplace_back(s.to.start, weight), steps.emplace_back(s.to.end, -weight);
+      }
+    };
+    count(plan.add, 1), count(plan.subtract, -1);
+    detail::sort(steps, [](const auto& a, const auto& b) { return a < b; });
+    int weight = 0;
+    for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
+      weight += steps[i].second;
+      if (steps[i].first == steps[i + 1].first) continue;
+      net = {std::min(net.smallest, weight), std::max(net.largest, weight)};
+    }
+  }
+  return net;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
+#define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
+/// Converts features to zero mean and unit deviation, and back.
+
+#ifndef MOTIONLANG_HAS_TENSOR_MODULE_HPP  // <motionlang/tensor/module.hpp>
+#define MOTIONLANG_HAS_TENSOR_MODULE_HPP
+/// Operations of every module that lists its fields: visit tensors, count parameters, move to another backend.
 
 #ifndef MOTIONLANG_HAS_CORE_FIELDS_HPP  // <motionlang/core/fields.hpp>
 #define MOTIONLANG_HAS_CORE_FIELDS_HPP
@@ -8476,6 +8875,446 @@ Index count_leaves(const M& module) {
   visit(module, [&](const std::string&, const auto&) { ++n; });
   return n;
 }
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Statistics and tables (`static constexpr bool trainable = false`) are saved and loaded, but get no gradient.
+template <class M>
+inline constexpr bool is_trainable = [] {
+  if constexpr (requires { M::trainable; })
+    return M::trainable;
+  else
+    return true;
+}();
+
+/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and types that say
+/// so (`static constexpr bool is_option = true`, or a specialisation of this variable), such as sizes and computed
+/// tables. Other types need fields() of their own. Without them their tensors would be skipped, so this is a compile
+/// error.
+template <class T>
+inline constexpr bool is_option = [] {
+  if constexpr (requires { T::is_option; })
+    return static_cast<bool>(T::is_option);
+  else
+    return std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
+}();
+
+/// A tensor of a module, of any rank: its path, and its data to read or replace. (In a const module it is const.)
+template <Backend B, class Data = typename B::tensor>
+struct ModuleTensor {
+  std::string path;
+  int rank = 0;
+  void* tensor = nullptr;  // Tensor<B, rank>
+  Data* data = nullptr;
+  bool trainable = true;  // is_trainable of the module that lists it
+
+  Shape shape() const { return B::shape(*data); }
+  /// The values, row-major.
+  std::span<const typename B::scalar> span() const { return B::to_span(*data); }
+};
+
+namespace detail {
+
+/// The common properties of the tensors below a type: their backend (void: there are none), and their ranks, one bit
+/// for each.
+template <class T>
+struct TensorsBelow {
+  static_assert(is_option<T>,
+                "motionlang: fields() of a module lists a member whose type has no fields(). Write `static constexpr "
+                "auto fields()` in that type (core/fields.hpp), or `static constexpr bool is_option = true` if it has "
+                "nothing to save or train");
+  using backend = void;
+  static constexpr unsigned ranks = 0;
+};
+template <>
+struct TensorsBelow<NoFields> {
+  using backend = void;
+  static constexpr unsigned ranks = 0;
+};
+template <class B, int R>
+struct TensorsBelow<Tensor<B, R>> {
+  using backend = B;
+  static constexpr unsigned ranks = 1U << R;
+};
+template <class T>
+struct TensorsBelow<std::vector<T>> : TensorsBelow<T> {};
+template <class T>
+struct TensorsBelow<std::optional<T>> : TensorsBelow<T> {};
+template <class M, class T, class Rest>
+struct TensorsBelow<FieldList<Field<M, T>, Rest>> {
+  using first = TensorsBelow<T>;
+  using others = TensorsBelow<Rest>;
+  using backend = std::conditional_t<first::ranks != 0, typename first::backend, typename others::backend>;
+  static constexpr unsigned ranks = first::ranks | others::ranks;
+};
+template <Module M>
+struct TensorsBelow<M> : TensorsBelow<decltype(M::fields())> {};
+
+/// Lists tensors. It is one function for every type of module and every use of the tensors. Models are large, and
+/// otherwise each of their modules would be compiled again for every use.
+template <Backend B>
+class TensorLister {
+ public:
+  template <Module M>
+  void list(M& module) {
+    check_names<M>();
+    const bool outer = std::exchange(trainable_, is_trainable<M>);
+    list_fields(M::fields(), module);
+    trainable_ = outer;
+  }
+  std::vector<ModuleTensor<B>> tensors;
+
+ private:
+  template <class Fields, class M>
+  [[gnu::always_inline]] void list_fields(const Fields& fields, M& module) {
+    if constexpr (!std::is_same_v<Fields, NoFields>) {
+      list_member(fields.first.name, module.*(fields.first.member));
+      list_fields(fields.rest, module);
+    }
+  }
+  template <class T>
+  [[gnu::always_inline]] void list_member(const char* name, T& member) {
+    if constexpr (TensorsBelow<T>::ranks != 0) {
+      const std::size_t length = open(name);
+      if constexpr (is_tensor<T>) {
+        add(T::rank, &member, member.mutable_data());
+      } else if constexpr (is_vector<T>) {
+        for (std::size_t i = 0; i < member.size(); ++i) list_member(std::to_string(i).c_str(), member[i]);
+      } else if constexpr (is_optional<T>) {
+        if (member) list_member("", *member);
+      } else {
+        list(member);
+      }
+      path_.resize(length);
+    }
+  }
+  std::size_t open(std::string_view name) {
+    const std::size_t length = path_.size();
+    if (length != 0 && !name.empty()) path_ += '.';
+    path_ += name;
+    return length;
+  }
+  void add(int rank, void* tensor, typename B::tensor& data) {
+    tensors.push_back({path_, rank, tensor, &data, trainable_});
+  }
+
+  std::string path_;
+  bool trainable_ = true;
+};
+
+/// Calls f(path, tensor) with the tensor's rank as a type.
+template <class M, unsigned ranks, Backend B, class F, int R = 0>
+void with_rank(const ModuleTensor<B>& t, F& f) {
+  if constexpr ((ranks >> R & 1) != 0) {
+    using T = std::conditional_t<std::is_const_v<M>, const Tensor<B, R>, Tensor<B, R>>;
+    if (t.rank == R) return f(t.path, *static_cast<T*>(t.tensor));
+  }
+  if constexpr (ranks >> R > 1) with_rank<M, ranks, B, F, R + 1>(t, f);
+}
+
+}  // namespace detail
+
+/// The backend of a module's tensors.
+template <Module M>
+using module_backend = typename detail::TensorsBelow<M>::backend;
+
+/// All tensors of a module in the order of its fields; other fields (sizes, options) are skipped.
+template <Module M>
+std::vector<ModuleTensor<module_backend<M>>> tensors_of(M& module) {
+  detail::TensorLister<module_backend<M>> lister;
+  lister.list(module);
+  return std::move(lister.tensors);
+}
+template <Module M>
+auto tensors_of(const M& module) {
+  using B = module_backend<M>;
+  std::vector<ModuleTensor<B, const typename B::tensor>> out;
+  for (auto& t : tensors_of(const_cast<M&>(module)))
+    out.push_back({std::move(t.path), t.rank, t.tensor, t.data, t.trainable});
+  return out;
+}
+
+/// Calls f(path, tensor) for all tensors of a module.
+template <class M, class F>
+requires Module<std::remove_const_t<M>>
+void visit_tensors(M& module, F f) {
+  using Plain = std::remove_const_t<M>;
+  if constexpr (constexpr unsigned ranks = detail::TensorsBelow<Plain>::ranks; ranks != 0) {
+    for (const auto& t : tensors_of(const_cast<Plain&>(module))) detail::with_rank<M, ranks>(t, f);
+  }
+}
+
+/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, possibly over
+/// different backends. Throws shape_error 204 if the structures differ.
+template <class M, class N, class F>
+void zip_tensors(M& a, N& b, F f) {
+  const auto first = tensors_of(a);
+  const auto second = tensors_of(b);
+  if (first.size() != second.size())
+    raise<shape_error>(204, "zip_tensors: ", Index(first.size()), " and ", Index(second.size()), " tensors");
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    if (first[i].path != second[i].path)
+      raise<shape_error>(204, "zip_tensors: '", first[i].path, "' beside '", second[i].path, "'");
+    f(first[i], second[i]);
+  }
+}
+
+/// The number of values in all tensors of a module.
+template <Module M>
+Index parameter_count(const M& module) {
+  Index n = 0;
+  for (const auto& t : tensors_of(module)) n += t.shape().count();
+  return n;
+}
+
+namespace detail {
+
+template <class To, class From>
+void convert_module(To& to, const From& from);
+
+template <bool trainable, class To, class From>
+void convert_member(To& to, const From& from) {
+  if constexpr (is_tensor<To>) {
+    using B = typename To::backend;
+    const std::vector<typename B::scalar> values(from.span().begin(), from.span().end());
+    to = To::from(values, from.shape());
+    if constexpr (AutodiffBackend<B> && trainable) to = To(B::variable(B::value(to.data())));
+  } else if constexpr (Module<To>) {
+    convert_module(to, from);
+  } else if constexpr (is_vector<To>) {
+    to.resize(from.size());
+    for (std::size_t i = 0; i < from.size(); ++i) convert_member<trainable>(to[i], from[i]);
+  } else if constexpr (is_optional<To>) {
+    to.reset();
+    if (from) convert_member<trainable>(to.emplace(), *from);
+  } else if constexpr (std::is_same_v<To, From>) {
+    to = from;
+  } else {
+    to = To(from);  // computed tables, not stored
+  }
+}
+
+template <class To, class From>
+void convert_module(To& to, const From& from) {
+  auto member = [](const char*, auto& t, const auto& f) { convert_member<is_trainable<To>>(t, f); };
+  each_field(member, walk(to), walk(from));
+}
+
+}  // namespace detail
+
+/// The same model over another backend, with copies of all values. On an Autodiff backend every trainable tensor
+/// becomes a variable.
+template <Backend To, template <class> class M, class From>
+M<To> convert(const M<From>& model) {
+  M<To> out;
+  detail::convert_module(out, model);
+  return out;
+}
+/// The model without a tape, after training.
+template <template <class> class M, AutodiffBackend A>
+M<typename A::inner> to_inner(const M<A>& model) {
+  return convert<typename A::inner>(model);
+}
+
+namespace detail {
+
+/// True for the ranks of matrices and of a convolution's weight: (out, in, taps), (out, in, taps, 1).
+template <class B>
+bool has_panels(int rank) {
+  return PackingBackend<B> && rank >= 2 && rank <= 4;
+}
+
+/// Packs a weight; returns true if all its values are finite.
+template <PackingBackend B>
+bool pack_weight(const typename B::tensor& weight, Precision precision = product_precision()) {
+  const Shape shape = B::shape(weight);
+  if (shape.rank() < 4) return B::prepare(weight, precision);
+  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}), precision);
+}
+
+template <Module M>
+void prepare_in(M& model, Precision precision) {
+  using B = module_backend<M>;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (has_panels<B>(t.rank)) pack_weight<B>(*t.data, precision);
+    }
+  }
+}
+
+}  // namespace detail
+
+/// Prepares a model for inference: packs the weights of linear layers and convolutions for the backend's kernels (and
+/// other tensors with two to four axes). It uses the precision of the process; backend/precision.hpp offers others. The
+/// model must not change afterwards. Does nothing on backends without such a layout.
+template <Module M>
+void prepare(M& model) {
+  detail::prepare_in(model, product_precision());
+}
+
+/// The precision of products with the first weight of a model.
+template <Module M>
+Precision precision_of(const M& model) {
+  using B = module_backend<M>;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (detail::has_panels<B>(t.rank)) return B::precision_of(*t.data);
+    }
+  }
+  return product_precision();
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
+/// Statistics are saved with a model but not trained. eps matters only if std is 0.
+template <Backend B>
+struct Normalizer {
+  static constexpr bool trainable = false;
+  Tensor<B, 1> mean, std;  // (features)
+  double eps = 1e-12;
+
+  static constexpr auto fields() {
+    return motionlang::fields("mean", &Normalizer::mean, "std", &Normalizer::std, "eps", &Normalizer::eps);
+  }
+  /// Statistics that change nothing.
+  static Normalizer identity(Index features) {
+    return {Tensor<B, 1>::zeros({features}), Tensor<B, 1>::full({features}, 1)};
+  }
+
+  template <int R>
+  Tensor<B, R> normalize(const Tensor<B, R>& x) const {
+    return (x - mean) / (std + eps);
+  }
+  template <int R>
+  Tensor<B, R> denormalize(const Tensor<B, R>& x) const {
+    return x * (std + eps) + mean;
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Finds motions for texts. datasets/motion_memory.hpp has one; any other may be written.
+class MotionRecall {
+ public:
+  MotionRecall() = default;
+  MotionRecall(const MotionRecall&) = delete;
+  MotionRecall& operator=(const MotionRecall&) = delete;
+  virtual ~MotionRecall() = default;
+
+  /// The features of a motion for the text, (frames, features), not normalised. Nothing if no motion is known.
+  /// choice  in 0 ... 1: chooses one, if there are several. The same arguments give the same motion
+  virtual std::vector<double> features(const std::string& text, Index frames, double choice) const = 0;
+  /// Digits that change with any motion or text.
+  virtual std::string fingerprint() const = 0;
+};
+
+/// The share of the remembered motion that is usual.
+inline constexpr double usual_recall = 0.9;
+
+/// A remembered motion in a crop of a batch.
+template <Backend B>
+struct RecalledMotion {
+  Index crop = 0;       // in the batch
+  Tensor<B, 2> rows{};  // (frames of the crop, features), normalised
+};
+
+/// The motions for all texts of a plan. The first value of a timeline's noise chooses among several, so the same noise
+/// gives the same motion, alone and in a batch.
+/// noise  the initial one, (timelines * stride, features)
+template <Backend B>
+std::vector<RecalledMotion<B>> recalled_motions(const MotionRecall& memory, const BatchPlan& plan,
+                                                const Tensor<B, 2>& noise, Index stride,
+                                                const Normalizer<B>& normalizer) {
+  using S = typename B::scalar;
+  std::vector<RecalledMotion<B>> out;
+  const Index width = noise.size(1);
+  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+    const TimelinePlan& p = plan.timelines[m];
+    const auto z = noise.span()[m * static_cast<std::size_t>(stride * width)];
+    const double choice = std::erfc(-static_cast<double>(z) / std::sqrt(2.0)) / 2;  // uniform in 0 ... 1
+    for (std::size_t c = 0; c < p.crops.size(); ++c) {
+      const Crop& crop = p.crops[c];
+      if (crop.is_transition() || crop.range.size() == 0) continue;
+      const Interval& text = p.timeline.intervals[static_cast<std::size_t>(crop.interval)];
+      const Index frames = text.end - text.start;
+      const std::vector<double> values = memory.features(text.text, frames, choice);
+      if (values.empty()) continue;
+      if (std::ssize(values) != frames * width)
+        raise<shape_error>(205, "recalled_motions: ", values.size(), " values for '", text.text, "', ",
+                           counted(frames, "frame"), " of ", counted(width, "feature"), " have ", frames * width);
+      std::vector<S> rows;
+      rows.reserve(static_cast<std::size_t>(crop.range.size() * width));
+      for (Index f = crop.range.start; f < crop.range.end; ++f) {
+        const auto* from = values.data() + std::clamp(f - text.start, Index{0}, frames - 1) * width;
+        rows.insert(rows.end(), from, from + width);
+      }
+      out.push_back({.crop = plan.first_crop[m] + static_cast<Index>(c),
+                     .rows = normalizer.normalize(Tensor<B, 2>::from(rows, {crop.range.size(), width}))});
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP  // <motionlang/diffusion/mdm_smpl.hpp>
+#define MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP
+/// MDM-SMPL: the denoiser of the STMC paper.
+
+#ifndef MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP  // <motionlang/diffusion/denoiser.hpp>
+#define MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP
+/// The concept of a denoising network, for samplers and for STMC.
+
+#ifndef MOTIONLANG_HAS_CORE_CONTEXT_HPP  // <motionlang/core/context.hpp>
+#define MOTIONLANG_HAS_CORE_CONTEXT_HPP
+/// Settings of a model call besides its inputs. By default they are empty, and no dropout runs.
+
+#ifndef MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP  // <motionlang/core/batch_sums.hpp>
+#define MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP
+/// Sums over the parts of a batch, for networks that normalise by the statistics of the whole batch.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The view that a part of a batch has of the others. Each part has its own object, in its Context.
+/// Models  the parts of train/meeting_parts.hpp
+class BatchSums {
+ public:
+  virtual ~BatchSums() = default;
+  /// Replaces each number by its sum over all parts, whose bits do not depend on the number of processes. It waits for
+  /// the other parts, so all parts must call it equally often, with equally many numbers.
+  virtual void add(std::span<double> numbers) const = 0;
+  /// True for the one part of a process that changes what its parts share, such as running statistics.
+  virtual bool keeps_statistics() const = 0;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
+///
+///     model(x, t, text, {.dropout = rng.split("dropout").split(step)});
+struct Context {
+  std::optional<Philox> dropout{};
+  mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
+  bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
+  const BatchSums* sums = nullptr;  // of a part of a batch: batch norm takes the statistics of all parts
+
+  /// The generator of the next dropout mask. Only when `dropout` is set.
+  Philox next_mask() const { return dropout->split(drawn++); }
+};
 
 MOTIONLANG_NAMESPACE_END
 #endif
@@ -8829,301 +9668,6 @@ MOTIONLANG_BODY void ParameterRoom::take_numbers(const Shape& shape) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
-#endif
-
-#ifndef MOTIONLANG_HAS_TENSOR_MODULE_HPP  // <motionlang/tensor/module.hpp>
-#define MOTIONLANG_HAS_TENSOR_MODULE_HPP
-/// Operations of every module that lists its fields: visit tensors, count parameters, move to another backend.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Statistics and tables (`static constexpr bool trainable = false`) are saved and loaded, but get no gradient.
-template <class M>
-inline constexpr bool is_trainable = [] {
-  if constexpr (requires { M::trainable; })
-    return M::trainable;
-  else
-    return true;
-}();
-
-/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and types that say
-/// so (`static constexpr bool is_option = true`, or a specialisation of this variable), such as sizes and computed
-/// tables. Other types need fields() of their own. Without them their tensors would be skipped, so this is a compile
-/// error.
-template <class T>
-inline constexpr bool is_option = [] {
-  if constexpr (requires { T::is_option; })
-    return static_cast<bool>(T::is_option);
-  else
-    return std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
-}();
-
-/// A tensor of a module, of any rank: its path, and its data to read or replace. (In a const module it is const.)
-template <Backend B, class Data = typename B::tensor>
-struct ModuleTensor {
-  std::string path;
-  int rank = 0;
-  void* tensor = nullptr;  // Tensor<B, rank>
-  Data* data = nullptr;
-  bool trainable = true;  // is_trainable of the module that lists it
-
-  Shape shape() const { return B::shape(*data); }
-  /// The values, row-major.
-  std::span<const typename B::scalar> span() const { return B::to_span(*data); }
-};
-
-namespace detail {
-
-/// The common properties of the tensors below a type: their backend (void: there are none), and their ranks, one bit
-/// for each.
-template <class T>
-struct TensorsBelow {
-  static_assert(is_option<T>,
-                "motionlang: fields() of a module lists a member whose type has no fields(). Write `static constexpr "
-                "auto fields()` in that type (core/fields.hpp), or `static constexpr bool is_option = true` if it has "
-                "nothing to save or train");
-  using backend = void;
-  static constexpr unsigned ranks = 0;
-};
-template <>
-struct TensorsBelow<NoFields> {
-  using backend = void;
-  static constexpr unsigned ranks = 0;
-};
-template <class B, int R>
-struct TensorsBelow<Tensor<B, R>> {
-  using backend = B;
-  static constexpr unsigned ranks = 1U << R;
-};
-template <class T>
-struct TensorsBelow<std::vector<T>> : TensorsBelow<T> {};
-template <class T>
-struct TensorsBelow<std::optional<T>> : TensorsBelow<T> {};
-template <class M, class T, class Rest>
-struct TensorsBelow<FieldList<Field<M, T>, Rest>> {
-  using first = TensorsBelow<T>;
-  using others = TensorsBelow<Rest>;
-  using backend = std::conditional_t<first::ranks != 0, typename first::backend, typename others::backend>;
-  static constexpr unsigned ranks = first::ranks | others::ranks;
-};
-template <Module M>
-struct TensorsBelow<M> : TensorsBelow<decltype(M::fields())> {};
-
-/// Lists tensors. It is one function for every type of module and every use of the tensors. Models are large, and
-/// otherwise each of their modules would be compiled again for every use.
-template <Backend B>
-class TensorLister {
- public:
-  template <Module M>
-  void list(M& module) {
-    check_names<M>();
-    const bool outer = std::exchange(trainable_, is_trainable<M>);
-    list_fields(M::fields(), module);
-    trainable_ = outer;
-  }
-  std::vector<ModuleTensor<B>> tensors;
-
- private:
-  template <class Fields, class M>
-  [[gnu::always_inline]] void list_fields(const Fields& fields, M& module) {
-    if constexpr (!std::is_same_v<Fields, NoFields>) {
-      list_member(fields.first.name, module.*(fields.first.member));
-      list_fields(fields.rest, module);
-    }
-  }
-  template <class T>
-  [[gnu::always_inline]] void list_member(const char* name, T& member) {
-    if constexpr (TensorsBelow<T>::ranks != 0) {
-      const std::size_t length = open(name);
-      if constexpr (is_tensor<T>) {
-        add(T::rank, &member, member.mutable_data());
-      } else if constexpr (is_vector<T>) {
-        for (std::size_t i = 0; i < member.size(); ++i) list_member(std::to_string(i).c_str(), member[i]);
-      } else if constexpr (is_optional<T>) {
-        if (member) list_member("", *member);
-      } else {
-        list(member);
-      }
-      path_.resize(length);
-    }
-  }
-  std::size_t open(std::string_view name) {
-    const std::size_t length = path_.size();
-    if (length != 0 && !name.empty()) path_ += '.';
-    path_ += name;
-    return length;
-  }
-  void add(int rank, void* tensor, typename B::tensor& data) {
-    tensors.push_back({path_, rank, tensor, &data, trainable_});
-  }
-
-  std::string path_;
-  bool trainable_ = true;
-};
-
-/// Calls f(path, tensor) with the tensor's rank as a type.
-template <class M, unsigned ranks, Backend B, class F, int R = 0>
-void with_rank(const ModuleTensor<B>& t, F& f) {
-  if constexpr ((ranks >> R & 1) != 0) {
-    using T = std::conditional_t<std::is_const_v<M>, const Tensor<B, R>, Tensor<B, R>>;
-    if (t.rank == R) return f(t.path, *static_cast<T*>(t.tensor));
-  }
-  if constexpr (ranks >> R > 1) with_rank<M, ranks, B, F, R + 1>(t, f);
-}
-
-}  // namespace detail
-
-/// The backend of a module's tensors.
-template <Module M>
-using module_backend = typename detail::TensorsBelow<M>::backend;
-
-/// All tensors of a module in the order of its fields; other fields (sizes, options) are skipped.
-template <Module M>
-std::vector<ModuleTensor<module_backend<M>>> tensors_of(M& module) {
-  detail::TensorLister<module_backend<M>> lister;
-  lister.list(module);
-  return std::move(lister.tensors);
-}
-template <Module M>
-auto tensors_of(const M& module) {
-  using B = module_backend<M>;
-  std::vector<ModuleTensor<B, const typename B::tensor>> out;
-  for (auto& t : tensors_of(const_cast<M&>(module)))
-    out.push_back({std::move(t.path), t.rank, t.tensor, t.data, t.trainable});
-  return out;
-}
-
-/// Calls f(path, tensor) for all tensors of a module.
-template <class M, class F>
-requires Module<std::remove_const_t<M>>
-void visit_tensors(M& module, F f) {
-  using Plain = std::remove_const_t<M>;
-  if constexpr (constexpr unsigned ranks = detail::TensorsBelow<Plain>::ranks; ranks != 0) {
-    for (const auto& t : tensors_of(const_cast<Plain&>(module))) detail::with_rank<M, ranks>(t, f);
-  }
-}
-
-/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, possibly over
-/// different backends. Throws shape_error 204 if the structures differ.
-template <class M, class N, class F>
-void zip_tensors(M& a, N& b, F f) {
-  const auto first = tensors_of(a);
-  const auto second = tensors_of(b);
-  if (first.size() != second.size())
-    raise<shape_error>(204, "zip_tensors: ", Index(first.size()), " and ", Index(second.size()), " tensors");
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    if (first[i].path != second[i].path)
-      raise<shape_error>(204, "zip_tensors: '", first[i].path, "' beside '", second[i].path, "'");
-    f(first[i], second[i]);
-  }
-}
-
-/// The number of values in all tensors of a module.
-template <Module M>
-Index parameter_count(const M& module) {
-  Index n = 0;
-  for (const auto& t : tensors_of(module)) n += t.shape().count();
-  return n;
-}
-
-namespace detail {
-
-template <class To, class From>
-void convert_module(To& to, const From& from);
-
-template <bool trainable, class To, class From>
-void convert_member(To& to, const From& from) {
-  if constexpr (is_tensor<To>) {
-    using B = typename To::backend;
-    const std::vector<typename B::scalar> values(from.span().begin(), from.span().end());
-    to = To::from(values, from.shape());
-    if constexpr (AutodiffBackend<B> && trainable) to = To(B::variable(B::value(to.data())));
-  } else if constexpr (Module<To>) {
-    convert_module(to, from);
-  } else if constexpr (is_vector<To>) {
-    to.resize(from.size());
-    for (std::size_t i = 0; i < from.size(); ++i) convert_member<trainable>(to[i], from[i]);
-  } else if constexpr (is_optional<To>) {
-    to.reset();
-    if (from) convert_member<trainable>(to.emplace(), *from);
-  } else if constexpr (std::is_same_v<To, From>) {
-    to = from;
-  } else {
-    to = To(from);  // computed tables, not stored
-  }
-}
-
-template <class To, class From>
-void convert_module(To& to, const From& from) {
-  auto member = [](const char*, auto& t, const auto& f) { convert_member<is_trainable<To>>(t, f); };
-  each_field(member, walk(to), walk(from));
-}
-
-}  // namespace detail
-
-/// The same model over another backend, with copies of all values. On an Autodiff backend every trainable tensor
-/// becomes a variable.
-template <Backend To, template <class> class M, class From>
-M<To> convert(const M<From>& model) {
-  M<To> out;
-  detail::convert_module(out, model);
-  return out;
-}
-/// The model without a tape, after training.
-template <template <class> class M, AutodiffBackend A>
-M<typename A::inner> to_inner(const M<A>& model) {
-  return convert<typename A::inner>(model);
-}
-
-namespace detail {
-
-/// True for the ranks of matrices and of a convolution's weight: (out, in, taps), (out, in, taps, 1).
-template <class B>
-bool has_panels(int rank) {
-  return PackingBackend<B> && rank >= 2 && rank <= 4;
-}
-
-/// Packs a weight; returns true if all its values are finite.
-template <PackingBackend B>
-bool pack_weight(const typename B::tensor& weight, Precision precision = product_precision()) {
-  const Shape shape = B::shape(weight);
-  if (shape.rank() < 4) return B::prepare(weight, precision);
-  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}), precision);
-}
-
-template <Module M>
-void prepare_in(M& model, Precision precision) {
-  using B = module_backend<M>;
-  if constexpr (PackingBackend<B>) {
-    for (const auto& t : tensors_of(model)) {
-      if (has_panels<B>(t.rank)) pack_weight<B>(*t.data, precision);
-    }
-  }
-}
-
-}  // namespace detail
-
-/// Prepares a model for inference: packs the weights of linear layers and convolutions for the backend's kernels (and
-/// other tensors with two to four axes). It uses the precision of the process; backend/precision.hpp offers others. The
-/// model must not change afterwards. Does nothing on backends without such a layout.
-template <Module M>
-void prepare(M& model) {
-  detail::prepare_in(model, product_precision());
-}
-
-/// The precision of products with the first weight of a model.
-template <Module M>
-Precision precision_of(const M& model) {
-  using B = module_backend<M>;
-  if constexpr (PackingBackend<B>) {
-    for (const auto& t : tensors_of(model)) {
-      if (detail::has_panels<B>(t.rank)) return B::precision_of(*t.data);
-    }
-  }
-  return product_precision();
-}
-
-MOTIONLANG_NAMESPACE_END
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -10153,41 +10697,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
-#define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
-/// Converts features to zero mean and unit deviation, and back.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
-/// Statistics are saved with a model but not trained. eps matters only if std is 0.
-template <Backend B>
-struct Normalizer {
-  static constexpr bool trainable = false;
-  Tensor<B, 1> mean, std;  // (features)
-  double eps = 1e-12;
-
-  static constexpr auto fields() {
-    return motionlang::fields("mean", &Normalizer::mean, "std", &Normalizer::std, "eps", &Normalizer::eps);
-  }
-  /// Statistics that change nothing.
-  static Normalizer identity(Index features) {
-    return {Tensor<B, 1>::zeros({features}), Tensor<B, 1>::full({features}, 1)};
-  }
-
-  template <int R>
-  Tensor<B, R> normalize(const Tensor<B, R>& x) const {
-    return (x - mean) / (std + eps);
-  }
-  template <int R>
-  Tensor<B, R> denormalize(const Tensor<B, R>& x) const {
-    return x * (std + eps) + mean;
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
 #ifndef MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP  // <motionlang/text/caption_encoder.hpp>
 #define MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP
 /// A small text encoder of our own: word pieces, a transformer, one vector per caption. It is below 2 MB, so it can be
@@ -10935,8 +11444,9 @@ struct StmcOptions {
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
   Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Affects only the memory
-  Progress progress{};                      // called after every step; may cancel
-  Index first = 0;  // the place of the first sequence in a longer list, of which these are a part
+  double recall = usual_recall;  // the share of remembered motions in their frames, 0 ... 1; 0: the network alone
+  Progress progress{};           // called after every step; may cancel
+  Index first = 0;               // the place of the first sequence in a longer list, of which these are a part
 };
 
 /// Clean motions, normalised, in consecutive rows.
@@ -10962,10 +11472,11 @@ struct Stmc {
   Normalizer<B> motion_normalizer, text_normalizer;
   GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
   FeatureLayout layout = smplrifke_layout();
-  double guidance = 2.5;       // for sampling, if the caller does not set it
-  SamplingOptions sampling{};  // the same
-  Index steps = 0;             // the same; 0: all of the process
-  double fps = 20;             // of its motions
+  double guidance = 2.5;                         // for sampling, if the caller does not set it
+  SamplingOptions sampling{};                    // the same
+  Index steps = 0;                               // the same; 0: all of the process
+  double fps = 20;                               // of its motions
+  std::shared_ptr<const MotionRecall> memory{};  // motions that texts recall; null: none
 
   /// The weights of a text encoder without fields are in files of its own.
   static constexpr auto fields() {
@@ -11048,433 +11559,6 @@ MOTIONLANG_NAMESPACE_END
 /// Cuts crops out of a motion, and puts a motion together from crops, per body part and interval.
 ///
 /// All index lists are made once per plan. Cutting and stitching are then gathers and scatters of whole rows.
-
-#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_HPP  // <motionlang/compose/plan.hpp>
-#define MOTIONLANG_HAS_COMPOSE_PLAN_HPP
-/// From timelines to the integers of a composition: the crops to denoise, and the frames of each crop that are added to
-/// or subtracted from frames of the motion, for each body part. There are no tensors here.
-///
-/// Source     thesis 6.2.3; STMC (Petrovich et al. 2024); reference: nv-tlabs/stmc src/stmc.py process_timelines
-/// Notation   a, b -> start, end of an interval; T -> frames; O, l, r -> Overlap; x -> cut
-/// Property   For every body part and frame, additions minus subtractions = 1, however close the cuts are. This holds
-///            if extension and transition crops are both on or both off; see net_weights
-/// Differs    from the reference, if the options say so: gaps are filled with the unconditional text "" (the reference
-///            stops), and transitions at which no part changes can be left out
-
-#ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP  // <motionlang/compose/overlap.hpp>
-#define MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP
-/// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
-///
-/// Source   thesis 6.2.3, "Temporal stitching"; STMC (Petrovich et al. 2024) src/stmc.py
-/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap. The longer half is on
-///          the right
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// A half-open range of frames.
-struct FrameRange {
-  Index start = 0, end = 0;
-  Index size() const { return end - start; }
-  bool operator==(const FrameRange&) const = default;
-};
-
-/// A total of O frames: l = O div 2 to the left of a cut, r = O - l to the right.
-struct Overlap {
-  Index left = 0, right = 0;
-
-  /// Throws config_error 101 if it is negative or beyond `latest_time`.
-  static Overlap of_frames(Index total);
-  static Overlap of_seconds(double total, double fps) { return of_frames(frame_at(total, fps)); }
-
-  /// [max(s - l, 0), min(e + r, frames))
-  FrameRange extend(FrameRange range, Index frames) const {
-    return {std::max<Index>(range.start - left, 0), std::min(range.end + right, frames)};
-  }
-  /// Around a cut x: [max(x - l, 0), min(x + r, frames)).
-  FrameRange window(Index cut, Index frames) const { return extend({cut, cut}, frames); }
-};
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_IPP  // <motionlang/compose/overlap.ipp>
-#define MOTIONLANG_HAS_COMPOSE_OVERLAP_IPP
-// Bodies of overlap.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY Overlap Overlap::of_frames(Index total) {
-  if (total < 0 || total > latest_time) raise<config_error>(101, "Overlap: ", total, " frames");
-  return {total / 2, total - total / 2};
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP  // <motionlang/compose/sinc_assignment.hpp>
-#define MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP
-/// Assigns each body part to one text while several texts are active.
-///
-/// Source   thesis 6.2.3, figure 6.4: the heuristic of SINC (thesis B.2.1) as STMC src/stmc.py applies it. Where papers
-///          and code differ (the base is a text with legs first, ties are random), this follows the code.
-/// Rule     1. The base is the text with the most body parts. It must have the part that carries the path (the legs of
-///             a human), unless no text has it. It gets all parts.
-///          2. The others take their parts from the present owners. They come by number of parts, the largest first, in
-///             file order among equals. So the text with fewer parts wins, and among equals the later one.
-/// Ties     between base texts: the first in the file, or random as published when a generator is given
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Number of the interval that owns each body part.
-using PartOwners = std::vector<Index>;
-
-/// A generator that can shuffle a list: PythonRandom (as published), NumpyRandom.
-template <class G>
-concept Shuffler = requires(G& g, std::span<Index> list) {
-  g.shuffle(list);
-};
-
-/// The library's rule for ties: keep the order of the file.
-struct FirstWins {
-  void shuffle(std::span<Index>) const {}
-};
-
-namespace detail {
-
-/// Among texts with the path (or all, if none has it), the one with the most parts. On a tie, the first after a
-/// shuffle. Shuffling a single text takes no random numbers.
-template <class T, Shuffler G>
-Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
-  const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts; };
-  std::vector<Index> candidates;
-  for (Index i : texts) {
-    if (parts(i).has(timeline.body.path())) candidates.push_back(i);
-  }
-  if (candidates.empty()) candidates.assign(texts.begin(), texts.end());
-  ties.shuffle(std::span<Index>(candidates));
-  Index base = candidates.front();
-  for (Index i : candidates) {
-    if (parts(i).count() > parts(base).count()) base = i;
-  }
-  return base;
-}
-
-}  // namespace detail
-
-/// Owners of all parts on a piece with at least one text. `texts` are numbers of intervals in file order.
-template <class T, Shuffler G>
-PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
-  const Index base = detail::base_text(timeline, texts, ties);
-  const int size = timeline.body.size();
-  PartOwners owners(static_cast<std::size_t>(size), base);
-  for (int count = size; count > 0; --count) {  // texts with many parts first, in file order among equals
-    for (Index i : texts) {
-      const BodyParts parts = timeline.intervals[static_cast<std::size_t>(i)].parts;
-      if (i == base || parts.count() != count) continue;
-      for (int p = 0; p < size; ++p) {
-        if (parts.has(static_cast<BodyPart>(p))) owners[static_cast<std::size_t>(p)] = i;
-      }
-    }
-  }
-  return owners;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// A range of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
-/// numbers agree with the reference; they have no effect.
-struct Crop {
-  Index interval = 0;  // -1: a transition, with the unconditional text
-  FrameRange range;
-  bool is_transition() const { return interval < 0; }
-  bool operator==(const Crop&) const = default;
-};
-
-/// A part belongs to one text for a range of frames. Neighbours have different owners.
-struct PartInterval {
-  BodyPart part{};
-  Index owner = 0;
-  FrameRange range;
-  bool operator==(const PartInterval&) const = default;
-};
-
-/// The frames `from` of a crop become the frames `to` of the motion, for the features of one part.
-struct Slice {
-  BodyPart part{};
-  Index crop = 0;
-  FrameRange from, to;
-  bool operator==(const Slice&) const = default;
-};
-
-/// A window in which a part changes its owner, for interpolation instead of blending (the SINC+lerp baseline).
-struct LerpWindow {
-  BodyPart part{};
-  Index transition = 0;
-  FrameRange range;
-  bool operator==(const LerpWindow&) const = default;
-};
-
-/// Everything about one timeline. All lists are sorted by part, then by time.
-struct TimelinePlan {
-  Timeline timeline;                 // gaps filled
-  Index frames = 0;                  // T
-  std::vector<Piece> pieces;         // between cuts
-  std::vector<PartOwners> owners;    // on each piece
-  std::vector<PartInterval> merged;  // before extension
-  std::vector<Crop> crops;           // one for each interval, then the transitions by time
-  std::vector<Slice> add, subtract;
-  std::vector<LerpWindow> lerp;  // also without transition crops
-
-  /// "" for transitions.
-  std::string_view text(const Crop& crop) const {
-    if (crop.is_transition()) return {};
-    return timeline.intervals[static_cast<std::size_t>(crop.interval)].text;
-  }
-};
-
-/// Several timelines that are sampled together. The crops of timeline m have the numbers first_crop[m] ...
-/// first_crop[m + 1] - 1 in the batch; slices count crops from the first one of their timeline.
-struct BatchPlan {
-  std::vector<TimelinePlan> timelines;
-  std::vector<Index> first_crop{0};
-  Index frames = 0;  // of the longest timeline
-
-  Index crops() const { return first_crop.back(); }
-};
-
-namespace detail {
-
-/// Throws timeline_error 505 at a piece without a text.
-void require_text(const Piece& piece);
-
-/// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
-void check_crops(const TimelinePlan& plan, Index longest);
-
-/// A plan with its pieces, which have no owners yet. Throws timeline_error 503 ... 505, 507, config_error 101.
-TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options);
-
-/// Derives the plan from the owners of the pieces. Throws timeline_error 506, 508.
-void finish_plan(TimelinePlan& plan, const PlanOptions& options);
-
-}  // namespace detail
-
-/// The plan of one timeline. `ties` decides between equal base texts: FirstWins, or a generator (see PlanOptions and
-/// sinc_assignment.hpp).
-/// Throws     timeline_error 503 (parts of another body), 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long),
-///            config_error 101
-template <Shuffler G>
-TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options, G& ties) {
-  TimelinePlan plan = detail::pieces_of(std::move(timeline), options);
-  for (const Piece& piece : plan.pieces) {
-    detail::require_text(piece);
-    plan.owners.push_back(assign_parts(plan.timeline, piece.intervals, ties));
-  }
-  detail::finish_plan(plan, options);
-  return plan;
-}
-TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options = {});
-
-/// Puts plans into one batch.
-BatchPlan batch_plans(std::vector<TimelinePlan> plans);
-
-/// Plans of all timelines, in order, with one generator.
-template <Shuffler G>
-BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options, G& ties) {
-  std::vector<TimelinePlan> plans;
-  for (const Timeline& t : timelines) plans.push_back(plan_timeline(t, options, ties));
-  return batch_plans(std::move(plans));
-}
-BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options = {});
-
-/// Smallest and largest number of additions minus subtractions over all parts and frames. Both are 1 in a plan that
-/// extends and has transition crops, or does neither.
-struct NetWeights {
-  int smallest = 0, largest = 0;
-};
-NetWeights net_weights(const TimelinePlan& plan);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_IPP  // <motionlang/compose/plan.ipp>
-#define MOTIONLANG_HAS_COMPOSE_PLAN_IPP
-// Bodies of plan.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-inline std::string quoted(const Interval& i) { return concat_text("'", i.text, "' (", i.start, " to ", i.end, ")"); }
-
-/// " (line 3, column 1)", nothing if the interval was not read from a text.
-inline std::string place_of(const Interval& i) {
-  return i.place.line == 0 ? "" : concat_text(" (line ", i.place.line, ", column ", i.place.column, ")");
-}
-
-inline void check_timeline(const Timeline& timeline) {
-  if (timeline.intervals.empty()) raise<timeline_error>(507, "plan_timeline: no interval");
-  for (const Interval& i : timeline.intervals) {
-    if (i.start < 0 || i.end < i.start || i.end > latest_time) {
-      raise<timeline_error>(504, "plan_timeline: ", quoted(i), " is not a range of frames of the motion");
-    }
-    if ((i.parts.bits & ~timeline.body.all().bits) != 0) {
-      raise<timeline_error>(503, "plan_timeline: ", quoted(i), " moves other body parts than ", timeline.body);
-    }
-  }
-  if (timeline.end() == 0) raise<timeline_error>(504, "plan_timeline: the timeline has no frame");
-}
-
-MOTIONLANG_BODY void require_text(const Piece& piece) {
-  if (!piece.intervals.empty()) return;
-  raise<timeline_error>(505, "plan_timeline: no text covers frames ", piece.start, " to ", piece.end);
-}
-
-/// Joins neighbouring pieces of a part that have the same owner.
-inline void merge_pieces(TimelinePlan& plan) {
-  const auto parts = static_cast<std::size_t>(plan.timeline.body.size());
-  for (std::size_t p = 0; p < parts; ++p) {
-    for (std::size_t k = 0; k < plan.pieces.size(); ++k) {
-      const Piece& piece = plan.pieces[k];
-      const Index owner = plan.owners[k][p];
-      if (k > 0 && plan.owners[k - 1][p] == owner)
-        plan.merged.back().range.end = piece.end;
-      else
-        plan.merged.push_back({static_cast<BodyPart>(p), owner, {piece.start, piece.end}});
-    }
-  }
-}
-
-/// The cuts with a transition, ascending: all except the first and the last. At a cut where no part changes its owner,
-/// it throws timeline_error 506 or leaves the cut out.
-inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts hidden) {
-  std::vector<Index> cuts;
-  for (std::size_t k = 1; k < plan.pieces.size(); ++k) {
-    const Index cut = plan.pieces[k].start;
-    if (plan.owners[k] != plan.owners[k - 1]) {
-      cuts.push_back(cut);
-    } else if (hidden == HiddenTexts::refuse) {
-      for (const Interval& i : plan.timeline.intervals) {
-        if (i.start != cut && i.end != cut) continue;
-        raise<timeline_error>(506, "plan_timeline: ", quoted(i), " owns no body part at frame ", cut,
-                              ": other texts hide it; give it parts that no text with fewer parts takes", place_of(i));
-      }
-    }
-  }
-  return cuts;
-}
-
-MOTIONLANG_BODY void check_crops(const TimelinePlan& plan, Index longest) {
-  for (const Crop& c : plan.crops) {
-    if (longest == 0 || c.range.size() <= longest) continue;
-    raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", counted(c.range.size(), "frame"),
-                          " with its overlap; the denoiser accepts ", longest,
-                          c.is_transition() ? ""
-                                            : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
-                                                  ". Divide it into shorter ones");
-  }
-}
-
-inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
-                       const PlanOptions& options) {
-  for (std::size_t i = 0; i < plan.timeline.intervals.size(); ++i) {
-    const FrameRange range{plan.timeline.intervals[i].start, plan.timeline.intervals[i].end};
-    plan.crops.push_back({static_cast<Index>(i), options.extend ? overlap.extend(range, plan.frames) : range});
-  }
-  if (options.transition_crops) {
-    for (Index cut : cuts) plan.crops.push_back({-1, overlap.window(cut, plan.frames)});
-  }
-  check_crops(plan, options.longest_crop);
-}
-
-/// For each stretch of a part, its extended frames are added from the crop of its owner. At its start, the window of
-/// the transition, which both neighbours have added, is subtracted once.
-inline void make_slices(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
-                        const PlanOptions& options) {
-  const auto texts = static_cast<Index>(plan.timeline.intervals.size());
-  for (const PartInterval& m : plan.merged) {
-    const FrameRange to = options.extend ? overlap.extend(m.range, plan.frames) : m.range;
-    const Index begin = plan.crops[static_cast<std::size_t>(m.owner)].range.start;
-    plan.add.push_back({m.part, m.owner, {to.start - begin, to.end - begin}, to});
-
-    const auto cut = std::lower_bound(cuts.begin(), cuts.end(), m.range.start);
-    if (cut == cuts.end() || *cut != m.range.start) continue;  // the beginning
-    const Index transition = cut - cuts.begin();
-    const FrameRange window = overlap.window(*cut, plan.frames);
-    plan.lerp.push_back({m.part, transition, window});
-    if (options.transition_crops) plan.subtract.push_back({m.part, texts + transition, {0, window.size()}, window});
-  }
-}
-
-MOTIONLANG_BODY TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options) {
-  check_timeline(timeline);
-  Overlap::of_frames(options.overlap);
-  TimelinePlan plan;
-  if (options.gaps == Gaps::fill) fill_gaps(timeline);
-  plan.timeline = std::move(timeline);
-  plan.frames = plan.timeline.end();
-  plan.pieces = elementary_pieces(plan.timeline);
-  const Index first = plan.pieces.empty() ? plan.frames : plan.pieces.front().start;
-  if (first > 0) raise<timeline_error>(505, "plan_timeline: no text covers frames 0 to ", first);
-  return plan;
-}
-
-MOTIONLANG_BODY void finish_plan(TimelinePlan& plan, const PlanOptions& options) {
-  const Overlap overlap = Overlap::of_frames(options.overlap);
-  merge_pieces(plan);
-  const std::vector<Index> cuts = transition_cuts(plan, options.hidden);
-  make_crops(plan, cuts, overlap, options);
-  make_slices(plan, cuts, overlap, options);
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options) {
-  FirstWins ties;
-  return plan_timeline(std::move(timeline), options, ties);
-}
-
-MOTIONLANG_BODY BatchPlan batch_plans(std::vector<TimelinePlan> plans) {
-  BatchPlan batch;
-  batch.timelines = std::move(plans);
-  for (const TimelinePlan& plan : batch.timelines) {
-    batch.first_crop.push_back(batch.first_crop.back() + std::ssize(plan.crops));
-    batch.frames = std::max(batch.frames, plan.frames);
-  }
-  return batch;
-}
-
-MOTIONLANG_BODY BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options) {
-  FirstWins ties;
-  return plan_timelines(timelines, options, ties);
-}
-
-MOTIONLANG_BODY NetWeights net_weights(const TimelinePlan& plan) {
-  NetWeights net{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
-  for (int p = 0; p < plan.timeline.body.size(); ++p) {
-    std::vector<std::pair<Index, int>> steps{{0, 0}, {plan.frames, 0}};  // frame, change of the weight
-    const auto count = [&](const std::vector<Slice>& slices, int weight) {
-      for (const Slice& s : slices) {
-        if (s.part != static_cast<BodyPart>(p)) continue;
-        steps.emplace_back(s.to.start, weight), steps.emplace_back(s.to.end, -weight);
-      }
-    };
-    count(plan.add, 1), count(plan.subtract, -1);
-    detail::sort(steps, [](const auto& a, const auto& b) { return a < b; });
-    int weight = 0;
-    for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
-      weight += steps[i].second;
-      if (steps[i].first == steps[i + 1].first) continue;
-      net = {std::min(net.smallest, weight), std::max(net.largest, weight)};
-    }
-  }
-  return net;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -11719,7 +11803,6 @@ Offsets joined(const Offsets& a, const Offsets& b);
 ///         depends on the frames of a crop but not on its text is done once, too. The longest sequences come first, so
 ///         that threads end together. Crops without frames are left out. Texts, offsets and index lists are prepared
 ///         here, not in the loop.
-///         prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
@@ -11742,6 +11825,20 @@ class Collage {
     texts_.end_position.insert(texts_.end_position.end(), null.end_position.begin(), null.end_position.end());
     detail::check_texts(plan_, text.count(), null.count());
     prepare_step();
+  }
+  /// From now on, the clean estimates of crops follow these motions (compose/recalled_motions.hpp).
+  /// recall  the share of a motion in 0 ... 1; the network's is the rest
+  /// Throws  config_error 101 for another share, shape_error 205 for motions with other features
+  void follow(std::vector<RecalledMotion<B>> motions, double recall = usual_recall) {
+    if (!(recall >= 0 && recall <= 1)) raise<config_error>(101, "Collage: a recall of ", recall, " is not in 0 ... 1");
+    for (const RecalledMotion<B>& m : motions) {
+      if (m.rows.size(1) != layout_.size)
+        raise<shape_error>(205, "Collage: a motion to follow is ", m.rows.shape(), ", the collage has ",
+                           counted(layout_.size, "feature"));
+    }
+    recalled_ = std::move(motions);
+    recall_ = recall;
+    prepare_recall();
   }
   /// The same with only some of the crops and slices of its plan (compose/edits.hpp).
   Collage with_plan(BatchPlan plan) const {  // NOLINT(performance-unnecessary-value-param): it is moved from
@@ -11782,7 +11879,7 @@ class Collage {
     s.cond = gather(out, cond_);
     s.null = guidance_ == 1 ? s.cond : gather(out, null_);
     s.guided = guidance_ == 1 ? s.cond : guide(s.cond, s.null, guidance_);
-    s.x0 = stitch_(to_x0(s.guided, s.crops));
+    s.x0 = stitch_(recalled(to_x0(s.guided, s.crops)));
     return s;
   }
   CollageStep<B> step(const Tensor<B, 2>& x, Index t) const {
@@ -11808,6 +11905,31 @@ class Collage {
     crops_ = fixed && traits.uses_lengths ? detail::own_frames(plan_, motion_.stride, traits.crop_frames) : motion_;
     stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
     build_batch();
+    prepare_recall();
+  }
+
+  /// The values of remembered motions in the rows of the crops, and the share that stays the network's.
+  void prepare_recall() {
+    using S = typename B::scalar;
+    follows_ = !recalled_.empty() && recall_ > 0;
+    if (!follows_) return;
+    const auto width = static_cast<std::size_t>(layout_.size);
+    std::vector<S> own(static_cast<std::size_t>(crops_.offsets.rows()), S{1}), values(own.size() * width);
+    for (const RecalledMotion<B>& m : recalled_) {
+      const Index rows = crops_.offsets.length(m.crop);
+      for (Index f = 0; f < std::min(rows, m.rows.size(0)); ++f) {
+        const auto row = static_cast<std::size_t>(crops_.offsets.begin(m.crop) + f);
+        own[row] = static_cast<S>(1 - recall_);
+        const auto from = m.rows.span().subspan(static_cast<std::size_t>(f) * width, width);
+        for (std::size_t i = 0; i < width; ++i) values[row * width + i] = static_cast<S>(recall_) * from[i];
+      }
+    }
+    own_share_ = Tensor<B, 2>::from(own, {std::ssize(own), 1});
+    recalled_share_ = Tensor<B, 2>::from(values, {std::ssize(own), layout_.size});
+  }
+  Tensor<B, 2> recalled(Tensor<B, 2> x0) const {
+    if (!follows_) return x0;
+    return x0 * own_share_ + recalled_share_;
   }
 
   /// The outputs of the network for all jobs, one after the other.
@@ -11843,6 +11965,10 @@ class Collage {
   Index rows_at_once_;
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
+  std::vector<RecalledMotion<B>> recalled_{};
+  double recall_ = 0;
+  bool follows_ = false;                         // whether a crop of this plan follows a motion
+  Tensor<B, 2> own_share_{}, recalled_share_{};  // (rows of the crops, 1) and (..., features)
   std::vector<Batch> batches_;
   std::vector<Index> cond_, null_;  // for every row of the crops its row in all batches, with its text and without
 };
@@ -12704,11 +12830,13 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise, class Estimate, bool>
 CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                       Estimate&& estimate) const {
+  if (!(options.recall >= 0 && options.recall <= 1))
+    raise<config_error>(101, "Stmc: a recall of ", options.recall, " is not in 0 ... 1");
   const auto [text, null] = encode(plan);
   if (options.first > 0)
     detail::require_own_motions(denoiser.traits().mates, /*one_token=*/text.tokens.offsets.longest() <= 1);
-  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
-                              options.rows_at_once);
+  Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
+                        options.rows_at_once);
   const auto sequences = static_cast<Index>(collage.plan().timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
   auto rows = [&](Index draw) {
@@ -12716,13 +12844,18 @@ CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcO
     if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
     return reshape<2>(z, {sequences * collage.stride(), layout.size});
   };
+  const Tensor<B, 2> first = rows(0);
+  if (memory && options.recall > 0)
+    collage.follow(recalled_motions(*memory, collage.plan(), first, collage.stride(), motion_normalizer),
+                   options.recall);
   const GaussianDiffusion kept = process(options.steps);
   const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
     return clean_motion(c, kept, denoiser.traits().prediction, x, t);
   };
   auto x0 = sample_clean_motions<B>(
-      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
-      options.sampling.value_or(sampling), options.progress);
+      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); },
+      [&](Index draw) { return draw == 0 ? first : rows(draw); }, options.sampling.value_or(sampling),
+      options.progress);
   return {std::move(x0), collage.stride()};
 }
 
@@ -12777,7 +12910,8 @@ Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
           .guidance = m.guidance,
           .sampling = m.sampling,
           .steps = m.steps,
-          .fps = m.fps};
+          .fps = m.fps,
+          .memory = m.memory};
 }
 
 /// Weights packed for inference. The model must not be changed afterwards.
@@ -18559,7 +18693,8 @@ inline std::string shared_input(std::span<const Timeline> timelines, const Gener
   out.text(kernels_in_use());
   out.value(o.seed), out.value(o.mode), out.value(o.overlap);
   for (const bool b : {o.cut_texts, o.smooth, o.fix_feet, o.fix_floor, o.overlay_arms}) out.value(b);
-  optional(o.steps), optional(o.sampler), optional(o.noise_scale), optional(o.guidance), optional(o.fact);
+  optional(o.steps), optional(o.sampler), optional(o.noise_scale), optional(o.guidance), optional(o.recall);
+  optional(o.fact);
   out.value(o.keep.has_value());
   if (o.keep) {
     put_motion(out, o.keep->motion);
@@ -18998,6 +19133,7 @@ struct FrameTerm {
   bool add = true;
   FrameRange crop;
   std::string_view text;
+  FrameRange own;  // the frames of the text, in which a crop may follow a remembered motion
   bool operator==(const FrameTerm&) const = default;
 };
 
@@ -19007,8 +19143,13 @@ inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan,
   const auto note = [&](const std::vector<Slice>& slices, bool add) {
     for (const Slice& s : slices) {
       const Crop& crop = plan.crops[static_cast<std::size_t>(s.crop)];
+      FrameRange own{};
+      if (!crop.is_transition()) {
+        const Interval& text = plan.timeline.intervals[static_cast<std::size_t>(crop.interval)];
+        own = {text.start, text.end};
+      }
       for (Index f = s.to.start; f < s.to.end; ++f)
-        terms[static_cast<std::size_t>(f)].push_back({s.part, add, crop.range, plan.text(crop)});
+        terms[static_cast<std::size_t>(f)].push_back({s.part, add, crop.range, plan.text(crop), own});
     }
   };
   note(plan.add, true), note(plan.subtract, false);
@@ -20637,6 +20778,9 @@ class TextTable {
   /// `encode` throws.
   static TextTable encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words = {});
 
+  /// Other texts by the encoder of this table, which has its own mean. An empty table stays empty. Throws what
+  /// `encoded` throws.
+  TextTable encoded_again(std::vector<std::string> texts) const;
   /// The table with more texts at its end, which are encoded now. The mean stays. An empty table stays empty. Throws
   /// what `encoded` throws.
   TextTable with(const std::vector<std::string>& more) const;
@@ -20799,6 +20943,11 @@ MOTIONLANG_BODY TextTable TextTable::encoded(std::vector<std::string> texts, Tex
   return {std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words)};
 }
 
+MOTIONLANG_BODY TextTable TextTable::encoded_again(std::vector<std::string> texts) const {
+  if (empty()) return {};
+  return encoded(std::move(texts), table().encode, table().words);
+}
+
 MOTIONLANG_BODY TextTable TextTable::with(const std::vector<std::string>& more) const {
   if (empty()) return {};
   Table all = table();
@@ -20910,6 +21059,13 @@ struct KnownAction {
   std::string then{};
 };
 
+/// A caption, by its row of the table, and how alike it or its mirror image is to a text.
+struct NearCaption {
+  Index row = 0;
+  bool mirrored = false;
+  double likeness = 0;
+};
+
 class KnownCaptions {
  public:
   /// No captions.
@@ -20926,6 +21082,10 @@ class KnownCaptions {
   /// none.
   KnownCaptions with_tried(const std::vector<std::string>& texts, std::vector<double> done) const;
 
+  /// The same with more captions and their actions, and with other actions for captions that it has. All texts are
+  /// encoded anew. No captions stay none. Throws shape_error 205 for other numbers of texts and actions.
+  KnownCaptions with_captions(const std::vector<std::string>& texts, const std::vector<KnownAction>& actions) const;
+
   bool empty() const { return actions_.empty(); }
   const TextTable& table() const { return table_; }
   const std::vector<KnownAction>& actions() const { return actions_; }
@@ -20935,10 +21095,14 @@ class KnownCaptions {
 
   /// At most `count` captions or mirror images of captions, the nearest first, each once.
   std::vector<NearText> nearest(const std::string& text, Index count) const;
+  /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. If all
+  /// are far (likeness below 0.7), those of its beginning, if that or its mirror image is a caption: "kick" for "he
+  /// kicks the xylophone".
+  std::vector<NearCaption> meant(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
-  /// The action of a text that is known, by the captions near it. Their majority decides if it repeats. It takes as
-  /// long as three quarters of these do at most. What follows is that of the nearest.
+  /// The action of a text, or of its beginning (as in `meant`), by the captions near it. Their majority decides if it
+  /// repeats. It takes as long as three quarters of these do at most. What follows is that of the nearest.
   std::optional<KnownAction> action(const std::string& text) const;
   /// The share of motions that do what the text says, by the texts nearly like it that were tried. Nothing if there are
   /// none.
@@ -20949,8 +21113,12 @@ class KnownCaptions {
     NearText near{};
     bool mirrored = false;
   };
-  /// In the rows from `first` to before `last`.
+  /// In the rows from `first` to before `last`. A caption that is the mirror image of another is found twice.
   std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
+  /// The text, or its beginning if that is a caption and the text is far from all of them.
+  std::string known_beginning(const std::string& text) const;
+  /// Each text once.
+  static std::vector<Found> different(std::vector<Found> all, Index count);
 
   TextTable table_{};
   std::vector<KnownAction> actions_{};
@@ -21083,6 +21251,35 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+
+/// "do not" for "don't".
+inline std::string without_contractions(std::string text) {
+  constexpr std::pair<std::string_view, std::string_view> contractions[] = {
+      {"won't", "will not"}, {"can't", "can not"}, {"n't", " not"}};
+  for (const auto& [contraction, words] : contractions) {
+    for (std::size_t at = 0; (at = text.find(contraction, at)) != text.npos;)
+      text.replace(at, contraction.size(), words);
+  }
+  return text;
+}
+
+/// A verb, and what it may be a form of: "kicks" and "kicking" of "kick", "hopping" of "hop", "dancing" of "dance".
+inline std::vector<std::string> plain_forms(const std::string& verb) {
+  std::vector<std::string> out{verb};
+  for (const std::string_view ending : {"s", "es", "ing"}) {
+    if (!verb.ends_with(ending) || verb.size() < ending.size() + 2) continue;
+    const std::string stem = verb.substr(0, verb.size() - ending.size());
+    out.push_back(stem);
+    if (ending != "ing") continue;
+    out.push_back(stem + "e");
+    if (stem[stem.size() - 1] == stem[stem.size() - 2]) out.push_back(stem.substr(0, stem.size() - 1));
+  }
+  return out;
+}
+
+}  // namespace detail
+
 MOTIONLANG_BODY KnownCaptions::KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness,
                                              std::vector<double> done, std::string_view source)
     : table_(std::move(table)), actions_(std::move(actions)), nearness_(nearness), done_(std::move(done)) {
@@ -21097,12 +21294,32 @@ MOTIONLANG_BODY KnownCaptions KnownCaptions::with_tried(const std::vector<std::s
   return {table_.first(std::ssize(actions_)).with(texts), actions_, nearness_, std::move(done)};
 }
 
+MOTIONLANG_BODY KnownCaptions KnownCaptions::with_captions(const std::vector<std::string>& texts,
+                                                           const std::vector<KnownAction>& actions) const {
+  if (texts.size() != actions.size())
+    raise<shape_error>(205, "KnownCaptions: ", counted(actions.size(), "action"), " for ",
+                       counted(texts.size(), "text"));
+  if (empty()) return {};
+  const auto old = table_.texts().begin(), tried = old + std::ssize(actions_);
+  std::vector<std::string> all(old, tried);
+  std::vector<KnownAction> of_all = actions_;
+  std::map<std::string, std::size_t> row;
+  for (std::size_t i = 0; i < all.size(); ++i) row.emplace(all[i], i);
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const auto [at, is_new] = row.emplace(texts[i], all.size());
+    if (is_new) all.push_back(texts[i]), of_all.emplace_back();
+    of_all[at->second] = actions[i];
+  }
+  const std::vector<std::string> tried_texts(tried, table_.texts().end());
+  return {table_.encoded_again(std::move(all)).with(tried_texts), std::move(of_all), nearness_, done_};
+}
+
 MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std::string& text, Index count,
                                                                        Index first, Index last) const {
   std::vector<std::string> texts{text};
   if (std::string mirrored = mirror_caption(text); mirrored != text) texts.push_back(std::move(mirrored));
   const auto near = table_.nearest(texts, count, [&](Index, Index row) { return row >= first && row < last; });
-  std::vector<Found> all, out;
+  std::vector<Found> all;
   for (std::size_t t = 0; t < near.size(); ++t) {
     for (NearText n : near[t]) {
       if (t == 1) n.text = mirror_caption(n.text);
@@ -21111,6 +21328,13 @@ MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const Found& a, const Found& b) { return a.near.likeness > b.near.likeness; });
+  // A caption itself is before its equals, which rounding may have put first: "look left", the image of "look right".
+  std::stable_partition(all.begin(), all.end(), [&](const Found& f) { return !f.mirrored && f.near.text == text; });
+  return all;
+}
+
+MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::different(std::vector<Found> all, Index count) {
+  std::vector<Found> out;
   for (Found& f : all) {
     const bool again = std::any_of(out.begin(), out.end(), [&](const Found& o) { return o.near.text == f.near.text; });
     if (!again && std::ssize(out) < count) out.push_back(std::move(f));
@@ -21120,7 +21344,42 @@ MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std
 
 MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& text, Index count) const {
   std::vector<NearText> out;
-  for (Found& f : found(text, count, 0, std::ssize(actions_))) out.push_back(std::move(f.near));
+  auto all = found(detail::without_contractions(text), count, 0, std::ssize(actions_));
+  for (Found& f : different(std::move(all), count)) out.push_back(std::move(f.near));
+  return out;
+}
+
+MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& written) const {
+  constexpr double near = 0.7;
+  const std::string text = detail::without_contractions(written);
+  const auto best = nearest(text, 1);
+  if (best.empty() || best.front().likeness >= near) return text;
+  std::vector<std::string> words = WordPiece::words(text);
+  const auto verb = std::find_if_not(words.begin(), words.end(), detail::is_function_word);
+  if (verb == words.end()) return text;
+  words.erase(words.begin(), verb);
+  const auto& captions = table_.texts();
+  const auto tried = captions.begin() + std::ssize(actions_);
+  const auto has = [&](const std::string& caption) { return std::find(captions.begin(), tried, caption) != tried; };
+  const std::vector<std::string> forms = detail::plain_forms(words.front());
+  for (std::size_t count = words.size(); count > 0; --count) {
+    for (const std::string& form : forms) {
+      std::string start = form;
+      for (std::size_t i = 1; i < count; ++i) start += " " + words[i];
+      if (has(start) || has(mirror_caption(start))) return start;
+    }
+  }
+  return text;
+}
+
+MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string& text, Index count) const {
+  constexpr double nearly_as_alike = 0.96;
+  std::vector<NearCaption> out;
+  for (const Found& f : found(known_beginning(text), count, 0, std::ssize(actions_))) {
+    const double least = std::max(nearness_, out.empty() ? 0 : nearly_as_alike * out.front().likeness);
+    if (f.near.likeness < least || std::ssize(out) == count) break;
+    out.push_back({f.near.row, f.mirrored, f.near.likeness});
+  }
   return out;
 }
 
@@ -21129,10 +21388,11 @@ MOTIONLANG_BODY bool KnownCaptions::knows(const std::string& text) const {
   return !first.empty() && first.front().likeness >= nearness_;
 }
 
-MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& text) const {
+MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& whole) const {
+  const std::string text = known_beginning(whole);
   constexpr Index asked = 12;
   constexpr double as_near = 0.9, exact = 3;  // a share of the best likeness; the weight of the caption itself
-  const auto found = this->found(text, asked, 0, std::ssize(actions_));
+  const auto found = different(this->found(text, asked, 0, std::ssize(actions_)), asked);
   if (found.empty() || found.front().near.likeness < nearness_) return std::nullopt;
   double repeats = 0, all = 0;
   const auto weight = [&](const Found& f) {
@@ -21166,7 +21426,7 @@ MOTIONLANG_BODY std::optional<double> KnownCaptions::success(const std::string& 
   constexpr Index asked = 3;
   constexpr double nearly_same = 0.8;
   double done = 0, weights = 0;
-  for (const Found& f : found(text, asked, std::ssize(actions_), table_.size())) {
+  for (const Found& f : different(found(text, asked, std::ssize(actions_), table_.size()), asked)) {
     if (f.near.likeness < nearly_same) continue;
     done += f.near.likeness * done_[static_cast<std::size_t>(f.near.row) - actions_.size()];
     weights += f.near.likeness;
@@ -21203,6 +21463,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// The prefix of the names of their tensors, which are constants.
 inline constexpr const char* caption_tensors = "captions.";
+/// That of the motions of captions (weights/motion_memory_file.hpp), which name captions by their lines.
+inline constexpr const char* memory_tensors = "memory.";
 
 /// None if the file lists no captions. encode: by the text encoder of the file; words: its vectors of words. Throws
 /// io_error 406, 407, config_error 107.
@@ -21223,7 +21485,20 @@ class StoredCaptions {
   std::vector<std::string> following_{};
 };
 
-/// Writes the file again with these captions instead of its own. Throws io_error 401.
+namespace detail {
+
+/// The tensors and the metadata of a file without its captions.
+struct FileWithoutCaptions {
+  explicit FileWithoutCaptions(const SafetensorsFile& file);
+
+  std::vector<TensorView> tensors;
+  std::map<std::string, std::string> metadata;
+};
+
+}  // namespace detail
+
+/// Writes the file again with these captions instead of its own. Texts that were tried may differ. Throws io_error 401,
+/// and config_error 102 for other captions if the file has motions for its own.
 void replace_known_captions(const FilePath& path, const KnownCaptions& captions);
 
 /// The captions of a file of ours. encoder: of the same file, with its vectors of words.
@@ -21356,18 +21631,29 @@ MOTIONLANG_BODY void StoredCaptions::add_to(std::vector<TensorView>& tensors,
     tensors.push_back(tensor_view(prefix + "done", {std::ssize(done_)}, std::span<const float>(done_)));
 }
 
-MOTIONLANG_BODY void replace_known_captions(const FilePath& path, const KnownCaptions& captions) {
-  const auto file = SafetensorsFile::open(path);
-  std::vector<TensorView> tensors;
+MOTIONLANG_BODY detail::FileWithoutCaptions::FileWithoutCaptions(const SafetensorsFile& file)
+    : metadata(file.metadata()) {
   for (const TensorView& t : file.tensors()) {
     if (!t.name.starts_with(caption_tensors)) tensors.push_back(t);
   }
-  auto metadata = file.metadata();
-  for (const char* entry : {detail::captions_entry, detail::following_entry, detail::nearness_entry})
-    metadata.erase(entry);
+  for (const char* entry : {captions_entry, following_entry, nearness_entry}) metadata.erase(entry);
+}
+
+MOTIONLANG_BODY void replace_known_captions(const FilePath& path, const KnownCaptions& captions) {
+  const auto file = SafetensorsFile::open(path);
+  detail::FileWithoutCaptions rest(file);
+  const bool has_motions = std::any_of(rest.tensors.begin(), rest.tensors.end(),
+                                       [](const TensorView& t) { return t.name.starts_with(memory_tensors); });
+  if (has_motions) {
+    const auto own = detail::lines_of_entry(file, detail::captions_entry);
+    const auto count = captions.actions().size();
+    if (static_cast<std::size_t>(file.tensor(std::string(caption_tensors) + "seconds").shape.count()) != count ||
+        !std::equal(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(count), captions.table().texts().begin()))
+      raise<config_error>(102, file.name(), ": it has motions for its captions, which would belong to others then");
+  }
   const StoredCaptions stored(captions);
-  stored.add_to(tensors, metadata);
-  write_safetensors(path, tensors, metadata);
+  stored.add_to(rest.tensors, rest.metadata);
+  write_safetensors(path, rest.tensors, rest.metadata);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -21862,6 +22148,368 @@ void save_module(const FilePath& path, const M& module, std::optional<DType> dty
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_WEIGHTS_MOTION_MEMORY_FILE_HPP  // <motionlang/weights/motion_memory_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_MOTION_MEMORY_FILE_HPP
+/// The motions that a model remembers, in the file of its weights (datasets/motion_memory.hpp).
+///
+/// load_stmc reads them with the weights, and write_motion_memory writes others.
+///
+/// Tensors  memory.poses (66, frames) I16: the rotation vectors of SMPL's first 22 joints, in 1e-4 rad (features have
+///          no rotations of the hands; times follow each other, so that the file packs well); memory.root (frames, 3)
+///          F32: metres, Y up; memory.ends (motions) I32: the frame behind each motion; memory.captions (pairs, 2) I16:
+///          the line of a caption and the place of its motion. A frame takes 144 bytes
+
+#ifndef MOTIONLANG_HAS_DATASETS_MOTION_MEMORY_HPP  // <motionlang/datasets/motion_memory.hpp>
+#define MOTIONLANG_HAS_DATASETS_MOTION_MEMORY_HPP
+/// Motions that a model remembers for its captions (compose/recalled_motions.hpp).
+///
+/// A text recalls a motion if the caption nearest to it has one, or another that is nearly as alike
+/// (KnownCaptions::meant). If that is the mirror image of a caption, the motion is mirrored, too. An action that goes
+/// on (KnownAction::repeats) is played at its own speed, in rounds. Another is played faster or slower, so that it
+/// takes the time of the text. If there is much more time, it is played again, or its last pose is held if that is not
+/// like its first.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A caption, by its line in the table, has a motion, by its place in the memory.
+struct RememberedMotion {
+  Index caption = 0, motion = 0;
+  bool operator==(const RememberedMotion&) const = default;
+};
+
+class MotionMemory final : public MotionRecall {
+ public:
+  /// motions  on SMPL's 24 joints, all at one frame rate, which is that of the model
+  /// of       which caption has which motions; a caption may have several
+  /// source   stands in messages, such as the name of a file
+  /// Throws   shape_error 203 for a caption or a motion that does not exist, and for an empty motion; config_error 102
+  ///          for motions of other joints, or of several frame rates; what Motion::validate throws
+  MotionMemory(KnownCaptions captions, std::vector<Motion> motions, std::vector<RememberedMotion> of,
+               std::string_view source = "MotionMemory");
+
+  const KnownCaptions& captions() const { return captions_; }
+  const std::vector<Motion>& motions() const { return motions_; }
+  const std::vector<RememberedMotion>& remembered() const { return of_; }
+  /// The number of captions that have a motion.
+  Index captions_with_motions() const;
+
+  /// The motion for a text, in as many frames. Nothing if no motion is known.
+  std::optional<Motion> motion(const std::string& text, Index frames, double choice) const;
+
+  /// The same as features of STMC (features/smplrifke.hpp).
+  std::vector<double> features(const std::string& text, Index frames, double choice) const override;
+  std::string fingerprint() const override;
+
+ private:
+  KnownCaptions captions_;
+  std::vector<Motion> motions_;
+  std::vector<RememberedMotion> of_;  // sorted
+};
+
+/// How a motion is played in another time.
+enum class PlayedAgain {
+  no,        // its own speed, and its last pose is held; 1.5 times as fast at most, and then its end is left out
+  to_fit,    // faster or slower, 1.5 times at most, and in rounds where one would have to be slower
+  as_it_is,  // its own speed, in rounds, of which the last one is cut
+};
+/// A motion in exactly this many frames. A round is blended into the one before it. Throws shape_error 203 unless both
+/// have frames.
+Motion played_in(const Motion& motion, Index frames, PlayedAgain again = PlayedAgain::to_fit);
+
+/// True if the last pose of a motion, with its heading, is within 30 degrees of the first one in every joint.
+bool comes_back(const Motion& motion);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_MOTION_MEMORY_IPP  // <motionlang/datasets/motion_memory.ipp>
+#define MOTIONLANG_HAS_DATASETS_MOTION_MEMORY_IPP
+// Bodies of motion_memory.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY MotionMemory::MotionMemory(KnownCaptions captions, std::vector<Motion> motions,
+                                           std::vector<RememberedMotion> of, std::string_view source)
+    : captions_(std::move(captions)), motions_(std::move(motions)), of_(std::move(of)) {
+  const Index joints = smpl24_skeleton().size(), texts = std::ssize(captions_.actions());
+  for (const Motion& m : motions_) {
+    const Index place = &m - motions_.data();
+    m.validate();
+    if (m.frames() == 0) raise<shape_error>(203, source, ": motion ", place, " has no frame");
+    if (m.skeleton.size() != joints)
+      raise<config_error>(102, source, ": motion ", place, " has ", counted(m.skeleton.size(), "joint"), ", not ",
+                          joints);
+    if (m.skeleton.names != smpl24_skeleton().names || m.skeleton.parents != smpl24_skeleton().parents)
+      raise<config_error>(102, source, ": motion ", place, " has other joints than SMPL");
+    if (m.fps != motions_.front().fps)
+      raise<config_error>(102, source, ": motion ", place, " has ", m.fps, " frames per second, the first one ",
+                          motions_.front().fps);
+  }
+  for (const RememberedMotion& r : of_) {
+    if (r.caption < 0 || r.caption >= texts)
+      raise<shape_error>(203, source, ": caption ", r.caption, " of ", counted(texts, "caption"), " has a motion");
+    if (r.motion < 0 || r.motion >= std::ssize(motions_))
+      raise<shape_error>(203, source, ": caption ", r.caption, " has motion ", r.motion, " of ", motions_.size());
+  }
+  const auto before = [](const RememberedMotion& a, const RememberedMotion& b) {
+    return std::pair(a.caption, a.motion) < std::pair(b.caption, b.motion);
+  };
+  std::sort(of_.begin(), of_.end(), before);
+}
+
+namespace detail {
+
+/// The whole motion in `frames` frames, at most 1.5 times as fast, and not slower than `slowest`; then its last pose.
+inline Motion played_once(const Motion& motion, Index frames, double slowest) {
+  constexpr double fastest = 1.5;
+  const Index own = motion.frames();
+  const double speed = frames < 2 || own < 2 ? 1.0 : static_cast<double>(own - 1) / static_cast<double>(frames - 1);
+  // A little slower, so that rounding does not lose the last frame.
+  const Motion played = speed == 1 ? motion : change_speed(motion, std::clamp(speed, slowest, fastest) * (1 - 1e-9));
+  Motion out = crop(played, 0, std::min(frames, played.frames()));
+  const Index last = out.frames() - 1;
+  const std::vector<Quaternion<double>> pose(out.rotations(last).begin(), out.rotations(last).end());
+  while (out.frames() < frames) {
+    out.root.push_back(out.root_at(last));
+    out.local.insert(out.local.end(), pose.begin(), pose.end());
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion played_in(const Motion& motion, Index frames, PlayedAgain again) {
+  const Index own = motion.frames();
+  if (own < 1 || frames < 1)
+    raise<shape_error>(203, "played_in: ", counted(own, "frame"), " to be played in ", counted(frames, "frame"));
+  constexpr Index blended = 4;
+  const double slowest = again == PlayedAgain::no ? 1 : 2.0 / 3;
+  Motion out;
+  if (again == PlayedAgain::as_it_is && own > 1) {
+    const Index shared = std::min(blended, own / 2);
+    for (out = motion; out.frames() < frames;)
+      out = shared == 0 ? concatenate(out, motion) : blend_into(out, motion, shared);
+    return crop(out, 0, frames);
+  }
+  const Index times = again == PlayedAgain::to_fit ? std::max<Index>(1, (frames + own / 2) / own) : 1;
+  const Index shared = times == 1 ? 0 : std::min({blended, own, frames / times});  // frames of two rounds
+  const Index all = frames + shared * (times - 1);
+  for (Index k = 0; k < times; ++k) {
+    Motion round = detail::played_once(motion, all * (k + 1) / times - all * k / times, slowest);
+    out = k == 0 ? std::move(round) : shared == 0 ? concatenate(out, round) : blend_into(out, round, shared);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY bool comes_back(const Motion& motion) {
+  constexpr double near = std::numbers::pi / 6;
+  if (motion.frames() == 0) return true;
+  const auto first = motion.rotations(0), last = motion.rotations(motion.frames() - 1);
+  for (std::size_t j = 0; j < first.size(); ++j) {
+    if (distance(first[j], last[j]) > near) return false;
+  }
+  return true;
+}
+
+MOTIONLANG_BODY std::optional<Motion> MotionMemory::motion(const std::string& text, Index frames, double choice) const {
+  if (of_.empty() || frames < 2) return std::nullopt;
+  constexpr Index asked = 8;
+  const auto before = [](const RememberedMotion& r, Index caption) { return r.caption < caption; };
+  for (const NearCaption& near : captions_.meant(text, asked)) {
+    const auto first = std::lower_bound(of_.begin(), of_.end(), near.row, before);
+    const auto last = std::lower_bound(first, of_.end(), near.row + 1, before);
+    if (first == last) continue;
+    const auto count = static_cast<double>(last - first);
+    const double place = std::clamp(choice >= 0 ? choice * count : 0.0, 0.0, count - 1);  // NaN is 0
+    const auto which = static_cast<Index>(place);
+    const Motion& motion = motions_[static_cast<std::size_t>((first + which)->motion)];
+    const bool goes_on = captions_.actions()[static_cast<std::size_t>(near.row)].repeats;
+    const PlayedAgain again = goes_on              ? PlayedAgain::as_it_is
+                              : comes_back(motion) ? PlayedAgain::to_fit
+                                                   : PlayedAgain::no;
+    return played_in(near.mirrored ? mirror(motion) : motion, frames, again);
+  }
+  return std::nullopt;
+}
+
+MOTIONLANG_BODY Index MotionMemory::captions_with_motions() const {
+  std::set<Index> rows;
+  for (const RememberedMotion& r : of_) rows.insert(r.caption);
+  return std::ssize(rows);
+}
+
+MOTIONLANG_BODY std::vector<double> MotionMemory::features(const std::string& text, Index frames, double choice) const {
+  const auto found = motion(text, frames, choice);
+  return found ? smplrifke_from_motion(*found) : std::vector<double>();
+}
+
+MOTIONLANG_BODY std::string MotionMemory::fingerprint() const {
+  std::uint64_t hash = 0;
+  const auto add = [&](const auto& list) { hash = detail::content_hash(std::as_bytes(std::span(list)), hash); };
+  // The motion of a text also depends on the captions without one, which may be nearer, and on what goes on.
+  add(captions_.table().codes()), add(captions_.table().mean()), add(std::array{captions_.nearness()});
+  for (const std::string& text : captions_.table().texts()) add(text);
+  for (const KnownAction& action : captions_.actions()) add(std::array{action.repeats});
+  for (const Motion& m : motions_) add(m.root), add(m.local);
+  for (const RememberedMotion& r : of_) add(std::array{r.caption, r.motion});
+  return detail::hexadecimal(hash);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// True if the file has motions, or a part of them.
+bool remembers_motions(const SafetensorsFile& file);
+/// Null if the file has no motions.
+/// captions  those of the file (stored_known_captions); fps: of the model
+/// Throws    io_error 406, 407 for tensors that are missing, unknown or do not fit each other; config_error 107 for
+///           roots farther than 10 km away; what MotionMemory throws
+std::shared_ptr<const MotionMemory> stored_motion_memory(const SafetensorsFile& file, KnownCaptions captions,
+                                                         double fps);
+
+/// Writes the weights of a file to another file, or to the same, with this memory and its captions instead of its own.
+/// Lengths of bones become those of SMPL's mean body. Throws io_error 401, config_error 101 for a memory with more than
+/// 32,767 texts or motions, and 102 for motions with another frame rate than the model's.
+void write_motion_memory(const FilePath& from, const FilePath& to, const MotionMemory& memory);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_MOTION_MEMORY_FILE_IPP  // <motionlang/weights/motion_memory_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_MOTION_MEMORY_FILE_IPP
+// Bodies of motion_memory_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr double radians_per_step = 1e-4;  // of the stored rotation vectors
+inline constexpr std::size_t stored_rotations = 22, all_rotations = 24;
+
+}  // namespace detail
+
+MOTIONLANG_BODY bool remembers_motions(const SafetensorsFile& file) {
+  const auto& tensors = file.tensors();
+  return std::any_of(tensors.begin(), tensors.end(),
+                     [](const TensorView& t) { return t.name.starts_with(memory_tensors); });
+}
+
+MOTIONLANG_BODY std::shared_ptr<const MotionMemory> stored_motion_memory(const SafetensorsFile& file,
+                                                                         KnownCaptions captions, double fps) {
+  const std::string prefix = memory_tensors;
+  if (!remembers_motions(file)) return nullptr;
+  const TensorView &poses = file.tensor(prefix + "poses"), &root = file.tensor(prefix + "root"),
+                   &ends = file.tensor(prefix + "ends"), &of = file.tensor(prefix + "captions");
+  const auto require = [&](const TensorView& view, DType dtype, const FileShape& shape) {
+    if (view.dtype != dtype || view.shape != shape)
+      raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.dtype, " ", view.shape, ", not ", dtype,
+                      " ", shape);
+  };
+  const auto first_size = [](const TensorView& view) { return view.shape.rank() == 0 ? 0 : view.shape[0]; };
+  const Index frames = first_size(root);
+  require(poses, DType::I16, {3 * Index{detail::stored_rotations}, frames});
+  require(root, DType::F32, {frames, 3});
+  require(ends, DType::I32, {first_size(ends)});
+  require(of, DType::I16, {first_size(of), 2});
+  for (const TensorView& t : file.tensors()) {
+    if (t.name.starts_with(prefix) && t.name != poses.name && t.name != root.name && t.name != ends.name &&
+        t.name != of.name)
+      raise<io_error>(406, file.name(), ": tensor '", t.name, "' is unknown");
+  }
+  constexpr double farthest = 1e4;  // metres
+  for (const double x : values_of<double>(root)) {
+    if (!(std::abs(x) <= farthest))
+      raise<config_error>(107, file.name(), ": tensor '", root.name, "' has a ", x, "; -", farthest, " ... ", farthest,
+                          " are allowed");
+  }
+  const auto angles = values_of<std::int16_t>(poses);
+  const auto places = values_of<float>(root);
+  std::vector<Motion> motions;
+  std::size_t first = 0;
+  for (const std::int32_t end : values_of<std::int32_t>(ends)) {
+    if (end <= static_cast<Index>(first) || end > frames)
+      raise<io_error>(407, file.name(), ": tensor '", ends.name, "': a motion ends before frame ", end,
+                      " and begins with frame ", first, " of ", frames);
+    Motion& m = motions.emplace_back(Motion{smpl24_skeleton(), fps, {}, {}, {}});
+    for (; first < static_cast<std::size_t>(end); ++first) {
+      const float* p = places.data() + 3 * first;
+      m.root.push_back({p[0], p[1], p[2]});
+      for (std::size_t j = 0; j < detail::stored_rotations; ++j) {
+        const auto angle = [&](std::size_t i) {
+          return detail::radians_per_step * angles[(3 * j + i) * static_cast<std::size_t>(frames) + first];
+        };
+        m.local.push_back(to_quaternion(exp_so3(Vec3<double>{angle(0), angle(1), angle(2)})));
+      }
+      m.local.resize(m.root.size() * detail::all_rotations, Quaternion<double>::identity());
+    }
+  }
+  if (static_cast<Index>(first) != frames)
+    raise<io_error>(407, file.name(), ": tensor '", ends.name, "': the motions have ", counted(first, "frame"), ", '",
+                    poses.name, "' has ", frames);
+  std::vector<RememberedMotion> remembered;
+  const auto pairs = values_of<std::int16_t>(of);
+  for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) remembered.push_back({pairs[i], pairs[i + 1]});
+  return std::make_shared<const MotionMemory>(std::move(captions), std::move(motions), std::move(remembered),
+                                              file.name());
+}
+
+MOTIONLANG_BODY void write_motion_memory(const FilePath& from, const FilePath& to, const MotionMemory& memory) {
+  constexpr Index most = std::numeric_limits<std::int16_t>::max();
+  if (memory.captions().table().size() > most || std::ssize(memory.motions()) > most)
+    raise<config_error>(101, to.string(), ": ", counted(memory.motions().size(), "motion"), " and ",
+                        counted(memory.captions().table().size(), "text"), " to remember; ", most, " are possible");
+  std::vector<std::int16_t> of;
+  std::vector<float> root;
+  std::vector<std::int32_t> ends;
+  for (const Motion& m : memory.motions()) {
+    for (const auto& p : m.root) root.insert(root.end(), {float(p.x), float(p.y), float(p.z)});
+    ends.push_back(static_cast<std::int32_t>(root.size() / 3));
+  }
+  const std::size_t all = root.size() / 3;
+  std::vector<std::int16_t> poses(3 * detail::stored_rotations * all);
+  std::size_t frame = 0;
+  for (const Motion& m : memory.motions()) {
+    for (Index f = 0; f < m.frames(); ++f, ++frame) {
+      for (std::size_t j = 0; j < detail::stored_rotations; ++j) {
+        const auto v = log_so3(m.rotations(f)[j]);
+        for (std::size_t i = 0; const double x : {v.x, v.y, v.z})
+          poses[(3 * j + i++) * all + frame] = static_cast<std::int16_t>(std::lround(x / detail::radians_per_step));
+      }
+    }
+  }
+  for (const RememberedMotion& r : memory.remembered()) {
+    of.push_back(static_cast<std::int16_t>(r.caption));
+    of.push_back(static_cast<std::int16_t>(r.motion));
+  }
+  const auto file = SafetensorsFile::open(from);
+  if (!memory.motions().empty() && file.metadata().contains("fps")) {
+    const double own = memory.motions().front().fps;
+    if (const auto fps = detail::metadata_number<double>(file.metadata(), "fps", file.name()); fps != own)
+      raise<config_error>(102, file.name(), ": the model has ", fps, " frames per second, the motions to remember ",
+                          own);
+  }
+  const std::string prefix = memory_tensors;
+  detail::FileWithoutCaptions rest(file);
+  auto& tensors = rest.tensors;
+  std::erase_if(tensors, [&](const TensorView& t) { return t.name.starts_with(prefix); });
+  const StoredCaptions captions(memory.captions());
+  captions.add_to(tensors, rest.metadata);
+  if (!ends.empty()) {
+    const Index frames = std::ssize(root) / 3;
+    tensors.push_back(
+        tensor_view(prefix + "poses", {std::ssize(poses) / frames, frames}, std::span<const std::int16_t>(poses)));
+    tensors.push_back(tensor_view(prefix + "root", {frames, 3}, std::span<const float>(root)));
+    tensors.push_back(tensor_view(prefix + "ends", {std::ssize(ends)}, std::span<const std::int32_t>(ends)));
+    tensors.push_back(tensor_view(prefix + "captions", {std::ssize(of) / 2, 2}, std::span<const std::int16_t>(of)));
+  }
+  write_safetensors(to, tensors, rest.metadata);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP  // <motionlang/weights/word_vector_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP
 /// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
@@ -22012,9 +22660,15 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{}, std::move(vectors));
   KeyReport report = load_module_partly(model, file, "", LoadFor::inference);
   std::erase_if(report.unexpected, [](const std::string& name) {
-    return name.starts_with(detail::vector_tensors) || name.starts_with(caption_tensors);
+    return name.starts_with(detail::vector_tensors) || name.starts_with(caption_tensors) ||
+           name.starts_with(memory_tensors);
   });
   if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);
+  if (remembers_motions(file)) {
+    const CaptionEncoder<B>& encoder = model.text_encoder;
+    model.memory =
+        stored_motion_memory(file, stored_known_captions(file, text_vectors(encoder), encoder.vectors), model.fps);
+  }
   return model;
 }
 /// The same from a file. Published models and folders: load_stmc(path, options) of weights/stmc_checkpoint.hpp.
@@ -22281,6 +22935,13 @@ template <Module M>
 RecordModel record_model(const M& model) {
   return {weights_checksum(model), weights_precision(model)};
 }
+/// The same with the motions that the model remembers.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+RecordModel record_model_of(const Stmc<B, D, E>& stmc) {
+  RecordModel out = record_model(stmc);
+  if (stmc.memory) out.checksum += stmc.memory->fingerprint();
+  return out;
+}
 /// Guidance and sampling are set in the options. The timelines go into the store.
 Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps, TensorStore& store);
 /// model   the one that the edit will use
@@ -22298,7 +22959,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   run.options.sampling = record.options.sampling.value_or(stmc.sampling);
   run.options.guidance = record.options.guidance.value_or(stmc.guidance);
   TensorStore store;
-  auto metadata = detail::record_metadata(run, detail::record_model(stmc), record.x0.size(), store);
+  auto metadata = detail::record_metadata(run, detail::record_model_of(stmc), record.x0.size(), store);
   detail::add_metadata(metadata, about, "record", path.string());
   std::vector<TensorView> views = store.views();
   for (std::size_t k = 0; k < record.x0.size(); ++k) {
@@ -22314,7 +22975,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
 /// 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
-  detail::RecordAbout run = detail::read_record(file, detail::record_model(stmc), stmc.diffusion.steps());
+  detail::RecordAbout run = detail::read_record(file, detail::record_model_of(stmc), stmc.diffusion.steps());
   const Shape shape{std::ssize(run.timelines) * run.rows, stmc.layout.size};
   StmcRecord<B> out{.timelines = std::move(run.timelines),
                     .rng = run.rng,
@@ -22404,6 +23065,7 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const RecordMod
       {"exact", run.exact ? "1" : "0"},
       {"overlap", text(o.overlap)},
       {"guidance", metadata_real_text(*o.guidance)},
+      {"recall", metadata_real_text(o.recall)},
       {"sampler", std::string(to_string(sampling.sampler))},
       {"eta", metadata_real_text(sampling.eta)},
       {"noise_scale", sampling.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
@@ -22450,6 +23112,9 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const Recor
                                              .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
+  if (m.contains("recall")) out.options.recall = real("recall");
+  if (const double recall = out.options.recall; !(recall >= 0 && recall <= 1))
+    raise<config_error>(101, name, ": metadata 'recall' = ", recall, " is not in 0 ... 1");
   const bool published = word("noise_scale") != "posterior_std";
   out.options.sampling->noise_scale = published ? NoiseScale::posterior_variance : NoiseScale::posterior_std;
   const Index timelines = metadata_size(m, "timelines", latest_time, name);
@@ -22491,6 +23156,7 @@ class GenerateRun {
     how_.overlap = frame_at(o_.overlap, model_.fps);
     how_.hidden = HiddenTexts::ignore;  // hidden_text_warnings report them
     how_.guidance = o_.guidance;
+    how_.recall = o_.recall.value_or(usual_recall);
     how_.steps = o_.steps;
     how_.sampling = model_.sampling;
     if (o_.sampler) how_.sampling->sampler = *o_.sampler;

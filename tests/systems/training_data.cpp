@@ -268,7 +268,7 @@ TEST_CASE("what few segments show is drawn more often, and arms are laid over pe
   CHECK(stands_now > 400 * 8 * share / (1 + 7 * share) * 0.7);
   CHECK(stands_now > 3 * count("stand"));
   CHECK_ERROR(practised.practise(std::vector<std::string>{"walk", "fly"}, 2),
-              "[motionlang.config.102] TrainingSet: no caption has \"fly\", so nobody can practise it");
+              "[motionlang.config.102] TrainingSet: no caption has \"fly\", so none can be chosen by it");
   CHECK(practised.segments()[1].weight == segments[1].weight);  // nothing was changed
   CHECK_ERROR(practised.practise(std::vector<std::string>{"walk"}, 0),
               "[motionlang.config.101] TrainingSet: words are practised 0 times as often");

@@ -5,6 +5,7 @@
 /// It does not depend on the feature type or the network: any layout with a partition into parts, any `Denoiser`.
 #pragma once
 
+#include <motionlang/compose/recalled_motions.hpp>
 #include <motionlang/compose/stitching.hpp>
 #include <motionlang/diffusion/denoiser.hpp>
 #include <motionlang/diffusion/guidance.hpp>
@@ -59,7 +60,6 @@ Offsets joined(const Offsets& a, const Offsets& b);
 ///         depends on the frames of a crop but not on its text is done once, too. The longest sequences come first, so
 ///         that threads end together. Crops without frames are left out. Texts, offsets and index lists are prepared
 ///         here, not in the loop.
-///         prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
@@ -82,6 +82,20 @@ class Collage {
     texts_.end_position.insert(texts_.end_position.end(), null.end_position.begin(), null.end_position.end());
     detail::check_texts(plan_, text.count(), null.count());
     prepare_step();
+  }
+  /// From now on, the clean estimates of crops follow these motions (compose/recalled_motions.hpp).
+  /// recall  the share of a motion in 0 ... 1; the network's is the rest
+  /// Throws  config_error 101 for another share, shape_error 205 for motions with other features
+  void follow(std::vector<RecalledMotion<B>> motions, double recall = usual_recall) {
+    if (!(recall >= 0 && recall <= 1)) raise<config_error>(101, "Collage: a recall of ", recall, " is not in 0 ... 1");
+    for (const RecalledMotion<B>& m : motions) {
+      if (m.rows.size(1) != layout_.size)
+        raise<shape_error>(205, "Collage: a motion to follow is ", m.rows.shape(), ", the collage has ",
+                           counted(layout_.size, "feature"));
+    }
+    recalled_ = std::move(motions);
+    recall_ = recall;
+    prepare_recall();
   }
   /// The same with only some of the crops and slices of its plan (compose/edits.hpp).
   Collage with_plan(BatchPlan plan) const {  // NOLINT(performance-unnecessary-value-param): it is moved from
@@ -122,7 +136,7 @@ class Collage {
     s.cond = gather(out, cond_);
     s.null = guidance_ == 1 ? s.cond : gather(out, null_);
     s.guided = guidance_ == 1 ? s.cond : guide(s.cond, s.null, guidance_);
-    s.x0 = stitch_(to_x0(s.guided, s.crops));
+    s.x0 = stitch_(recalled(to_x0(s.guided, s.crops)));
     return s;
   }
   CollageStep<B> step(const Tensor<B, 2>& x, Index t) const {
@@ -148,6 +162,31 @@ class Collage {
     crops_ = fixed && traits.uses_lengths ? detail::own_frames(plan_, motion_.stride, traits.crop_frames) : motion_;
     stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
     build_batch();
+    prepare_recall();
+  }
+
+  /// The values of remembered motions in the rows of the crops, and the share that stays the network's.
+  void prepare_recall() {
+    using S = typename B::scalar;
+    follows_ = !recalled_.empty() && recall_ > 0;
+    if (!follows_) return;
+    const auto width = static_cast<std::size_t>(layout_.size);
+    std::vector<S> own(static_cast<std::size_t>(crops_.offsets.rows()), S{1}), values(own.size() * width);
+    for (const RecalledMotion<B>& m : recalled_) {
+      const Index rows = crops_.offsets.length(m.crop);
+      for (Index f = 0; f < std::min(rows, m.rows.size(0)); ++f) {
+        const auto row = static_cast<std::size_t>(crops_.offsets.begin(m.crop) + f);
+        own[row] = static_cast<S>(1 - recall_);
+        const auto from = m.rows.span().subspan(static_cast<std::size_t>(f) * width, width);
+        for (std::size_t i = 0; i < width; ++i) values[row * width + i] = static_cast<S>(recall_) * from[i];
+      }
+    }
+    own_share_ = Tensor<B, 2>::from(own, {std::ssize(own), 1});
+    recalled_share_ = Tensor<B, 2>::from(values, {std::ssize(own), layout_.size});
+  }
+  Tensor<B, 2> recalled(Tensor<B, 2> x0) const {
+    if (!follows_) return x0;
+    return x0 * own_share_ + recalled_share_;
   }
 
   /// The outputs of the network for all jobs, one after the other.
@@ -183,6 +222,10 @@ class Collage {
   Index rows_at_once_;
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
+  std::vector<RecalledMotion<B>> recalled_{};
+  double recall_ = 0;
+  bool follows_ = false;                         // whether a crop of this plan follows a motion
+  Tensor<B, 2> own_share_{}, recalled_share_{};  // (rows of the crops, 1) and (..., features)
   std::vector<Batch> batches_;
   std::vector<Index> cond_, null_;  // for every row of the crops its row in all batches, with its text and without
 };

@@ -16,6 +16,7 @@ struct FrameTerm {
   bool add = true;
   FrameRange crop;
   std::string_view text;
+  FrameRange own;  // the frames of the text, in which a crop may follow a remembered motion
   bool operator==(const FrameTerm&) const = default;
 };
 
@@ -25,8 +26,13 @@ inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan,
   const auto note = [&](const std::vector<Slice>& slices, bool add) {
     for (const Slice& s : slices) {
       const Crop& crop = plan.crops[static_cast<std::size_t>(s.crop)];
+      FrameRange own{};
+      if (!crop.is_transition()) {
+        const Interval& text = plan.timeline.intervals[static_cast<std::size_t>(crop.interval)];
+        own = {text.start, text.end};
+      }
       for (Index f = s.to.start; f < s.to.end; ++f)
-        terms[static_cast<std::size_t>(f)].push_back({s.part, add, crop.range, plan.text(crop)});
+        terms[static_cast<std::size_t>(f)].push_back({s.part, add, crop.range, plan.text(crop), own});
     }
   };
   note(plan.add, true), note(plan.subtract, false);

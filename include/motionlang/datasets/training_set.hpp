@@ -93,9 +93,12 @@ class TrainingSet {
   /// All captions and their mirror images, from which a tokenizer learns.
   std::vector<std::string> all_captions() const;
 
-  /// Makes segments `factor` times as likely to be drawn if one of their captions has one of these words or phrases
-  /// ("nod" also finds "nods" and "nodding"): what `motionlang judge` still sees fail. Throws config_error 101 for a
-  /// factor that is not above 0, 102 for words that no caption has.
+  /// The segments, by their places, of which a caption has one of these words or phrases ("nod" also finds "nods" and
+  /// "nodding"). No words: all. Throws config_error 102 for words that no caption has.
+  std::vector<std::size_t> saying(std::span<const std::string> words) const;
+
+  /// Makes segments `factor` times as likely to be drawn if they say one of these words: what `motionlang judge`
+  /// still sees fail. Throws config_error 101 for a factor that is not above 0, and what `saying` throws.
   void practise(std::span<const std::string> words, double factor);
 
   /// A sample that depends only on the generator. It is one of these:

@@ -269,10 +269,9 @@ MOTIONLANG_BODY void SampleOptions::require_sound() const {
   require_value("stretch", stretch, stretch > 0 && stretch <= 1, "above 0, and at most 1");
 }
 
-MOTIONLANG_BODY void TrainingSet::practise(std::span<const std::string> words, double factor) {
-  if (!(factor > 0)) raise<config_error>(101, "TrainingSet: words are practised ", factor, " times as often");
+MOTIONLANG_BODY std::vector<std::size_t> TrainingSet::saying(std::span<const std::string> words) const {
   const auto spaced = [](const std::string& text) { return " " + join_text(detail::caption_words(text), " "); };
-  std::vector<bool> chosen(segments_.size());
+  std::vector<bool> chosen(segments_.size(), words.empty());
   for (const std::string& word : words) {
     const std::string start = spaced(word);
     bool found = false;
@@ -281,11 +280,19 @@ MOTIONLANG_BODY void TrainingSet::practise(std::span<const std::string> words, d
         if (spaced(caption).find(start) != std::string::npos) chosen[i] = found = true;
       }
     }
-    if (!found) raise<config_error>(102, "TrainingSet: no caption has \"", word, "\", so nobody can practise it");
+    if (!found) raise<config_error>(102, "TrainingSet: no caption has \"", word, "\", so none can be chosen by it");
   }
+  std::vector<std::size_t> out;
   for (std::size_t i = 0; i < segments_.size(); ++i) {
-    if (chosen[i]) segments_[i].weight *= factor;
+    if (chosen[i]) out.push_back(i);
   }
+  return out;
+}
+
+MOTIONLANG_BODY void TrainingSet::practise(std::span<const std::string> words, double factor) {
+  if (!(factor > 0)) raise<config_error>(101, "TrainingSet: words are practised ", factor, " times as often");
+  if (words.empty()) return;
+  for (const std::size_t i : saying(words)) segments_[i].weight *= factor;
   list_choices();
 }
 

@@ -42,6 +42,7 @@ class GenerateRun {
     how_.overlap = frame_at(o_.overlap, model_.fps);
     how_.hidden = HiddenTexts::ignore;  // hidden_text_warnings report them
     how_.guidance = o_.guidance;
+    how_.recall = o_.recall.value_or(usual_recall);
     how_.steps = o_.steps;
     how_.sampling = model_.sampling;
     if (o_.sampler) how_.sampling->sampler = *o_.sampler;

@@ -48,6 +48,7 @@ struct GenerateOptions {
   std::optional<SamplingOptions::Sampler> sampler{};  // the default is the model's
   std::optional<NoiseScale> noise_scale{};            // of ddpm; the default is the model's
   std::optional<double> guidance{};                   // weight of the text, 1: none; the default is the model's
+  std::optional<double> recall{};  // share of motions that the model remembers, 0 ... 1; the default is 0.9
   std::optional<double> fact{};    // scales the latent noise: 0 gives the mean motion; the default is 1
   StmcMode mode = StmcMode::stmc;  // or a baseline, which never cuts texts
   double overlap = 0.5;            // seconds that neighbouring texts share around a cut

@@ -21,6 +21,9 @@ MOTIONLANG_BODY void check_options(const MotionModel& model, const GenerateOptio
     if (is_given(o.record) || is_given(o.reuse))
       raise<option_error>(
           102, "`record` and `reuse` are for diffusion models of texts; this one makes every motion in one step");
+    if (o.recall)
+      raise<option_error>(102, "`recall` is for diffusion models of texts, which may remember motions; this is ",
+                          model.system());
     if (o.keep)
       raise<option_error>(
           102, "`keep` is for diffusion models of texts (STMC, MDM, MotionDiffuse); this one makes whole motions");

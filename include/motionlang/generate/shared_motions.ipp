@@ -33,7 +33,8 @@ inline std::string shared_input(std::span<const Timeline> timelines, const Gener
   out.text(kernels_in_use());
   out.value(o.seed), out.value(o.mode), out.value(o.overlap);
   for (const bool b : {o.cut_texts, o.smooth, o.fix_feet, o.fix_floor, o.overlay_arms}) out.value(b);
-  optional(o.steps), optional(o.sampler), optional(o.noise_scale), optional(o.guidance), optional(o.fact);
+  optional(o.steps), optional(o.sampler), optional(o.noise_scale), optional(o.guidance), optional(o.recall);
+  optional(o.fact);
   out.value(o.keep.has_value());
   if (o.keep) {
     put_motion(out, o.keep->motion);

@@ -8,9 +8,11 @@
 ///         the compiler asks for it
 #pragma once
 
+#include <memory>    // shared motions
 #include <optional>  // what the caller leaves to the model
 
 #include <motionlang/compose/plan_options.hpp>
+#include <motionlang/compose/recalled_motions.hpp>
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/diffusion/mdm_smpl.hpp>
 #include <motionlang/diffusion/sampler.hpp>
@@ -50,8 +52,9 @@ struct StmcOptions {
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
   Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Affects only the memory
-  Progress progress{};                      // called after every step; may cancel
-  Index first = 0;  // the place of the first sequence in a longer list, of which these are a part
+  double recall = usual_recall;  // the share of remembered motions in their frames, 0 ... 1; 0: the network alone
+  Progress progress{};           // called after every step; may cancel
+  Index first = 0;               // the place of the first sequence in a longer list, of which these are a part
 };
 
 /// Clean motions, normalised, in consecutive rows.
@@ -77,10 +80,11 @@ struct Stmc {
   Normalizer<B> motion_normalizer, text_normalizer;
   GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
   FeatureLayout layout = smplrifke_layout();
-  double guidance = 2.5;       // for sampling, if the caller does not set it
-  SamplingOptions sampling{};  // the same
-  Index steps = 0;             // the same; 0: all of the process
-  double fps = 20;             // of its motions
+  double guidance = 2.5;                         // for sampling, if the caller does not set it
+  SamplingOptions sampling{};                    // the same
+  Index steps = 0;                               // the same; 0: all of the process
+  double fps = 20;                               // of its motions
+  std::shared_ptr<const MotionRecall> memory{};  // motions that texts recall; null: none
 
   /// The weights of a text encoder without fields are in files of its own.
   static constexpr auto fields() {

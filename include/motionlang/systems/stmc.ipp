@@ -66,11 +66,13 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise, class Estimate, bool>
 CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                       Estimate&& estimate) const {
+  if (!(options.recall >= 0 && options.recall <= 1))
+    raise<config_error>(101, "Stmc: a recall of ", options.recall, " is not in 0 ... 1");
   const auto [text, null] = encode(plan);
   if (options.first > 0)
     detail::require_own_motions(denoiser.traits().mates, /*one_token=*/text.tokens.offsets.longest() <= 1);
-  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
-                              options.rows_at_once);
+  Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
+                        options.rows_at_once);
   const auto sequences = static_cast<Index>(collage.plan().timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
   auto rows = [&](Index draw) {
@@ -78,13 +80,18 @@ CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcO
     if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
     return reshape<2>(z, {sequences * collage.stride(), layout.size});
   };
+  const Tensor<B, 2> first = rows(0);
+  if (memory && options.recall > 0)
+    collage.follow(recalled_motions(*memory, collage.plan(), first, collage.stride(), motion_normalizer),
+                   options.recall);
   const GaussianDiffusion kept = process(options.steps);
   const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
     return clean_motion(c, kept, denoiser.traits().prediction, x, t);
   };
   auto x0 = sample_clean_motions<B>(
-      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
-      options.sampling.value_or(sampling), options.progress);
+      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); },
+      [&](Index draw) { return draw == 0 ? first : rows(draw); }, options.sampling.value_or(sampling),
+      options.progress);
   return {std::move(x0), collage.stride()};
 }
 
@@ -139,7 +146,8 @@ Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
           .guidance = m.guidance,
           .sampling = m.sampling,
           .steps = m.steps,
-          .fps = m.fps};
+          .fps = m.fps,
+          .memory = m.memory};
 }
 
 /// Weights packed for inference. The model must not be changed afterwards.

@@ -27,6 +27,13 @@ struct KnownAction {
   std::string then{};
 };
 
+/// A caption, by its row of the table, and how alike it or its mirror image is to a text.
+struct NearCaption {
+  Index row = 0;
+  bool mirrored = false;
+  double likeness = 0;
+};
+
 class KnownCaptions {
  public:
   /// No captions.
@@ -43,6 +50,10 @@ class KnownCaptions {
   /// none.
   KnownCaptions with_tried(const std::vector<std::string>& texts, std::vector<double> done) const;
 
+  /// The same with more captions and their actions, and with other actions for captions that it has. All texts are
+  /// encoded anew. No captions stay none. Throws shape_error 205 for other numbers of texts and actions.
+  KnownCaptions with_captions(const std::vector<std::string>& texts, const std::vector<KnownAction>& actions) const;
+
   bool empty() const { return actions_.empty(); }
   const TextTable& table() const { return table_; }
   const std::vector<KnownAction>& actions() const { return actions_; }
@@ -52,10 +63,14 @@ class KnownCaptions {
 
   /// At most `count` captions or mirror images of captions, the nearest first, each once.
   std::vector<NearText> nearest(const std::string& text, Index count) const;
+  /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. If all
+  /// are far (likeness below 0.7), those of its beginning, if that or its mirror image is a caption: "kick" for "he
+  /// kicks the xylophone".
+  std::vector<NearCaption> meant(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
-  /// The action of a text that is known, by the captions near it. Their majority decides if it repeats. It takes as
-  /// long as three quarters of these do at most. What follows is that of the nearest.
+  /// The action of a text, or of its beginning (as in `meant`), by the captions near it. Their majority decides if it
+  /// repeats. It takes as long as three quarters of these do at most. What follows is that of the nearest.
   std::optional<KnownAction> action(const std::string& text) const;
   /// The share of motions that do what the text says, by the texts nearly like it that were tried. Nothing if there are
   /// none.
@@ -66,8 +81,12 @@ class KnownCaptions {
     NearText near{};
     bool mirrored = false;
   };
-  /// In the rows from `first` to before `last`.
+  /// In the rows from `first` to before `last`. A caption that is the mirror image of another is found twice.
   std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
+  /// The text, or its beginning if that is a caption and the text is far from all of them.
+  std::string known_beginning(const std::string& text) const;
+  /// Each text once.
+  static std::vector<Found> different(std::vector<Found> all, Index count);
 
   TextTable table_{};
   std::vector<KnownAction> actions_{};

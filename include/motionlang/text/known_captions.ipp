@@ -2,13 +2,44 @@
 // Bodies of known_captions.hpp.
 #pragma once
 
-#include <algorithm>  // any_of, lower_bound, sort
+#include <algorithm>  // any_of, find, lower_bound, sort
+#include <map>        // rows
 #include <utility>    // pair
 
 #include <motionlang/text/known_captions.hpp>
 #include <motionlang/text/mirror_caption.hpp>
+#include <motionlang/text/word_piece.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// "do not" for "don't".
+inline std::string without_contractions(std::string text) {
+  constexpr std::pair<std::string_view, std::string_view> contractions[] = {
+      {"won't", "will not"}, {"can't", "can not"}, {"n't", " not"}};
+  for (const auto& [contraction, words] : contractions) {
+    for (std::size_t at = 0; (at = text.find(contraction, at)) != text.npos;)
+      text.replace(at, contraction.size(), words);
+  }
+  return text;
+}
+
+/// A verb, and what it may be a form of: "kicks" and "kicking" of "kick", "hopping" of "hop", "dancing" of "dance".
+inline std::vector<std::string> plain_forms(const std::string& verb) {
+  std::vector<std::string> out{verb};
+  for (const std::string_view ending : {"s", "es", "ing"}) {
+    if (!verb.ends_with(ending) || verb.size() < ending.size() + 2) continue;
+    const std::string stem = verb.substr(0, verb.size() - ending.size());
+    out.push_back(stem);
+    if (ending != "ing") continue;
+    out.push_back(stem + "e");
+    if (stem[stem.size() - 1] == stem[stem.size() - 2]) out.push_back(stem.substr(0, stem.size() - 1));
+  }
+  return out;
+}
+
+}  // namespace detail
 
 MOTIONLANG_BODY KnownCaptions::KnownCaptions(TextTable table, std::vector<KnownAction> actions, double nearness,
                                              std::vector<double> done, std::string_view source)
@@ -24,12 +55,32 @@ MOTIONLANG_BODY KnownCaptions KnownCaptions::with_tried(const std::vector<std::s
   return {table_.first(std::ssize(actions_)).with(texts), actions_, nearness_, std::move(done)};
 }
 
+MOTIONLANG_BODY KnownCaptions KnownCaptions::with_captions(const std::vector<std::string>& texts,
+                                                           const std::vector<KnownAction>& actions) const {
+  if (texts.size() != actions.size())
+    raise<shape_error>(205, "KnownCaptions: ", counted(actions.size(), "action"), " for ",
+                       counted(texts.size(), "text"));
+  if (empty()) return {};
+  const auto old = table_.texts().begin(), tried = old + std::ssize(actions_);
+  std::vector<std::string> all(old, tried);
+  std::vector<KnownAction> of_all = actions_;
+  std::map<std::string, std::size_t> row;
+  for (std::size_t i = 0; i < all.size(); ++i) row.emplace(all[i], i);
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const auto [at, is_new] = row.emplace(texts[i], all.size());
+    if (is_new) all.push_back(texts[i]), of_all.emplace_back();
+    of_all[at->second] = actions[i];
+  }
+  const std::vector<std::string> tried_texts(tried, table_.texts().end());
+  return {table_.encoded_again(std::move(all)).with(tried_texts), std::move(of_all), nearness_, done_};
+}
+
 MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std::string& text, Index count,
                                                                        Index first, Index last) const {
   std::vector<std::string> texts{text};
   if (std::string mirrored = mirror_caption(text); mirrored != text) texts.push_back(std::move(mirrored));
   const auto near = table_.nearest(texts, count, [&](Index, Index row) { return row >= first && row < last; });
-  std::vector<Found> all, out;
+  std::vector<Found> all;
   for (std::size_t t = 0; t < near.size(); ++t) {
     for (NearText n : near[t]) {
       if (t == 1) n.text = mirror_caption(n.text);
@@ -38,6 +89,13 @@ MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const Found& a, const Found& b) { return a.near.likeness > b.near.likeness; });
+  // A caption itself is before its equals, which rounding may have put first: "look left", the image of "look right".
+  std::stable_partition(all.begin(), all.end(), [&](const Found& f) { return !f.mirrored && f.near.text == text; });
+  return all;
+}
+
+MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::different(std::vector<Found> all, Index count) {
+  std::vector<Found> out;
   for (Found& f : all) {
     const bool again = std::any_of(out.begin(), out.end(), [&](const Found& o) { return o.near.text == f.near.text; });
     if (!again && std::ssize(out) < count) out.push_back(std::move(f));
@@ -47,7 +105,42 @@ MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::found(const std
 
 MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& text, Index count) const {
   std::vector<NearText> out;
-  for (Found& f : found(text, count, 0, std::ssize(actions_))) out.push_back(std::move(f.near));
+  auto all = found(detail::without_contractions(text), count, 0, std::ssize(actions_));
+  for (Found& f : different(std::move(all), count)) out.push_back(std::move(f.near));
+  return out;
+}
+
+MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& written) const {
+  constexpr double near = 0.7;
+  const std::string text = detail::without_contractions(written);
+  const auto best = nearest(text, 1);
+  if (best.empty() || best.front().likeness >= near) return text;
+  std::vector<std::string> words = WordPiece::words(text);
+  const auto verb = std::find_if_not(words.begin(), words.end(), detail::is_function_word);
+  if (verb == words.end()) return text;
+  words.erase(words.begin(), verb);
+  const auto& captions = table_.texts();
+  const auto tried = captions.begin() + std::ssize(actions_);
+  const auto has = [&](const std::string& caption) { return std::find(captions.begin(), tried, caption) != tried; };
+  const std::vector<std::string> forms = detail::plain_forms(words.front());
+  for (std::size_t count = words.size(); count > 0; --count) {
+    for (const std::string& form : forms) {
+      std::string start = form;
+      for (std::size_t i = 1; i < count; ++i) start += " " + words[i];
+      if (has(start) || has(mirror_caption(start))) return start;
+    }
+  }
+  return text;
+}
+
+MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string& text, Index count) const {
+  constexpr double nearly_as_alike = 0.96;
+  std::vector<NearCaption> out;
+  for (const Found& f : found(known_beginning(text), count, 0, std::ssize(actions_))) {
+    const double least = std::max(nearness_, out.empty() ? 0 : nearly_as_alike * out.front().likeness);
+    if (f.near.likeness < least || std::ssize(out) == count) break;
+    out.push_back({f.near.row, f.mirrored, f.near.likeness});
+  }
   return out;
 }
 
@@ -56,10 +149,11 @@ MOTIONLANG_BODY bool KnownCaptions::knows(const std::string& text) const {
   return !first.empty() && first.front().likeness >= nearness_;
 }
 
-MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& text) const {
+MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& whole) const {
+  const std::string text = known_beginning(whole);
   constexpr Index asked = 12;
   constexpr double as_near = 0.9, exact = 3;  // a share of the best likeness; the weight of the caption itself
-  const auto found = this->found(text, asked, 0, std::ssize(actions_));
+  const auto found = different(this->found(text, asked, 0, std::ssize(actions_)), asked);
   if (found.empty() || found.front().near.likeness < nearness_) return std::nullopt;
   double repeats = 0, all = 0;
   const auto weight = [&](const Found& f) {
@@ -93,7 +187,7 @@ MOTIONLANG_BODY std::optional<double> KnownCaptions::success(const std::string& 
   constexpr Index asked = 3;
   constexpr double nearly_same = 0.8;
   double done = 0, weights = 0;
-  for (const Found& f : found(text, asked, std::ssize(actions_), table_.size())) {
+  for (const Found& f : different(found(text, asked, std::ssize(actions_), table_.size()), asked)) {
     if (f.near.likeness < nearly_same) continue;
     done += f.near.likeness * done_[static_cast<std::size_t>(f.near.row) - actions_.size()];
     weights += f.near.likeness;

@@ -66,6 +66,9 @@ class TextTable {
   /// `encode` throws.
   static TextTable encoded(std::vector<std::string> texts, TextVectors encode, WordVectors words = {});
 
+  /// Other texts by the encoder of this table, which has its own mean. An empty table stays empty. Throws what
+  /// `encoded` throws.
+  TextTable encoded_again(std::vector<std::string> texts) const;
   /// The table with more texts at its end, which are encoded now. The mean stays. An empty table stays empty. Throws
   /// what `encoded` throws.
   TextTable with(const std::vector<std::string>& more) const;

@@ -130,6 +130,11 @@ MOTIONLANG_BODY TextTable TextTable::encoded(std::vector<std::string> texts, Tex
   return {std::move(texts), std::move(codes), std::move(mean), std::move(encode), std::move(words)};
 }
 
+MOTIONLANG_BODY TextTable TextTable::encoded_again(std::vector<std::string> texts) const {
+  if (empty()) return {};
+  return encoded(std::move(texts), table().encode, table().words);
+}
+
 MOTIONLANG_BODY TextTable TextTable::with(const std::vector<std::string>& more) const {
   if (empty()) return {};
   Table all = table();

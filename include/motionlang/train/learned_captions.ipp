@@ -85,7 +85,7 @@ inline std::vector<StillPose> still_poses(const std::vector<CaptionedSegment>& s
   const SegmentsOfCaption segments_of = segments_of_captions(segments);
   std::vector<StillPose> out;
   for (const CaptionedSegment& s : segments) {
-    if (!is_still(s.motion)) continue;
+    if (s.rest || !is_still(s.motion)) continue;  // what something follows is an action: "tilt the head"
     if (std::string text = commonest_pose(s, segments_of); !text.empty())
       out.push_back({poses_in_place(crop(s.motion, 0, 1)), std::move(text)});
   }

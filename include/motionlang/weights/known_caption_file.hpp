@@ -18,6 +18,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// The prefix of the names of their tensors, which are constants.
 inline constexpr const char* caption_tensors = "captions.";
+/// That of the motions of captions (weights/motion_memory_file.hpp), which name captions by their lines.
+inline constexpr const char* memory_tensors = "memory.";
 
 /// None if the file lists no captions. encode: by the text encoder of the file; words: its vectors of words. Throws
 /// io_error 406, 407, config_error 107.
@@ -38,7 +40,20 @@ class StoredCaptions {
   std::vector<std::string> following_{};
 };
 
-/// Writes the file again with these captions instead of its own. Throws io_error 401.
+namespace detail {
+
+/// The tensors and the metadata of a file without its captions.
+struct FileWithoutCaptions {
+  explicit FileWithoutCaptions(const SafetensorsFile& file);
+
+  std::vector<TensorView> tensors;
+  std::map<std::string, std::string> metadata;
+};
+
+}  // namespace detail
+
+/// Writes the file again with these captions instead of its own. Texts that were tried may differ. Throws io_error 401,
+/// and config_error 102 for other captions if the file has motions for its own.
 void replace_known_captions(const FilePath& path, const KnownCaptions& captions);
 
 /// The captions of a file of ours. encoder: of the same file, with its vectors of words.

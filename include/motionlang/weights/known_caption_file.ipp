@@ -2,7 +2,7 @@
 // Bodies of known_caption_file.hpp.
 #pragma once
 
-#include <algorithm>  // find
+#include <algorithm>  // any_of, equal, find
 #include <limits>     // numbers of texts
 #include <utility>    // move
 
@@ -128,18 +128,29 @@ MOTIONLANG_BODY void StoredCaptions::add_to(std::vector<TensorView>& tensors,
     tensors.push_back(tensor_view(prefix + "done", {std::ssize(done_)}, std::span<const float>(done_)));
 }
 
-MOTIONLANG_BODY void replace_known_captions(const FilePath& path, const KnownCaptions& captions) {
-  const auto file = SafetensorsFile::open(path);
-  std::vector<TensorView> tensors;
+MOTIONLANG_BODY detail::FileWithoutCaptions::FileWithoutCaptions(const SafetensorsFile& file)
+    : metadata(file.metadata()) {
   for (const TensorView& t : file.tensors()) {
     if (!t.name.starts_with(caption_tensors)) tensors.push_back(t);
   }
-  auto metadata = file.metadata();
-  for (const char* entry : {detail::captions_entry, detail::following_entry, detail::nearness_entry})
-    metadata.erase(entry);
+  for (const char* entry : {captions_entry, following_entry, nearness_entry}) metadata.erase(entry);
+}
+
+MOTIONLANG_BODY void replace_known_captions(const FilePath& path, const KnownCaptions& captions) {
+  const auto file = SafetensorsFile::open(path);
+  detail::FileWithoutCaptions rest(file);
+  const bool has_motions = std::any_of(rest.tensors.begin(), rest.tensors.end(),
+                                       [](const TensorView& t) { return t.name.starts_with(memory_tensors); });
+  if (has_motions) {
+    const auto own = detail::lines_of_entry(file, detail::captions_entry);
+    const auto count = captions.actions().size();
+    if (static_cast<std::size_t>(file.tensor(std::string(caption_tensors) + "seconds").shape.count()) != count ||
+        !std::equal(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(count), captions.table().texts().begin()))
+      raise<config_error>(102, file.name(), ": it has motions for its captions, which would belong to others then");
+  }
   const StoredCaptions stored(captions);
-  stored.add_to(tensors, metadata);
-  write_safetensors(path, tensors, metadata);
+  stored.add_to(rest.tensors, rest.metadata);
+  write_safetensors(path, rest.tensors, rest.metadata);
 }
 
 MOTIONLANG_NAMESPACE_END

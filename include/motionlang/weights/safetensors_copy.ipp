@@ -7,7 +7,9 @@
 
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/weights/int8_matrix.hpp>
+#include <motionlang/weights/known_caption_file.hpp>
 #include <motionlang/weights/module_file.hpp>
+#include <motionlang/weights/motion_memory_file.hpp>
 #include <motionlang/weights/safetensors_copy.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -24,6 +26,10 @@ MOTIONLANG_BODY void write_safetensors_copy(const FilePath& path, const WeightFi
   std::list<Int8Matrix> matrices;
   for (const TensorView& t : weights.tensors()) {
     const bool real = t.dtype >= DType::F16 && t.dtype <= DType::F64;
+    if (t.name.starts_with(caption_tensors) || t.name.starts_with(memory_tensors)) {
+      tensors.push_back(t);  // tables of the model, which have types of their own
+      continue;
+    }
     const TensorView* const scales = int8_scales_of(weights, t);
     const bool scaled = scales != nullptr || is_int8_scales(weights, t);
     if (scaled && stored && stored != DType::I8) {

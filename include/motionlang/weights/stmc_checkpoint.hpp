@@ -51,7 +51,8 @@ StmcCheckpoint<B> load_stmc(const FilePath& path, const CheckpointOptions& optio
             .guidance = stmc.guidance,
             .sampling = stmc.sampling,
             .steps = stmc.steps,
-            .fps = stmc.fps};
+            .fps = stmc.fps,
+            .memory = std::move(stmc.memory)};
   };
   if (place.run) {
     PublishedStmc<B> stmc = load_diffusion_run<B>(*place.run, options);

@@ -12,6 +12,7 @@
 #include <motionlang/weights/known_caption_file.hpp>
 #include <motionlang/weights/metadata_number.hpp>
 #include <motionlang/weights/module_file.hpp>
+#include <motionlang/weights/motion_memory_file.hpp>
 #include <motionlang/weights/word_vector_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -82,9 +83,15 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{}, std::move(vectors));
   KeyReport report = load_module_partly(model, file, "", LoadFor::inference);
   std::erase_if(report.unexpected, [](const std::string& name) {
-    return name.starts_with(detail::vector_tensors) || name.starts_with(caption_tensors);
+    return name.starts_with(detail::vector_tensors) || name.starts_with(caption_tensors) ||
+           name.starts_with(memory_tensors);
   });
   if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);
+  if (remembers_motions(file)) {
+    const CaptionEncoder<B>& encoder = model.text_encoder;
+    model.memory =
+        stored_motion_memory(file, stored_known_captions(file, text_vectors(encoder), encoder.vectors), model.fps);
+  }
   return model;
 }
 /// The same from a file. Published models and folders: load_stmc(path, options) of weights/stmc_checkpoint.hpp.

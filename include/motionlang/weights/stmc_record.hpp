@@ -65,6 +65,13 @@ template <Module M>
 RecordModel record_model(const M& model) {
   return {weights_checksum(model), weights_precision(model)};
 }
+/// The same with the motions that the model remembers.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+RecordModel record_model_of(const Stmc<B, D, E>& stmc) {
+  RecordModel out = record_model(stmc);
+  if (stmc.memory) out.checksum += stmc.memory->fingerprint();
+  return out;
+}
 /// Guidance and sampling are set in the options. The timelines go into the store.
 Metadata record_metadata(const RecordAbout& run, const RecordModel& model, std::size_t steps, TensorStore& store);
 /// model   the one that the edit will use
@@ -82,7 +89,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   run.options.sampling = record.options.sampling.value_or(stmc.sampling);
   run.options.guidance = record.options.guidance.value_or(stmc.guidance);
   TensorStore store;
-  auto metadata = detail::record_metadata(run, detail::record_model(stmc), record.x0.size(), store);
+  auto metadata = detail::record_metadata(run, detail::record_model_of(stmc), record.x0.size(), store);
   detail::add_metadata(metadata, about, "record", path.string());
   std::vector<TensorView> views = store.views();
   for (std::size_t k = 0; k < record.x0.size(); ++k) {
@@ -98,7 +105,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
 /// 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
-  detail::RecordAbout run = detail::read_record(file, detail::record_model(stmc), stmc.diffusion.steps());
+  detail::RecordAbout run = detail::read_record(file, detail::record_model_of(stmc), stmc.diffusion.steps());
   const Shape shape{std::ssize(run.timelines) * run.rows, stmc.layout.size};
   StmcRecord<B> out{.timelines = std::move(run.timelines),
                     .rng = run.rng,

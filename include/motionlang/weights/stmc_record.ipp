@@ -74,6 +74,7 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const RecordMod
       {"exact", run.exact ? "1" : "0"},
       {"overlap", text(o.overlap)},
       {"guidance", metadata_real_text(*o.guidance)},
+      {"recall", metadata_real_text(o.recall)},
       {"sampler", std::string(to_string(sampling.sampler))},
       {"eta", metadata_real_text(sampling.eta)},
       {"noise_scale", sampling.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
@@ -120,6 +121,9 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const Recor
                                              .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
+  if (m.contains("recall")) out.options.recall = real("recall");
+  if (const double recall = out.options.recall; !(recall >= 0 && recall <= 1))
+    raise<config_error>(101, name, ": metadata 'recall' = ", recall, " is not in 0 ... 1");
   const bool published = word("noise_scale") != "posterior_std";
   out.options.sampling->noise_scale = published ? NoiseScale::posterior_variance : NoiseScale::posterior_std;
   const Index timelines = metadata_size(m, "timelines", latest_time, name);

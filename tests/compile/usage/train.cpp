@@ -19,6 +19,7 @@
 #include <motionlang/train/part_threads.hpp>
 #include <motionlang/train/presets.hpp>
 #include <motionlang/train/recognition.hpp>
+#include <motionlang/train/remembered_motions.hpp>
 #include <motionlang/train/retrieval_evaluation.hpp>
 #include <motionlang/train/sinc_training.hpp>
 #include <motionlang/train/stmc_start.hpp>
@@ -29,6 +30,7 @@
 #include <motionlang/train/tm2t_tokenizer_training.hpp>
 #include <motionlang/train/tmr_training.hpp>
 #include <motionlang/train/trainer.hpp>
+#include <motionlang/weights/motion_memory_file.hpp>
 
 #include <atomic>
 
@@ -49,6 +51,9 @@ void guo_evaluation(const Tm2tRun<B>& run, const DescribedMotions& data) {
 }
 void learned(const TrainingSet& data, const Stmc<B>& stmc, const StmcModelConfig& config) {
 #include "train/learned_captions.1.inc"
+}
+void remembered(const FilePath& path, const Stmc<B>& stmc) {
+#include "train/remembered_motions.1.inc"
 }
 void body_part_evaluation(const BodyPartTruth& truth, const BodyPartTable& table) {
 #include "train/body_part_evaluation.1.inc"

@@ -61,6 +61,64 @@ TEST_CASE("how long an action takes, and what follows") {
   CHECK_ERROR(ml::KnownCaptions(captions.table(), {{}}, 0), "1 action and 0 shares for 6 texts");
 }
 
+TEST_CASE("a caption comes before the mirror image of another that is as alike") {
+  const Texts texts{"raise the right arm", "raise the left arm"};
+  const ml::KnownCaptions both(ml::TextTable::encoded(texts, counted::vectors), {{}, {}}, 0.5);
+  for (ml::Index row = 0; row < 2; ++row) {
+    const auto meant = both.meant(texts[static_cast<std::size_t>(row)], 1);
+    CHECK(meant[0].row == row);
+    CHECK_FALSE(meant[0].mirrored);
+    const auto also = both.meant(texts[static_cast<std::size_t>(row)], 9);
+    REQUIRE(also.size() == 2);
+    CHECK(also[1].row == 1 - row);
+    CHECK(also[1].mirrored);
+  }
+}
+
+TEST_CASE("a text that is far from all captions means its beginning, if that is a caption") {
+  const auto captions = known();
+  for (const char* text : {"kick xylophone", "he kicks the xylophone", "a person is kicking some xylophones"}) {
+    CHECK_FALSE(captions.knows(text));
+    REQUIRE_MESSAGE(!captions.meant(text, 1).empty(), text);
+    CHECK(captions.meant(text, 1)[0].row == 3);
+    CHECK(captions.action(text)->then == "stand still");
+  }
+  CHECK(captions.meant("kicks hard at a xylophone", 1)[0].row == 4);  // the longest one
+  CHECK(captions.meant("xylophone kick", 1).empty());
+  CHECK(captions.meant("the", 1).empty());
+  for (const char* text : {"raises the right arm at xylophones", "raises the left arm at xylophones"})
+    CHECK(captions.meant(text, 1)[0].row == 2);
+  const auto still = captions.with_captions({"do not sit"}, {{3, true, ""}});
+  CHECK(still.meant("don't sit", 1)[0].row == 6);
+}
+
+TEST_CASE("the captions that a text means") {
+  const auto captions = known();
+  const auto hard = captions.meant("kick hard", 4);
+  REQUIRE(hard.size() == 1);  // "kick" is not nearly as alike
+  CHECK(hard[0].row == 4);
+  CHECK_FALSE(hard[0].mirrored);
+  CHECK(captions.meant("raise the left arm", 1)[0].row == 2);
+  CHECK(captions.meant("raise the left arm", 1)[0].mirrored);
+  CHECK(captions.meant("moonwalk", 9).empty());
+  CHECK(ml::KnownCaptions().meant("walk", 1).empty());
+}
+
+TEST_CASE("captions are added, or get another action; all are encoded anew") {
+  const auto more =
+      known().with_tried({"sit again"}, {0.5}).with_captions({"sit", "kick"}, {{3, false, "sit"}, {9, true, ""}});
+  CHECK(more.actions().size() == 7);
+  CHECK(more.meant("sit", 1)[0].row == 6);
+  CHECK(more.action("sit")->seconds == 3);
+  CHECK(more.actions()[3].seconds == 9);
+  CHECK(*more.success("sit again") == 0.5);
+  Texts all;
+  for (std::size_t i = 0; i < 7; ++i) all.push_back(more.table().texts()[i]);
+  CHECK(more.table().first(7).mean().front() == ml::TextTable::encoded(all, counted::vectors).mean().front());
+  CHECK(ml::KnownCaptions().with_captions({"sit"}, {{}}).empty());
+  CHECK_ERROR(known().with_captions({"sit"}, {}), "[motionlang.shape.205] KnownCaptions: 0 actions for 1 text");
+}
+
 TEST_CASE("texts that were tried tell at what the model often fails, but it does not know them") {
   const auto captions = known().with_tried({"kick hard", "raise the left arm", "sit"}, {0.25, 0.75, 0});
   CHECK(captions.done() == std::vector<double>{0.25, 0.75, 0});
