@@ -38,6 +38,7 @@ void add_train_mdm_actions(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_judge(CLI::App& app);
 void add_gallery(CLI::App& app);
+void add_remember(CLI::App& app);
 void add_studio(CLI::App& app);
 void add_convert(CLI::App& app);  // and strip, view
 void add_body_parts(CLI::App& app);

@@ -35,9 +35,10 @@ void add_commands(CLI::App& app) {
                          add_train_motiondiffuse, add_train_mdm_actions, add_evaluate})
     add(app);
 #endif
-  for (const auto add : {add_studio, add_judge, add_gallery, add_convert, add_body_parts, add_compose, add_join,
-                         add_doctor, add_index, add_search, add_embed, add_describe, add_tokens, add_pack,
-                         add_word_vectors, add_humanml3d, add_study, add_study_count, add_figure})
+  for (const auto add :
+       {add_studio, add_judge,        add_gallery,   add_remember, add_convert,     add_body_parts, add_compose,
+        add_join,   add_doctor,       add_index,     add_search,   add_embed,       add_describe,   add_tokens,
+        add_pack,   add_word_vectors, add_humanml3d, add_study,    add_study_count, add_figure})
     add(app);
 }
 

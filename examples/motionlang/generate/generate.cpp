@@ -353,6 +353,7 @@ void add_generate(CLI::App& app) {
   const auto guidance = c->add_option("--guidance", o->settings.guidance,
                                       "Weight of the text; 1 means no guidance. The default is the model's own")
                             ->check(in_range(0, 100));
+  const auto recall = c->add_option("--recall", o->settings.recall, recall_help)->check(in_range(0, 1));
   c->add_option("--fact", o->settings.fact,
                 "Scale of the latent noise, for ACTOR, TEMOS, TMR, SINC and TEACH: above 1 for more variety, 0 for the "
                 "mean motion. The default is 1, as in training")
@@ -377,8 +378,8 @@ void add_generate(CLI::App& app) {
   const auto reuse = path_option(
       *c, "--reuse", o->reuse,
       "Folder or file of a run with --record. Only what the edited timeline changes is computed; seed, steps, "
-      "sampler, guidance, overlap and cuts are those of that run. The program prints what was reused");
-  for (CLI::Option* option : {seed, steps, sampler, preset, guidance, noise_factor, mode, overlap, noise})
+      "sampler, guidance, recall, overlap and cuts are those of that run. The program prints what was reused");
+  for (CLI::Option* option : {seed, steps, sampler, preset, guidance, recall, noise_factor, mode, overlap, noise})
     reuse->excludes(option);
   c->add_option("--keep-beyond", o->settings.keep_beyond,
                 "Keep frames that are further than this many seconds from an edit. This is an approximation, since the "

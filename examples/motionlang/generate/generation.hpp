@@ -17,6 +17,9 @@ namespace program {
 
 namespace ml = motionlang;
 
+inline constexpr const char* recall_help =
+    "Share of a motion that the weights remember for a text; 0 leaves everything to the network. The default is 0.9";
+
 /// Calls ml::load_motion_model. backend: eigen, xtensor or reference. Throws usage_error 103 for another backend, or
 /// for one other than eigen if texts or actions do not go through STMC. Throws 102 for sources that the model does not
 /// take.

@@ -159,6 +159,7 @@ void add_judge(CLI::App& app) {
   c->add_option("--guidance", o->settings.guidance,
                 "Weight of the text; 1 means no guidance. The default is the model's own")
       ->check(in_range(0, 100));
+  c->add_option("--recall", o->settings.recall, recall_help)->check(in_range(0, 1));
   c->add_option("--steps", o->settings.steps,
                 "Number of denoising steps; 0 takes all. The default is what the weights ask for")
       ->check(not_negative())
