@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Gestures that no free clip shows, laid by hand over people who stand: nods, looks, claps, salutes, shrugs.
+"""Movements laid by hand over people who stand: nods, looks, claps, kicks, turns, jumping jacks.
 
-    gestures.py STANDING... FOLDER
+    gestures.py STANDING... [--walking WALKING...] FOLDER
+    gestures.py --captions STANDING [WALKING]      how many people stand and walk; prints the lines of a table
 
 STANDING are AMASS files (.npz) of people who stand still, at 20 frames per second on the 24 joints of motionlang. Each
-is at least as long as the longest gesture.
+is at least as long as the longest gesture. WALKING are files of people who walk ahead.
 FOLDER receives one .npz for every gesture and person, and the standing itself, which may follow a gesture.
 
-A gesture says where a wrist goes, as seen from the chest in metres (x left, y up, z ahead), or by how many degrees a
-joint turns. Legs, breath and sway are those of the recorded person. examples/training/clips.sh calls this program.
+A gesture says where a wrist goes, as seen from the chest in metres (x left, y up, z ahead), by how many degrees a
+joint turns, how deep the knees bend, or how the figure steps and turns. All else, breath and sway, is the person's.
+examples/training/clips.sh calls this program for the training, and remember.sh for the memory of the bundled weights.
 """
 import os
 import sys
@@ -18,7 +20,10 @@ from pathlib import Path
 import numpy as np
 
 FPS = 20
-HIP, KNEE, SPINE, NECK, COLLAR, HEAD, SHOULDER, ELBOW = (1, 2), (4, 5), (3, 6, 9), 12, (13, 14), 15, (16, 17), (18, 19)
+LEG = 0.40  # thigh and shank, each
+GRAVITY = 9.81
+HIP, KNEE, ANKLE, SPINE = (1, 2), (4, 5), (7, 8), (3, 6, 9)
+NECK, COLLAR, HEAD, SHOULDER, ELBOW = 12, (13, 14), 15, (16, 17), (18, 19)
 SHOULDER_AT, UPPER, FORE = np.array([0.18, 0.16, 0.0]), 0.27, 0.25  # of the left arm, from the chest
 LEFT, RIGHT = 0, 1
 X, Y, Z = np.eye(3)
@@ -84,10 +89,11 @@ def held(t, seconds, rise, fall):
 
 
 class Pose:
-    """Local rotations of one frame, changed by a gesture."""
+    """Local rotations of one frame and the place of the pelvis (z up), changed by a gesture."""
 
-    def __init__(self, rows):
+    def __init__(self, rows, place):
         self.local = [from_vector(v) for v in rows]
+        self.place = place
 
     def turn(self, joint, axis, degrees):
         self.local[joint] = rotation(axis, np.radians(degrees)) @ self.local[joint]
@@ -106,21 +112,70 @@ class Pose:
             self.turn(joint, Z, tilt / 2)
             self.turn(joint, Y, left / 2)
 
+    def trunk(self, left=0.0, ahead=0.0, tilt=0.0):
+        """Turns the chest to the left, bends it ahead and to the right, by degrees in all."""
+        for joint in SPINE:
+            self.turn(joint, X, ahead / 3)
+            self.turn(joint, Z, tilt / 3)
+            self.turn(joint, Y, left / 3)
+
+    def fold(self, side, degrees):
+        """Bends a leg, so that the foot comes up under the hip and stays flat."""
+        self.turn(HIP[side], X, -degrees)
+        self.turn(KNEE[side], X, 2 * degrees)
+        self.turn(ANKLE[side], X, -degrees)
+
+    def rise(self, height):
+        self.place[2] += height
+
+    def crouch(self, degrees):
+        """Bends both legs over feet that stay where they are."""
+        for side in (LEFT, RIGHT):
+            self.fold(side, degrees)
+        self.rise(-2 * LEG * (1 - np.cos(np.radians(degrees))))
+
+    def left(self):
+        """The direction over the floor."""
+        return unit((self.local[0] @ X)[:2])
+
+    def pitch(self, degrees):
+        """Leans the whole figure ahead."""
+        self.local[0] = rotation(np.append(self.left(), 0), np.radians(degrees)) @ self.local[0]
+
+    def ahead(self):
+        """The same of its heading."""
+        x, y = self.left()
+        return np.array([y, -x])
+
+    def yaw(self, degrees):
+        """Turns the whole figure to the left."""
+        self.local[0] = rotation(Z, np.radians(degrees)) @ self.local[0]
+
     def rows(self):
         return np.array([to_vector(m) for m in self.local])
 
 
 # A gesture: seconds, and what it does to a pose at a time. `n`: strength, about 1; `r`: rate, about 1.
+def as_it_is(p, t, s, n, r):
+    """The person alone."""
+
+
 def nod(p, t, s, n, r):
-    p.gaze(up=-held(t, s, 0.3, 0.3) * n * (10 + 14 * np.sin(2 * np.pi * 1.3 * r * t)))
+    down = held(t, s, 0.3, 0.3) * n * np.sin(2 * np.pi * 1.3 * r * t)
+    p.gaze(up=-held(t, s, 0.3, 0.3) * n * 10 - 16 * down)
+    p.trunk(ahead=4 * down)
 
 
 def shake(p, t, s, n, r):
-    p.gaze(left=held(t, s, 0.3, 0.3) * n * 28 * np.sin(2 * np.pi * 1.1 * r * t))
+    left = held(t, s, 0.3, 0.3) * n * np.sin(2 * np.pi * 1.1 * r * t)
+    p.gaze(left=32 * left)
+    p.trunk(left=16 * left)
 
 
 def look_left(p, t, s, n, r):
-    p.gaze(left=held(t, s, 0.6 / r, 0.6 / r) * n * 55)
+    w = held(t, s, 0.6 / r, 0.6 / r) * n
+    p.gaze(left=50 * w)
+    p.trunk(left=14 * w)
 
 
 def look_up(p, t, s, n, r):
@@ -136,7 +191,9 @@ def tilt(p, t, s, n, r):
 
 
 def look_around(p, t, s, n, r):
-    p.gaze(left=held(t, s, 0.4, 0.6) * n * 55 * np.sin(2 * np.pi * t / s), up=6 * np.sin(2 * np.pi * t / s * 2))
+    left = held(t, s, 0.4, 0.6) * n * np.sin(3 * np.pi * t / s)
+    p.gaze(left=45 * left, up=6 * np.sin(2 * np.pi * t / s * 2))
+    p.trunk(left=42 * left)
 
 
 def twist(p, t, s, n, r):
@@ -158,7 +215,9 @@ def clap(p, t, s, n, r):
 
 
 def salute(p, t, s, n, r):
-    p.reach(RIGHT, (-0.16, 0.36, 0.13), (-1, 0.1, 0.1), held(t, s, 0.5 / r, 0.5 / r))
+    w = held(t, s, 0.5 / r, 0.5 / r)
+    p.reach(RIGHT, (-0.16, 0.36, 0.13), (-1, 0.1, 0.1), w)
+    p.trunk(left=11 * w * np.sin(2 * np.pi * 0.5 * r * t))
 
 
 def wave(p, t, s, n, r):
@@ -173,7 +232,9 @@ def wave_both(p, t, s, n, r):
 
 
 def point_ahead(p, t, s, n, r):
-    p.reach(RIGHT, (-0.14, 0.15, 0.52), (-0.4, -1, 0), held(t, s, 0.5 / r, 0.5 / r))
+    w, again = held(t, s, 0.5 / r, 0.5 / r), np.sin(2 * np.pi * 1.3 * r * t)
+    p.reach(RIGHT, (-0.14, 0.15 + 0.03 * again, 0.47 + 0.05 * again), (-0.4, -1, 0), w)
+    p.trunk(left=w * (10 + 8 * again), ahead=5 * w)
 
 
 def point_aside(p, t, s, n, r):
@@ -217,6 +278,7 @@ def cross_arms(p, t, s, n, r):
     w = held(t, s, 0.7 / r, 0.7 / r)
     p.reach(LEFT, (-0.08, 0.0, 0.20), (0.8, -1, 0), w)
     p.reach(RIGHT, (0.08, 0.03, 0.24), (-0.8, -1, 0), w)
+    p.trunk(left=9 * w * np.sin(2 * np.pi * 0.5 * r * t), tilt=3 * w * np.sin(2 * np.pi * 0.3 * r * t))
 
 
 def shrug(p, t, s, n, r):
@@ -242,6 +304,295 @@ def march(p, t, s, n, r):
         p.turn(SHOULDER[side], X, 30 * step)  # the arm swings against its leg
 
 
+def strike(t, begin, out, back):
+    """From 0 to 1 in `out` seconds from `begin` on, and back in `back` seconds."""
+    return ease((t - begin) / out) * (1 - ease((t - begin - out - 0.05) / back))
+
+
+def guard(p, side, ahead, w):
+    """A fist before the chin, which goes ahead by a share."""
+    out = 1 if side == LEFT else -1
+    p.reach(side, (out * (0.14 - 0.05 * ahead), 0.12 + 0.03 * ahead, 0.17 + 0.34 * ahead), (out * 0.7, -1, -0.2), w)
+
+
+def punch(p, t, s, n, r):
+    w, hit = held(t, s, 0.45, 0.6), strike(t, 0.75, 0.2 / r, 0.35)
+    guard(p, LEFT, 0, w)
+    guard(p, RIGHT, hit, w)
+    p.trunk(left=22 * n * hit - 8 * w * (1 - hit), ahead=6 * w)
+    p.crouch(10 * w)
+
+
+def box(p, t, s, n, r):
+    w = held(t, s, 0.5, 0.6)
+    hits = [0.0, 0.0]
+    for k, begin in enumerate(np.arange(0.6, s - 1.0, 0.42 / r)):
+        hits[k % 2] = max(hits[k % 2], strike(t, begin, 0.17, 0.25))
+    guard(p, LEFT, hits[LEFT], w)
+    guard(p, RIGHT, hits[RIGHT], w)
+    p.trunk(left=18 * n * (hits[RIGHT] - hits[LEFT]), ahead=8 * w)
+    p.crouch(w * (12 + 4 * np.sin(2 * np.pi * 1.2 * r * t)))
+
+
+def throw(p, t, s, n, r):
+    back, ahead = ease(t / 0.8) * (1 - ease((t - 1.0) / 0.2)), strike(t, 1.0, 0.22 / r, 0.9)
+    w = held(t, s, 0.6, 0.7)
+    x, y, z = np.array([-0.42, 0.30, -0.16]) * (1 - ahead) + np.array([-0.12, 0.10, 0.48]) * ahead
+    p.reach(RIGHT, (x, y, z), (-1, -0.3, -0.3), w)
+    p.reach(LEFT, (0.26, 0.05, 0.30), (1, -0.8, 0), w * back)
+    p.trunk(left=32 * n * ahead - 28 * n * back, ahead=14 * ahead - 6 * back)
+    p.crouch(14 * max(back, ahead))
+
+
+def stretch(p, t, s, n, r):
+    w = held(t, s, 1.0 / r, 1.0 / r)
+    side = np.sin(2 * np.pi * (t - 1.0) / (s - 2.0)) if 1.0 < t < s - 1.0 else 0.0
+    for arm_side, out in ((LEFT, 1), (RIGHT, -1)):
+        p.reach(arm_side, (out * 0.16, 0.66, -0.02), (out, 0.1, 0.2), w)
+    p.trunk(ahead=-10 * n * w, tilt=20 * n * side)
+    p.gaze(up=14 * w)
+
+
+def kick(p, t, s, n, r):
+    back, out = ease(t / 0.7) * (1 - ease((t - 0.8) / 0.15)), strike(t, 0.8, 0.25 / r, 0.55)
+    p.turn(HIP[RIGHT], X, 20 * back - 78 * n * out)
+    p.turn(KNEE[RIGHT], X, 26 * back + 14 * out)
+    p.fold(LEFT, 8 * max(back, out))
+    p.rise(-2 * LEG * (1 - np.cos(np.radians(8 * max(back, out)))))
+    p.trunk(ahead=8 * back - 12 * out, left=10 * out)
+    for side, away in ((LEFT, 1), (RIGHT, -1)):
+        p.reach(side, (away * 0.36, -0.12, 0.20 * (1 if side == LEFT else -0.4)), (away, -0.6, -0.5), max(back, out))
+
+
+def dance(p, t, s, n, r):
+    w, beat = held(t, s, 0.4, 0.5), 2 * np.pi * 1.15 * r * t
+    sway = np.sin(beat)
+    p.place[:2] += w * 0.05 * sway * p.left()
+    for side, out in ((LEFT, 1), (RIGHT, -1)):
+        p.fold(side, w * n * 48 * max(0.0, out * sway) ** 0.8)
+        p.reach(side, (out * 0.36, 0.12 + 0.24 * out * sway, 0.22 + 0.08 * np.cos(beat)), (out, -0.8, -0.2), w)
+    p.trunk(left=16 * w * sway, tilt=8 * w * sway, ahead=4 * w * np.cos(2 * beat))
+    p.gaze(tilt=8 * w * sway)
+
+
+def squat(p, t, s, n, r):
+    w = held(t, s, 1.0 / r, 1.0 / r)
+    p.crouch(62 * min(1, n) * w)
+    p.pitch(14 * w)
+    p.trunk(ahead=16 * w)
+    for side, out in ((LEFT, 1), (RIGHT, -1)):
+        p.turn(HIP[side], X, -14 * w)
+        p.reach(side, (out * 0.16, 0.02, 0.46), (out * 0.4, -1, 0), w)
+
+
+def pick_up(p, t, s, n, r):
+    w = held(t, s, 1.1 / r, 1.1 / r)
+    p.crouch(66 * w)
+    p.pitch(38 * w)
+    p.trunk(ahead=48 * w)
+    for side in (LEFT, RIGHT):
+        p.turn(HIP[side], X, -38 * w)
+    p.reach(RIGHT, (-0.10, -0.38, 0.28), (-1, 0, -0.2), w)
+    p.gaze(up=-10 * w)
+
+
+def leap(p, t, begin, air, degrees):
+    """A jump on the spot: down, up into the air for `air` seconds from `begin` on, and down again into the knees."""
+    into, flight = ease((t - begin + 0.45) / 0.3), (t - begin) / air
+    if flight < 0:
+        p.crouch(degrees * into * (1 - ease((t - begin + 0.15) / 0.15)))
+    elif flight < 1:
+        p.rise(GRAVITY / 2 * (t - begin) * (begin + air - t))
+    else:
+        after = t - begin - air
+        p.crouch(0.8 * degrees * ease(after / 0.12) * (1 - ease((after - 0.12) / 0.35)))
+    return into * (1 - ease((t - begin - air) / 0.4))
+
+
+def jump_up_and_down(p, t, s, n, r):
+    arms = leap(p, t, 0.6 if t < 1.5 else 2.0, 0.36, 38)
+    for side, out in ((LEFT, 1), (RIGHT, -1)):
+        p.reach(side, (out * 0.28, 0.0, 0.26), (out, -0.6, -0.4), 0.8 * arms)
+
+
+def hop(p, t, s, n, r):
+    w = held(t, s, 0.4, 0.4)
+    p.turn(HIP[RIGHT], X, -20 * w)
+    p.turn(KNEE[RIGHT], X, 80 * w)
+    for begin in (0.8, 1.5, 2.2):
+        if begin - 0.35 <= t < begin + 0.35:
+            flight = (t - begin) / 0.28
+            if 0 <= flight < 1:
+                p.rise(GRAVITY / 2 * 0.28**2 * flight * (1 - flight))
+            else:
+                away = (begin - t) / 0.35 if t < begin else (t - begin - 0.28) / 0.07
+                bend = 16 * np.sin(np.pi * np.clip(away, 0, 1))
+                p.fold(LEFT, bend)
+                p.rise(-2 * LEG * (1 - np.cos(np.radians(bend))))
+    for side, out in ((LEFT, 1), (RIGHT, -1)):
+        p.reach(side, (out * 0.40, -0.10, 0.10), (out, -0.6, -0.4), 0.8 * w)
+    p.trunk(ahead=6 * w)
+
+
+def jumping_jacks(p, t, s, n, r):
+    beats, air = np.arange(0.4, s - 0.7, 0.5), 0.28
+    apart = 0.0
+    for k, begin in enumerate(beats):
+        share = ease((t - begin) / air)
+        apart = share if k % 2 == 0 and t >= begin else 1 - share if t >= begin else apart
+        if begin <= t < begin + air:
+            p.rise(GRAVITY / 2 * (t - begin) * (begin + air - t))
+        for edge in (begin, begin + air):
+            p.crouch(9 * max(0.0, 1 - abs(t - edge) / 0.11))
+    if len(beats) % 2:
+        apart *= 1 - ease((t - s + 0.5) / 0.4)
+    for side, out in ((LEFT, 1), (RIGHT, -1)):
+        p.turn(HIP[side], Z, out * 15 * apart)
+        p.turn(ANKLE[side], Z, -out * 15 * apart)
+        up = 160 * apart  # of the arm, from hanging
+        angle = np.radians(up - 82)
+        wrist = SHOULDER_AT * [out, 1, 1] + 0.48 * np.array([out * np.cos(angle), np.sin(angle), 0.12])
+        p.reach(side, wrist, (out * 0.2, 0.3, -1), held(t, s, 0.3, 0.3))
+    p.rise(-2 * LEG * (1 - np.cos(np.radians(15 * apart))))
+
+
+def steps_round(p, t, s, degrees, step):
+    """Turns on the spot by steps: the figure turns steadily, and each foot stands while the other one steps."""
+    rest = 0.3
+    turn = lambda at: degrees * ease_in((at - rest) / (s - 2 * rest))
+    p.yaw(turn(t))
+    begins = np.arange(rest, s - rest - 0.5 * step, step)
+    for side, out in ((LEFT, 1), (RIGHT, -1)):
+        foot, lift = 0.0, 0.0
+        for k, begin in enumerate(begins):
+            if k % 2 != (0 if degrees > 0 else 1) ^ side:
+                continue
+            end = begin + step
+            goal = degrees if k >= len(begins) - 2 else turn(min(s, end + 0.5 * step))
+            if t >= begin:
+                foot += (goal - foot) * ease((t - begin) / step)
+            if begin < t < end:
+                lift = np.sin(np.pi * (t - begin) / step)
+        behind = np.radians(foot - turn(t))
+        shift = out * 0.09 * np.array([np.cos(behind) - 1, -np.sin(behind)])  # to the left and ahead
+        reach = 2 * LEG
+        p.fold(side, 24 * lift)
+        p.turn(HIP[side], Y, np.degrees(behind))
+        p.turn(HIP[side], X, -np.degrees(shift[1] / reach))
+        p.turn(HIP[side], Z, np.degrees(shift[0] / reach))
+    p.gaze(left=np.sign(degrees) * 8 * held(t, s, 0.4, 0.6))
+
+
+def ease_in(t):
+    """From 0 to 1, steady in the middle."""
+    t = np.clip(t, 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+def turn_left(p, t, s, n, r):
+    steps_round(p, t, s, 90, 0.45)
+
+
+def turn_around(p, t, s, n, r):
+    steps_round(p, t, s, 180, 0.42)
+
+
+def spin(p, t, s, n, r):
+    steps_round(p, t, s, 360, 0.34)
+    for side, out in ((LEFT, 1), (RIGHT, -1)):
+        p.reach(side, (out * 0.50, 0.02, 0.10), (out * 0.3, -1, -0.3), held(t, s, 0.6, 0.7))
+
+
+def raised(p, sides, share):
+    """Arms on their way up: first ahead of the chest, then above the head."""
+    for side in sides:
+        out = 1 if side == LEFT else -1
+        low, high = np.array([out * 0.30, 0.06, 0.36]), np.array([out * 0.20, 0.64, 0.08])
+        p.reach(side, low + (high - low) * max(0, 2 * share - 1), (out, -0.6, -0.3), min(1, 2 * share))
+
+
+def raise_both_arms(p, t, s, n, r):
+    raised(p, (LEFT, RIGHT), ease(t / 1.6))
+
+
+def hold_both_arms_up(p, t, s, n, r):
+    raised(p, (LEFT, RIGHT), 1)
+
+
+def raise_right_arm(p, t, s, n, r):
+    raised(p, (RIGHT,), ease(t / 1.6))
+
+
+def hold_right_arm_up(p, t, s, n, r):
+    raised(p, (RIGHT,), 1)
+
+
+def seat(p, share):
+    """Sits on a stool that is as high as the knees: the shanks stay where they are."""
+    bent = np.radians(86 * share)
+    for side in (LEFT, RIGHT):
+        p.turn(HIP[side], X, -86 * share)
+        p.turn(KNEE[side], X, 86 * share)
+    p.place[:2] -= LEG * np.sin(bent) * p.ahead()
+    p.rise(-LEG * (1 - np.cos(bent)))
+
+
+def sit(p, t, s, n, r):
+    share = ease((t - 0.2) / 1.5)
+    seat(p, share)
+    p.trunk(ahead=38 * np.sin(np.pi * share) + 4 * share)
+    for side, out in ((LEFT, 1), (RIGHT, -1)):
+        p.reach(side, (out * 0.16, -0.22, 0.34), (out, -0.6, -0.3), share)
+
+
+def stay_seated(p, t, s, n, r):
+    sit(p, 9, s, n, r)
+
+
+def kneel(p, t, s, n, r):
+    share = ease((t - 0.2) / 1.6)
+    p.turn(HIP[LEFT], X, -88 * share)
+    p.turn(KNEE[LEFT], X, 88 * share)
+    p.turn(HIP[RIGHT], X, 4 * share)
+    p.turn(KNEE[RIGHT], X, 92 * share)
+    p.turn(ANKLE[RIGHT], X, 40 * share)
+    p.rise(-0.42 * (1 - np.cos(np.pi / 2 * share)))
+    p.trunk(ahead=18 * np.sin(np.pi * share) + 5 * share)
+
+
+def stay_kneeling(p, t, s, n, r):
+    kneel(p, 9, s, n, r)
+
+
+def lean_forward(p, t, s, n, r):
+    w = held(t, s, 1.0 / r, 1.0 / r)
+    p.pitch(38 * w)
+    for side in (LEFT, RIGHT):
+        p.turn(HIP[side], X, -38 * w)
+    p.trunk(ahead=36 * w)
+    p.gaze(up=-8 * w)
+
+
+def jump_forward(p, t, s, n, r):
+    begin, air, way = 1.2, 0.42, 0.75 * min(1.1, n)
+    into, after = ease((t - 0.2) / 0.85), 1 - ease((t - begin - air - 0.1) / 1.1)
+    if begin <= t < begin + air:
+        p.rise(GRAVITY / 2 * (t - begin) * (begin + air - t))
+    elif t < begin:
+        p.crouch(46 * into * (1 - ease((t - begin + 0.15) / 0.15)))
+    else:
+        p.crouch(40 * ease((t - begin - air) / 0.12) * after)
+    arms, swing = into * after, ease((t - begin + 0.25) / 0.3)
+    flown = np.clip((t - begin) / air, 0, 1)
+    p.place[:2] += way * flown * p.ahead()
+    bent = np.sin(np.pi * flown) * 30
+    for side, out in ((LEFT, 1), (RIGHT, -1)):
+        p.fold(side, bent)
+        p.turn(HIP[side], X, -14 * np.sin(np.pi * flown))
+        p.reach(side, (out * 0.30, -0.20 + 0.25 * swing, -0.25 + 0.61 * swing), (out, -0.6, -0.4), 0.9 * arms)
+    p.trunk(ahead=16 * arms)
+
+
 ARMS, HEADS, TRUNK = "left arm,right arm", "head", "spine,head"
 # name: function, seconds, parts, captions
 GESTURES = {
@@ -250,59 +601,60 @@ GESTURES = {
         "nod | nod the head | nod yes | a person nods | someone nods the head | nodding | say yes with the head"),
     "shake_the_head": (
         shake, 2.8, HEADS,
-        "shake the head | shake your head | a person shakes the head | shaking the head | say no with the head | "
-        "someone shakes the head no"),
+        "shake the head | shake your head | say no | a person shakes the head | shaking the head | say no with the "
+        "head | someone shakes the head no"),
     "look_to_the_left": (
         look_left, 3.0, HEADS,
         "look to the left | look left | turn the head to the left | a person looks to the left | looking left | "
         "someone turns the head left"),
     "look_up": (
         look_up, 3.0, HEADS,
-        "look up | raise the head and look up | a person looks up | looking up | look at the sky | "
-        "someone looks up at the sky"),
+        "look up | raise the head and look up | a person looks up | looking up | look at the sky | someone looks up "
+        "at the sky"),
     "look_down": (
         look_down, 3.0, HEADS,
-        "look down | lower the head | a person looks down | looking down | look at the floor | "
-        "someone lowers the head"),
+        "look down | lower the head | a person looks down | looking down | look at the floor | someone lowers the "
+        "head"),
     "tilt_the_head": (
         tilt, 2.8, HEADS,
-        "tilt the head to the right | a person tilts the head to the right | lean the head to the right | "
-        "tilting the head right"),
+        "tilt the head to the right | a person tilts the head to the right | lean the head to the right | tilting "
+        "the head right"),
     "look_around": (
         look_around, 4.0, HEADS,
-        "look around | look about | a person looks around | looking around | look to the left and to the right | "
-        "someone looks around"),
+        "look around | look around in the room | look about | a person looks around | looking around | look to the "
+        "left and to the right | someone looks around"),
     "twist": (
         twist, 3.6, TRUNK,
-        "twist the upper body | twist the trunk | a person twists the upper body | twisting the torso | "
-        "turn the upper body from side to side | rotate the torso left and right"),
+        "twist the upper body | twist the trunk | a person twists the upper body | twisting the torso | turn the "
+        "upper body from side to side | rotate the torso left and right"),
     "bow": (
-        bow, 3.2, TRUNK,
+        bow, 4.0, TRUNK,
         "bow | take a bow | a person bows | bowing | bow politely | someone bows to the audience"),
     "clap": (
         clap, 3.2, ARMS,
-        "clap | clap your hands | clap the hands | a person claps | a person is clapping | clapping | applaud | "
-        "someone applauds"),
+        "clap | clap twice | clap your hands | clap the hands | a person claps | a person is clapping | clapping | "
+        "applaud | someone applauds"),
     "salute": (
-        salute, 2.8, "right arm",
-        "salute | salute with the right hand | a person salutes | saluting | a soldier salutes | "
-        "raise the right hand to the forehead in a salute"),
+        salute, 3.6, "right arm",
+        "salute | salute with the right hand | a person salutes | saluting | a soldier salutes | raise the right "
+        "hand to the forehead in a salute"),
     "wave": (
         wave, 3.2, "right arm",
-        "wave | wave hello | wave with the right hand | a person waves with the right hand | waving | "
-        "wave goodbye | say hello with the right hand | greet someone"),
+        "wave | wave hello | give a small wave | give a wave | wave the hand | wave to someone | wave with the right "
+        "hand | a person waves with the right hand | waving | wave goodbye | say hello with the right hand | greet "
+        "someone"),
     "wave_both": (
         wave_both, 3.4, ARMS,
-        "wave with both arms | wave both hands overhead | a person waves with both arms | "
-        "waving both arms above the head | signal with both arms"),
+        "wave with both arms | wave both hands overhead | a person waves with both arms | waving both arms above the "
+        "head | signal with both arms"),
     "point_forward": (
         point_ahead, 2.8, "right arm",
         "point forward | point ahead | point forward with the right hand | a person points forward | pointing | "
         "point at something | point at something in front"),
     "point_to_the_right": (
         point_aside, 2.8, "right arm,head",
-        "point to the right | a person points to the right | pointing to the right with the right hand | "
-        "point to the right side"),
+        "point to the right | a person points to the right | pointing to the right with the right hand | point to "
+        "the right side"),
     "point_up": (
         point_up, 2.8, "right arm",
         "point up | point at the sky | a person points up with the right hand | pointing up"),
@@ -316,43 +668,187 @@ GESTURES = {
         "phoning | answer the phone"),
     "scratch_the_head": (
         scratch, 3.4, "right arm",
-        "scratch the head | scratch your head | a person scratches the head | "
-        "scratching the head with the right hand"),
+        "scratch the head | scratch your head | a person scratches the head | scratching the head with the right "
+        "hand"),
     "hands_on_head": (
         hands_on_head, 3.4, ARMS,
-        "put both hands on the head | hands on the head | a person puts the hands on the head | "
-        "place both hands on top of the head | holding the head with both hands"),
+        "put both hands on the head | hands on the head | a person puts the hands on the head | place both hands on "
+        "top of the head | holding the head with both hands"),
     "cover_face": (
         cover_face, 3.2, ARMS,
-        "cover the face | cover the face with both hands | a person covers the face | covering the eyes | "
-        "hide the face in the hands | cry"),
+        "cover the face | cover the face with both hands | a person covers the face | covering the eyes | hide the "
+        "face in the hands | cry"),
     "cross_arms": (
         cross_arms, 3.8, ARMS,
-        "cross the arms | fold the arms | cross your arms | a person crosses the arms | "
-        "folding both arms in front of the chest | stand with crossed arms"),
+        "cross the arms | fold the arms | cross your arms | a person crosses the arms | folding both arms in front "
+        "of the chest | stand with crossed arms"),
     "shrug": (
         shrug, 2.6, ARMS,
         "shrug | shrug the shoulders | a person shrugs | shrugging | raise both shoulders and open the hands | "
         "someone shrugs the shoulders"),
     "push": (
         push, 2.8, ARMS,
-        "push something | push something away | push with both hands | a person pushes with both hands | pushing | "
-        "push forward with both hands"),
+        "push | push a door | push something | push something away | push with both hands | a person pushes with "
+        "both hands | pushing | push forward with both hands"),
+    "punch": (
+        punch, 2.2, "right arm,spine",
+        "punch | punch with the right hand | a person punches | punching | throw a punch | someone punches ahead | "
+        "the person throws a punch | punch forward | punch someone | punch hard | hit someone with the fist"),
+    "box": (
+        box, 4.0, ARMS,
+        "box | a person boxes | boxing | shadow boxing | throw punches | fight with the fists | someone is boxing"),
+    "throw": (
+        throw, 2.6, "right arm,spine",
+        "throw a ball | throw | throw something | a person throws a ball | throwing a ball with the right hand | "
+        "throw a stone with the right hand | throw a stone | throw a ball with the right hand | toss something far "
+        "away | toss a ball | toss | a person throws something | throw something far away"),
+    "stretch": (
+        stretch, 4.4, "left arm,right arm,spine",
+        "stretch | stretch the arms | stretch both arms upward | a person stretches | stretching | stretch the whole "
+        "body | someone stretches after sleeping"),
+    "kick": (
+        kick, 2.2, "legs",
+        "kick | kick a ball | kick with the right foot | a person kicks a ball | a person kicks | kicking | give a "
+        "kick | kick something | kick a door open | kick forward | kick high | kick hard | do a high kick | someone "
+        "kicks with the right leg"),
+    "dance": (
+        dance, 4.4, "left arm,right arm,legs,spine",
+        "dance | dance around | dance with the whole body | a person dances | dancing | dance on the spot | someone "
+        "dances to music | do a dance"),
+    "squat": (
+        squat, 3.4, "legs",
+        "squat | do a squat | do squats | doing two squats | squat down and up | a person squats | squatting | squat "
+        "and come up again | do a knee bend"),
+    "pick_up": (
+        pick_up, 3.4, "right arm,spine,legs",
+        "pick something up | pick up | grab something from the floor | pick up an object | pick up something from "
+        "the floor | a person picks something up | picking up an object from the ground | lift something from the "
+        "floor"),
+    "jump_up_and_down": (
+        jump_up_and_down, 3.0, "legs",
+        "jump up and down | jump on the spot | a person jumps up and down | jumping up and down | jump twice"),
+    "hop": (
+        hop, 3.0, "legs",
+        "hop on one leg | hop | hop on the spot | hop up and down | hop on the left foot | a person hops on one leg "
+        "| hopping on one foot"),
+    "jumping_jacks": (
+        jumping_jacks, 3.7, "left arm,right arm,legs",
+        "do jumping jacks | jumping jacks | jumping jack | a person does jumping jacks | doing jumping jacks"),
+    "turn_around": (
+        turn_around, 2.7, "legs",
+        "turn around | turn round | turn 180 degrees | a person turns around | turning around | turn to look back | "
+        "turn halfway round"),
+    "spin": (
+        spin, 3.6, "legs",
+        "spin around | spin | rotate | rotate all the way round | a person spins around | spinning around | turn in "
+        "a full circle | turn all the way round on the spot"),
+    "stand_still": (
+        as_it_is, 4.4, "left arm,right arm,legs,spine,head",
+        "stand still | do not move | stand motionless | stay where you are | remain standing | a person stands still "
+        "| someone does not move"),
+    "lean_forward": (
+        lean_forward, 3.2, "spine",
+        "lean forward | a person leans forward | leaning forward | bend forward | bend over | bend the upper body "
+        "forward | bend forward at the hips | a person bends forward | someone bends down"),
+    "jump_forward": (
+        jump_forward, 3.2, "legs",
+        "jump forward | jump ahead | leap forward | jump to the front | a person jumps forward | a person jumps "
+        "ahead | someone leaps ahead | someone leaps forward | do a long jump | jump far"),
+    "turn_left": (
+        turn_left, 2.6, "legs",
+        "turn left | turn to the left | turning left | someone turns left | rotate to the left | a person rotates to "
+        "the left | make a left turn on the spot"),
+    "raise_both_arms": (
+        raise_both_arms, 2.2, ARMS,
+        "raise both arms | raise both hands | both hands up | put both hands up | arms up | lift both arms | a "
+        "person raises both arms | someone puts the hands up"),
+    "hold_both_arms_up": (
+        hold_both_arms_up, 3.0, ARMS, "keep both hands up | hold both arms up | hold both hands up"),
+    "raise_right_arm": (
+        raise_right_arm, 2.2, "right arm",
+        "raise the right arm | raise the right hand | right arm up | the right hand goes up | put the right hand up "
+        "| lift the right arm | lift the right hand | a person raises the right arm"),
+    "hold_right_arm_up": (
+        hold_right_arm_up, 3.0, "right arm", "keep the right hand up | hold the right arm up | hold the right hand up"),
+    "sit_on_a_chair": (
+        sit, 2.0, "legs,spine",
+        "sit down on a chair | take a seat on the chair | seat yourself on a chair | a person sits on a chair"),
+    "stay_seated": (
+        stay_seated, 3.0, "legs,spine", "stay on the chair | remain on the chair | keep sitting on the chair"),
+    "kneel": (
+        kneel, 2.2, "legs",
+        "kneel down | kneel | kneel on one knee | a person kneels down | kneeling down | go down on one knee"),
+    "stay_kneeling": (
+        stay_kneeling, 3.0, "legs", "stay on one knee | remain on one knee | keep kneeling on one knee"),
     "march": (
         march, 4.2, "left arm,right arm,legs",
-        "march | march in place | march on the spot | a person marches on the spot | marching | "
-        "a soldier marches in place | lift the knees in turn"),
+        "march | march in place | march on the spot | a person marches on the spot | marching | a soldier marches in "
+        "place | lift the knees in turn"),
 }
 
 
-def person_of(path):
-    """The arrays of a file of STANDING. It is refused at another rate, or if a gesture is longer."""
+HELD = {"raise_both_arms", "raise_right_arm", "sit_on_a_chair", "kneel"}  # gestures whose last pose may be held
+
+# The same over people who walk: also how fast their walk is played, and by how many degrees it turns to the left.
+def walk_on(p, t, s, n, r):
+    p.gaze(left=10)
+
+
+def sneak(p, t, s, n, r):
+    p.crouch(24)
+    p.pitch(12)
+    p.trunk(ahead=24)
+    for side, out in ((LEFT, 1), (RIGHT, -1)):
+        p.turn(HIP[side], X, -12)
+        p.reach(side, (out * 0.20, -0.02 + 0.05 * out * np.sin(2 * np.pi * 0.5 * t), 0.30), (out, -0.8, -0.2), 1)
+    p.gaze(left=16 * np.sin(2 * np.pi * 0.35 * t), up=22)
+
+
+def skip(p, t, s, n, r):
+    air, beat = 0.28, 0.56
+    phase = (t - 0.2) % beat
+    if phase < air:
+        p.rise(GRAVITY / 2 * phase * (air - phase))
+        p.fold(int((t - 0.2) / beat) % 2, 30 * np.sin(np.pi * phase / air))
+    for side, out in ((LEFT, 1), (RIGHT, -1)):
+        p.turn(SHOULDER[side], X, 14 * out * np.sin(np.pi * (t - 0.2) / beat))
+
+
+WALKS = {
+    "walk_in_a_circle": (
+        walk_on, 5.2, "legs",
+        "walk in a circle | a person walks in a circle | walking in a circle | walk around in a circle | walk in "
+        "circles | walk a full circle", 1.0, 360),
+    "walk_backwards": (
+        as_it_is, 4.6, "legs",
+        "walk backwards | a person walks backwards | walking backwards | walk back | walk in reverse | step back | "
+        "step backward | go back | go some steps back | move backwards | move back | walk backward | back away | "
+        "someone goes backwards",
+        -0.8, 0),
+    "walk_slowly": (
+        as_it_is, 5.0, "legs",
+        "walk slowly | a person walks slowly | walking slowly | stroll | take a stroll | someone is strolling | "
+        "walk at a slow pace | a person walks at a slow pace | take a slow walk | someone walks very slowly | walk "
+        "really slowly | walk leisurely",
+        0.55, 0),
+    "skip": (
+        skip, 4.0, "legs",
+        "skip | skip along | a person skips | skipping | skip forward | someone skips ahead like a child", 0.9, 0),
+    "sneak": (
+        sneak, 5.0, "left arm,right arm,legs,spine,head",
+        "sneak | tiptoe | a person sneaks | sneaking | sneak forward | sneak along quietly | creep | tiptoe quietly "
+        "| walk stealthily", 0.6, 0),
+}
+
+
+def person_of(path, gestures):
+    """The arrays of a file. It is refused at another rate, or if a gesture is longer."""
     with np.load(path) as file:
         person = dict(file)
     rate = float(person.get("mocap_frame_rate", person.get("mocap_framerate", 0)))
     if rate != FPS:
         sys.exit(f"{path}: {rate:g} frames per second, expected {FPS}")
-    frames, least = len(person["poses"]), max(int(seconds * FPS) for _, seconds, _, _ in GESTURES.values())
+    frames, least = len(person["poses"]), max(int(seconds * FPS) for _, seconds, *_ in gestures.values())
     if frames < least:
         sys.exit(f"{path}: {frames} frames, the longest gesture has {least}")
     return person
@@ -371,10 +867,46 @@ def write(path, arrays):
     os.replace(written, path)
 
 
+def slower(person, speed, count):
+    """`count` frames of a clip that is played at a share of its speed, from its end if that is below 0."""
+    at = np.arange(count) * abs(speed)
+    at = at[::-1] if speed < 0 else at
+    before, share = at.astype(int), (at % 1.0)[:, None]
+    after = np.minimum(before + 1, len(person["poses"]) - 1)
+    poses, places = person["poses"], person["trans"]
+    mixed = poses[before].copy()
+    for f in range(count):
+        rows = [[from_vector(v) for v in poses[i, :72].reshape(24, 3)] for i in (before[f], after[f])]
+        mixed[f, :72] = np.array([to_vector(between(x, y, share[f, 0])) for x, y in zip(*rows)]).ravel()
+    return {**part_of(person, 0, count), "poses": mixed, "trans": (1 - share) * places[before] + share * places[after]}
+
+
+def bend(poses, places, degrees):
+    """Turns a path by so many degrees in all, evenly over time."""
+    ways, count = np.diff(places, axis=0), len(places)
+    for f in range(1, count):
+        turn = rotation(Z, np.radians(degrees * f / (count - 1)))
+        poses[f, :3] = to_vector(turn @ from_vector(poses[f, :3]))
+        places[f] = places[f - 1] + turn @ ways[f - 1]
+
+
+def lay(part, gesture, strength, rate):
+    """A gesture over a clip of its length."""
+    poses, places = part["poses"].copy(), part["trans"].copy()
+    for f in range(len(poses)):
+        pose = Pose(poses[f, :72].reshape(24, 3), places[f])
+        gesture(pose, f / FPS, len(poses) / FPS, strength, rate)
+        poses[f, :72] = pose.rows().ravel()
+    return {**part, "poses": poses, "trans": places}
+
+
 def main(arguments):
-    *standing, folder = arguments
+    *clips, folder = arguments
+    standing, walking = (clips[: clips.index("--walking")], clips[clips.index("--walking") + 1 :]) \
+        if "--walking" in clips else (clips, [])
     folder = Path(folder)
-    people = [person_of(path) for path in standing]
+    people = [person_of(path, GESTURES) for path in standing]
+    walkers = [person_of(path, WALKS) for path in walking]
     folder.mkdir(parents=True, exist_ok=True)
     for k, person in enumerate(people):
         frames = len(person["poses"])
@@ -384,25 +916,28 @@ def main(arguments):
             strength, rate = rng.uniform(0.85, 1.2), rng.uniform(0.85, 1.2)
             count = int(seconds * FPS)
             first = int(rng.integers(0, max(1, frames - count)))
-            part = part_of(person, first, count)
-            poses = part["poses"].copy()
-            for f in range(count):
-                pose = Pose(poses[f, :72].reshape(24, 3))
-                gesture(pose, f / FPS, count / FPS, strength, rate)
-                poses[f, :72] = pose.rows().ravel()
-            write(folder / f"{name}_{k}.npz", {**part, "poses": poses})
+            write(folder / f"{name}_{k}.npz", lay(part_of(person, first, count), gesture, strength, rate))
+    for k, person in enumerate(walkers):
+        for name, (gesture, seconds, _, _, speed, degrees) in WALKS.items():
+            clip = lay(slower(person, speed, int(seconds * FPS)), gesture, 1.0, 1.0)
+            bend(clip["poses"], clip["trans"], degrees)
+            write(folder / f"{name}_{k}.npz", clip)
 
 
-def captions(people):
+def captions(people, walkers=0):
     """The lines of captions.tsv for the gestures."""
-    for name, (_, seconds, parts, texts) in GESTURES.items():
-        for k in range(people):
-            yield f"gestures/{name}_{k}\t0\t{seconds}\t{parts}\t{texts}\tthen gestures/stand_{k}"
+    for count, table in ((people, GESTURES), (walkers, WALKS)):
+        for name, (_, seconds, parts, texts, *_) in table.items():
+            for k in range(count):
+                then = "\thold" if name in HELD else f"\tthen gestures/stand_{k}"
+                if table is WALKS or name.startswith(("hold_", "stand_", "stay_")):
+                    then = ""  # it goes on
+                yield f"gestures/{name}_{k}\t0\t{seconds}\t{parts}\t{texts}{then}"
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 3 and sys.argv[1] == "--captions":
-        print("\n".join(captions(int(sys.argv[2]))))
+    if len(sys.argv) in (3, 4) and sys.argv[1] == "--captions":
+        print("\n".join(captions(*map(int, sys.argv[2:]))))
     elif len(sys.argv) > 2:
         main(sys.argv[1:])
     else:
