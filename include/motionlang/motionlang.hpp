@@ -264,6 +264,7 @@
 #include <motionlang/compose/in_turn.hpp>
 #include <motionlang/compose/intervals.hpp>
 #include <motionlang/compose/long_texts.hpp>
+#include <motionlang/compose/motion_recall.hpp>
 #include <motionlang/compose/mtt_timelines.hpp>
 #include <motionlang/compose/natural_lengths.hpp>
 #include <motionlang/compose/overlap.hpp>

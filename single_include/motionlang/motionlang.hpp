@@ -29074,6 +29074,33 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Source  ours; the idea is that of replacing known parts of a clean estimate (Lugmayr et al. 2022, "RePaint")
 
+#ifndef MOTIONLANG_HAS_COMPOSE_MOTION_RECALL_HPP  // <motionlang/compose/motion_recall.hpp>
+#define MOTIONLANG_HAS_COMPOSE_MOTION_RECALL_HPP
+/// A class that finds motions for texts. Clean estimates of a collage follow them (compose/recalled_motions.hpp).
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Finds motions for texts. datasets/motion_memory.hpp has one; any other may be written.
+class MotionRecall {
+ public:
+  MotionRecall() = default;
+  MotionRecall(const MotionRecall&) = delete;
+  MotionRecall& operator=(const MotionRecall&) = delete;
+  virtual ~MotionRecall() = default;
+
+  /// The features of a motion for the text, (frames, features), not normalised. Nothing if no motion is known.
+  /// choice  in 0 ... 1: chooses one, if there are several. The same arguments give the same motion
+  virtual std::vector<double> features(const std::string& text, Index frames, double choice) const = 0;
+  /// Digits that change with any motion or text.
+  virtual std::string fingerprint() const = 0;
+};
+
+/// The share of the remembered motion that is usual.
+inline constexpr double usual_recall = 0.9;
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_COMPOSE_PLAN_HPP  // <motionlang/compose/plan.hpp>
 #define MOTIONLANG_HAS_COMPOSE_PLAN_HPP
 /// From timelines to the integers of a composition: the crops to denoise, and the frames of each crop that are added to
@@ -29530,24 +29557,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
-
-/// Finds motions for texts. datasets/motion_memory.hpp has one; any other may be written.
-class MotionRecall {
- public:
-  MotionRecall() = default;
-  MotionRecall(const MotionRecall&) = delete;
-  MotionRecall& operator=(const MotionRecall&) = delete;
-  virtual ~MotionRecall() = default;
-
-  /// The features of a motion for the text, (frames, features), not normalised. Nothing if no motion is known.
-  /// choice  in 0 ... 1: chooses one, if there are several. The same arguments give the same motion
-  virtual std::vector<double> features(const std::string& text, Index frames, double choice) const = 0;
-  /// Digits that change with any motion or text.
-  virtual std::string fingerprint() const = 0;
-};
-
-/// The share of the remembered motion that is usual.
-inline constexpr double usual_recall = 0.9;
 
 /// A remembered motion in a crop of a batch.
 template <Backend B>

@@ -8174,6 +8174,33 @@ MOTIONLANG_NAMESPACE_END
 ///         MOTIONLANG_INSTANTIATED and uses another Stmc, it must also include <motionlang/systems/stmc.ipp>; otherwise
 ///         the compiler asks for it
 
+#ifndef MOTIONLANG_HAS_COMPOSE_MOTION_RECALL_HPP  // <motionlang/compose/motion_recall.hpp>
+#define MOTIONLANG_HAS_COMPOSE_MOTION_RECALL_HPP
+/// A class that finds motions for texts. Clean estimates of a collage follow them (compose/recalled_motions.hpp).
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Finds motions for texts. datasets/motion_memory.hpp has one; any other may be written.
+class MotionRecall {
+ public:
+  MotionRecall() = default;
+  MotionRecall(const MotionRecall&) = delete;
+  MotionRecall& operator=(const MotionRecall&) = delete;
+  virtual ~MotionRecall() = default;
+
+  /// The features of a motion for the text, (frames, features), not normalised. Nothing if no motion is known.
+  /// choice  in 0 ... 1: chooses one, if there are several. The same arguments give the same motion
+  virtual std::vector<double> features(const std::string& text, Index frames, double choice) const = 0;
+  /// Digits that change with any motion or text.
+  virtual std::string fingerprint() const = 0;
+};
+
+/// The share of the remembered motion that is usual.
+inline constexpr double usual_recall = 0.9;
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP  // <motionlang/compose/plan_options.hpp>
 #define MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP
 /// Options for planning timelines.
@@ -8202,454 +8229,56 @@ struct PlanOptions {
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_COMPOSE_RECALLED_MOTIONS_HPP  // <motionlang/compose/recalled_motions.hpp>
-#define MOTIONLANG_HAS_COMPOSE_RECALLED_MOTIONS_HPP
-/// Remembered motions for the texts of a collage, which its clean estimates follow.
-///
-/// A network that was trained on few gestures makes poses that are right and hardly move. A model may therefore
-/// remember some motions. In every step, the clean estimate of a crop whose text has one is drawn towards it:
-///
-///     x0 = (1 - recall) x0 + recall remembered
-///
-/// The frames of a crop before and after its text have the first and the last row, with its speed. Other crops are the
-/// network's, so it makes the passages between texts. Stitching combines the motion with the texts of other parts.
-///
-/// Source  ours; the idea is that of replacing known parts of a clean estimate (Lugmayr et al. 2022, "RePaint")
+#ifndef MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP  // <motionlang/diffusion/mdm_smpl.hpp>
+#define MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP
+/// MDM-SMPL: the denoiser of the STMC paper.
 
-#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_HPP  // <motionlang/compose/plan.hpp>
-#define MOTIONLANG_HAS_COMPOSE_PLAN_HPP
-/// From timelines to the integers of a composition: the crops to denoise, and the frames of each crop that are added to
-/// or subtracted from frames of the motion, for each body part. There are no tensors here.
-///
-/// Source     thesis 6.2.3; STMC (Petrovich et al. 2024); reference: nv-tlabs/stmc src/stmc.py process_timelines
-/// Notation   a, b -> start, end of an interval; T -> frames; O, l, r -> Overlap; x -> cut
-/// Property   For every body part and frame, additions minus subtractions = 1, however close the cuts are. This holds
-///            if extension and transition crops are both on or both off; see net_weights
-/// Differs    from the reference, if the options say so: gaps are filled with the unconditional text "" (the reference
-///            stops), and transitions at which no part changes can be left out
+#ifndef MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP  // <motionlang/diffusion/denoiser.hpp>
+#define MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP
+/// The concept of a denoising network, for samplers and for STMC.
 
-#ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP  // <motionlang/compose/overlap.hpp>
-#define MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP
-/// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
-///
-/// Source   thesis 6.2.3, "Temporal stitching"; STMC (Petrovich et al. 2024) src/stmc.py
-/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap. The longer half is on
-///          the right
+#ifndef MOTIONLANG_HAS_CORE_CONTEXT_HPP  // <motionlang/core/context.hpp>
+#define MOTIONLANG_HAS_CORE_CONTEXT_HPP
+/// Settings of a model call besides its inputs. By default they are empty, and no dropout runs.
+
+#ifndef MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP  // <motionlang/core/batch_sums.hpp>
+#define MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP
+/// Sums over the parts of a batch, for networks that normalise by the statistics of the whole batch.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A half-open range of frames.
-struct FrameRange {
-  Index start = 0, end = 0;
-  Index size() const { return end - start; }
-  bool operator==(const FrameRange&) const = default;
+/// The view that a part of a batch has of the others. Each part has its own object, in its Context.
+/// Models  the parts of train/meeting_parts.hpp
+class BatchSums {
+ public:
+  virtual ~BatchSums() = default;
+  /// Replaces each number by its sum over all parts, whose bits do not depend on the number of processes. It waits for
+  /// the other parts, so all parts must call it equally often, with equally many numbers.
+  virtual void add(std::span<double> numbers) const = 0;
+  /// True for the one part of a process that changes what its parts share, such as running statistics.
+  virtual bool keeps_statistics() const = 0;
 };
-
-/// A total of O frames: l = O div 2 to the left of a cut, r = O - l to the right.
-struct Overlap {
-  Index left = 0, right = 0;
-
-  /// Throws config_error 101 if it is negative or beyond `latest_time`.
-  static Overlap of_frames(Index total);
-  static Overlap of_seconds(double total, double fps) { return of_frames(frame_at(total, fps)); }
-
-  /// [max(s - l, 0), min(e + r, frames))
-  FrameRange extend(FrameRange range, Index frames) const {
-    return {std::max<Index>(range.start - left, 0), std::min(range.end + right, frames)};
-  }
-  /// Around a cut x: [max(x - l, 0), min(x + r, frames)).
-  FrameRange window(Index cut, Index frames) const { return extend({cut, cut}, frames); }
-};
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_IPP  // <motionlang/compose/overlap.ipp>
-#define MOTIONLANG_HAS_COMPOSE_OVERLAP_IPP
-// Bodies of overlap.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY Overlap Overlap::of_frames(Index total) {
-  if (total < 0 || total > latest_time) raise<config_error>(101, "Overlap: ", total, " frames");
-  return {total / 2, total - total / 2};
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP  // <motionlang/compose/sinc_assignment.hpp>
-#define MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP
-/// Assigns each body part to one text while several texts are active.
-///
-/// Source   thesis 6.2.3, figure 6.4: the heuristic of SINC (thesis B.2.1) as STMC src/stmc.py applies it. Where papers
-///          and code differ (the base is a text with legs first, ties are random), this follows the code.
-/// Rule     1. The base is the text with the most body parts. It must have the part that carries the path (the legs of
-///             a human), unless no text has it. It gets all parts.
-///          2. The others take their parts from the present owners. They come by number of parts, the largest first, in
-///             file order among equals. So the text with fewer parts wins, and among equals the later one.
-/// Ties     between base texts: the first in the file, or random as published when a generator is given
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Number of the interval that owns each body part.
-using PartOwners = std::vector<Index>;
-
-/// A generator that can shuffle a list: PythonRandom (as published), NumpyRandom.
-template <class G>
-concept Shuffler = requires(G& g, std::span<Index> list) {
-  g.shuffle(list);
-};
-
-/// The library's rule for ties: keep the order of the file.
-struct FirstWins {
-  void shuffle(std::span<Index>) const {}
-};
-
-namespace detail {
-
-/// Among texts with the path (or all, if none has it), the one with the most parts. On a tie, the first after a
-/// shuffle. Shuffling a single text takes no random numbers.
-template <class T, Shuffler G>
-Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
-  const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts; };
-  std::vector<Index> candidates;
-  for (Index i : texts) {
-    if (parts(i).has(timeline.body.path())) candidates.push_back(i);
-  }
-  if (candidates.empty()) candidates.assign(texts.begin(), texts.end());
-  ties.shuffle(std::span<Index>(candidates));
-  Index base = candidates.front();
-  for (Index i : candidates) {
-    if (parts(i).count() > parts(base).count()) base = i;
-  }
-  return base;
-}
-
-}  // namespace detail
-
-/// Owners of all parts on a piece with at least one text. `texts` are numbers of intervals in file order.
-template <class T, Shuffler G>
-PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
-  const Index base = detail::base_text(timeline, texts, ties);
-  const int size = timeline.body.size();
-  PartOwners owners(static_cast<std::size_t>(size), base);
-  for (int count = size; count > 0; --count) {  // texts with many parts first, in file order among equals
-    for (Index i : texts) {
-      const BodyParts parts = timeline.intervals[static_cast<std::size_t>(i)].parts;
-      if (i == base || parts.count() != count) continue;
-      for (int p = 0; p < size; ++p) {
-        if (parts.has(static_cast<BodyPart>(p))) owners[static_cast<std::size_t>(p)] = i;
-      }
-    }
-  }
-  return owners;
-}
 
 MOTIONLANG_NAMESPACE_END
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A range of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
-/// numbers agree with the reference; they have no effect.
-struct Crop {
-  Index interval = 0;  // -1: a transition, with the unconditional text
-  FrameRange range;
-  bool is_transition() const { return interval < 0; }
-  bool operator==(const Crop&) const = default;
+/// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
+///
+///     model(x, t, text, {.dropout = rng.split("dropout").split(step)});
+struct Context {
+  std::optional<Philox> dropout{};
+  mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
+  bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
+  const BatchSums* sums = nullptr;  // of a part of a batch: batch norm takes the statistics of all parts
+
+  /// The generator of the next dropout mask. Only when `dropout` is set.
+  Philox next_mask() const { return dropout->split(drawn++); }
 };
-
-/// A part belongs to one text for a range of frames. Neighbours have different owners.
-struct PartInterval {
-  BodyPart part{};
-  Index owner = 0;
-  FrameRange range;
-  bool operator==(const PartInterval&) const = default;
-};
-
-/// The frames `from` of a crop become the frames `to` of the motion, for the features of one part.
-struct Slice {
-  BodyPart part{};
-  Index crop = 0;
-  FrameRange from, to;
-  bool operator==(const Slice&) const = default;
-};
-
-/// A window in which a part changes its owner, for interpolation instead of blending (the SINC+lerp baseline).
-struct LerpWindow {
-  BodyPart part{};
-  Index transition = 0;
-  FrameRange range;
-  bool operator==(const LerpWindow&) const = default;
-};
-
-/// Everything about one timeline. All lists are sorted by part, then by time.
-struct TimelinePlan {
-  Timeline timeline;                 // gaps filled
-  Index frames = 0;                  // T
-  std::vector<Piece> pieces;         // between cuts
-  std::vector<PartOwners> owners;    // on each piece
-  std::vector<PartInterval> merged;  // before extension
-  std::vector<Crop> crops;           // one for each interval, then the transitions by time
-  std::vector<Slice> add, subtract;
-  std::vector<LerpWindow> lerp;  // also without transition crops
-
-  /// "" for transitions.
-  std::string_view text(const Crop& crop) const {
-    if (crop.is_transition()) return {};
-    return timeline.intervals[static_cast<std::size_t>(crop.interval)].text;
-  }
-};
-
-/// Several timelines that are sampled together. The crops of timeline m have the numbers first_crop[m] ...
-/// first_crop[m + 1] - 1 in the batch; slices count crops from the first one of their timeline.
-struct BatchPlan {
-  std::vector<TimelinePlan> timelines;
-  std::vector<Index> first_crop{0};
-  Index frames = 0;  // of the longest timeline
-
-  Index crops() const { return first_crop.back(); }
-};
-
-namespace detail {
-
-/// Throws timeline_error 505 at a piece without a text.
-void require_text(const Piece& piece);
-
-/// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
-void check_crops(const TimelinePlan& plan, Index longest);
-
-/// A plan with its pieces, which have no owners yet. Throws timeline_error 503 ... 505, 507, config_error 101.
-TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options);
-
-/// Derives the plan from the owners of the pieces. Throws timeline_error 506, 508.
-void finish_plan(TimelinePlan& plan, const PlanOptions& options);
-
-}  // namespace detail
-
-/// The plan of one timeline. `ties` decides between equal base texts: FirstWins, or a generator (see PlanOptions and
-/// sinc_assignment.hpp).
-/// Throws     timeline_error 503 (parts of another body), 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long),
-///            config_error 101
-template <Shuffler G>
-TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options, G& ties) {
-  TimelinePlan plan = detail::pieces_of(std::move(timeline), options);
-  for (const Piece& piece : plan.pieces) {
-    detail::require_text(piece);
-    plan.owners.push_back(assign_parts(plan.timeline, piece.intervals, ties));
-  }
-  detail::finish_plan(plan, options);
-  return plan;
-}
-TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options = {});
-
-/// Puts plans into one batch.
-BatchPlan batch_plans(std::vector<TimelinePlan> plans);
-
-/// Plans of all timelines, in order, with one generator.
-template <Shuffler G>
-BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options, G& ties) {
-  std::vector<TimelinePlan> plans;
-  for (const Timeline& t : timelines) plans.push_back(plan_timeline(t, options, ties));
-  return batch_plans(std::move(plans));
-}
-BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options = {});
-
-/// Smallest and largest number of additions minus subtractions over all parts and frames. Both are 1 in a plan that
-/// extends and has transition crops, or does neither.
-struct NetWeights {
-  int smallest = 0, largest = 0;
-};
-NetWeights net_weights(const TimelinePlan& plan);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_IPP  // <motionlang/compose/plan.ipp>
-#define MOTIONLANG_HAS_COMPOSE_PLAN_IPP
-// Bodies of plan.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-inline std::string quoted(const Interval& i) { return concat_text("'", i.text, "' (", i.start, " to ", i.end, ")"); }
-
-/// " (line 3, column 1)", nothing if the interval was not read from a text.
-inline std::string place_of(const Interval& i) {
-  return i.place.line == 0 ? "" : concat_text(" (line ", i.place.line, ", column ", i.place.column, ")");
-}
-
-inline void check_timeline(const Timeline& timeline) {
-  if (timeline.intervals.empty()) raise<timeline_error>(507, "plan_timeline: no interval");
-  for (const Interval& i : timeline.intervals) {
-    if (i.start < 0 || i.end < i.start || i.end > latest_time) {
-      raise<timeline_error>(504, "plan_timeline: ", quoted(i), " is not a range of frames of the motion");
-    }
-    if ((i.parts.bits & ~timeline.body.all().bits) != 0) {
-      raise<timeline_error>(503, "plan_timeline: ", quoted(i), " moves other body parts than ", timeline.body);
-    }
-  }
-  if (timeline.end() == 0) raise<timeline_error>(504, "plan_timeline: the timeline has no frame");
-}
-
-MOTIONLANG_BODY void require_text(const Piece& piece) {
-  if (!piece.intervals.empty()) return;
-  raise<timeline_error>(505, "plan_timeline: no text covers frames ", piece.start, " to ", piece.end);
-}
-
-/// Joins neighbouring pieces of a part that have the same owner.
-inline void merge_pieces(TimelinePlan& plan) {
-  const auto parts = static_cast<std::size_t>(plan.timeline.body.size());
-  for (std::size_t p = 0; p < parts; ++p) {
-    for (std::size_t k = 0; k < plan.pieces.size(); ++k) {
-      const Piece& piece = plan.pieces[k];
-      const Index owner = plan.owners[k][p];
-      if (k > 0 && plan.owners[k - 1][p] == owner)
-        plan.merged.back().range.end = piece.end;
-      else
-        plan.merged.push_back({static_cast<BodyPart>(p), owner, {piece.start, piece.end}});
-    }
-  }
-}
-
-/// The cuts with a transition, ascending: all except the first and the last. At a cut where no part changes its owner,
-/// it throws timeline_error 506 or leaves the cut out.
-inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts hidden) {
-  std::vector<Index> cuts;
-  for (std::size_t k = 1; k < plan.pieces.size(); ++k) {
-    const Index cut = plan.pieces[k].start;
-    if (plan.owners[k] != plan.owners[k - 1]) {
-      cuts.push_back(cut);
-    } else if (hidden == HiddenTexts::refuse) {
-      for (const Interval& i : plan.timeline.intervals) {
-        if (i.start != cut && i.end != cut) continue;
-        raise<timeline_error>(506, "plan_timeline: ", quoted(i), " owns no body part at frame ", cut,
-                              ": other texts hide it; give it parts that no text with fewer parts takes", place_of(i));
-      }
-    }
-  }
-  return cuts;
-}
-
-MOTIONLANG_BODY void check_crops(const TimelinePlan& plan, Index longest) {
-  for (const Crop& c : plan.crops) {
-    if (longest == 0 || c.range.size() <= longest) continue;
-    raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", counted(c.range.size(), "frame"),
-                          " with its overlap; the denoiser accepts ", longest,
-                          c.is_transition() ? ""
-                                            : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
-                                                  ". Divide it into shorter ones");
-  }
-}
-
-inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
-                       const PlanOptions& options) {
-  for (std::size_t i = 0; i < plan.timeline.intervals.size(); ++i) {
-    const FrameRange range{plan.timeline.intervals[i].start, plan.timeline.intervals[i].end};
-    plan.crops.push_back({static_cast<Index>(i), options.extend ? overlap.extend(range, plan.frames) : range});
-  }
-  if (options.transition_crops) {
-    for (Index cut : cuts) plan.crops.push_back({-1, overlap.window(cut, plan.frames)});
-  }
-  check_crops(plan, options.longest_crop);
-}
-
-/// For each stretch of a part, its extended frames are added from the crop of its owner. At its start, the window of
-/// the transition, which both neighbours have added, is subtracted once.
-inline void make_slices(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
-                        const PlanOptions& options) {
-  const auto texts = static_cast<Index>(plan.timeline.intervals.size());
-  for (const PartInterval& m : plan.merged) {
-    const FrameRange to = options.extend ? overlap.extend(m.range, plan.frames) : m.range;
-    const Index begin = plan.crops[static_cast<std::size_t>(m.owner)].range.start;
-    plan.add.push_back({m.part, m.owner, {to.start - begin, to.end - begin}, to});
-
-    const auto cut = std::lower_bound(cuts.begin(), cuts.end(), m.range.start);
-    if (cut == cuts.end() || *cut != m.range.start) continue;  // the beginning
-    const Index transition = cut - cuts.begin();
-    const FrameRange window = overlap.window(*cut, plan.frames);
-    plan.lerp.push_back({m.part, transition, window});
-    if (options.transition_crops) plan.subtract.push_back({m.part, texts + transition, {0, window.size()}, window});
-  }
-}
-
-MOTIONLANG_BODY TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options) {
-  check_timeline(timeline);
-  Overlap::of_frames(options.overlap);
-  TimelinePlan plan;
-  if (options.gaps == Gaps::fill) fill_gaps(timeline);
-  plan.timeline = std::move(timeline);
-  plan.frames = plan.timeline.end();
-  plan.pieces = elementary_pieces(plan.timeline);
-  const Index first = plan.pieces.empty() ? plan.frames : plan.pieces.front().start;
-  if (first > 0) raise<timeline_error>(505, "plan_timeline: no text covers frames 0 to ", first);
-  return plan;
-}
-
-MOTIONLANG_BODY void finish_plan(TimelinePlan& plan, const PlanOptions& options) {
-  const Overlap overlap = Overlap::of_frames(options.overlap);
-  merge_pieces(plan);
-  const std::vector<Index> cuts = transition_cuts(plan, options.hidden);
-  make_crops(plan, cuts, overlap, options);
-  make_slices(plan, cuts, overlap, options);
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options) {
-  FirstWins ties;
-  return plan_timeline(std::move(timeline), options, ties);
-}
-
-MOTIONLANG_BODY BatchPlan batch_plans(std::vector<TimelinePlan> plans) {
-  BatchPlan batch;
-  batch.timelines = std::move(plans);
-  for (const TimelinePlan& plan : batch.timelines) {
-    batch.first_crop.push_back(batch.first_crop.back() + std::ssize(plan.crops));
-    batch.frames = std::max(batch.frames, plan.frames);
-  }
-  return batch;
-}
-
-MOTIONLANG_BODY BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options) {
-  FirstWins ties;
-  return plan_timelines(timelines, options, ties);
-}
-
-MOTIONLANG_BODY NetWeights net_weights(const TimelinePlan& plan) {
-  NetWeights net{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
-  for (int p = 0; p < plan.timeline.body.size(); ++p) {
-    std::vector<std::pair<Index, int>> steps{{0, 0}, {plan.frames, 0}};  // frame, change of the weight
-    const auto count = [&](const std::vector<Slice>& slices, int weight) {
-      for (const Slice& s : slices) {
-        if (s.part != static_cast<BodyPart>(p)) continue;
-        steps.emplace_back(s.to.start, weight), steps.emplace_back(s.to.end, -weight);
-      }
-    };
-    count(plan.add, 1), count(plan.subtract, -1);
-    detail::sort(steps, [](const auto& a, const auto& b) { return a < b; });
-    int weight = 0;
-    for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
-      weight += steps[i].second;
-      if (steps[i].first == steps[i + 1].first) continue;
-      net = {std::min(net.smallest, weight), std::max(net.largest, weight)};
-    }
-  }
-  return net;
-}
 
 MOTIONLANG_NAMESPACE_END
 #endif
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
-#define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
-/// Converts features to zero mean and unit deviation, and back.
-
-#ifndef MOTIONLANG_HAS_TENSOR_MODULE_HPP  // <motionlang/tensor/module.hpp>
-#define MOTIONLANG_HAS_TENSOR_MODULE_HPP
-/// Operations of every module that lists its fields: visit tensors, count parameters, move to another backend.
 
 #ifndef MOTIONLANG_HAS_CORE_FIELDS_HPP  // <motionlang/core/fields.hpp>
 #define MOTIONLANG_HAS_CORE_FIELDS_HPP
@@ -8875,446 +8504,6 @@ Index count_leaves(const M& module) {
   visit(module, [&](const std::string&, const auto&) { ++n; });
   return n;
 }
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Statistics and tables (`static constexpr bool trainable = false`) are saved and loaded, but get no gradient.
-template <class M>
-inline constexpr bool is_trainable = [] {
-  if constexpr (requires { M::trainable; })
-    return M::trainable;
-  else
-    return true;
-}();
-
-/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and types that say
-/// so (`static constexpr bool is_option = true`, or a specialisation of this variable), such as sizes and computed
-/// tables. Other types need fields() of their own. Without them their tensors would be skipped, so this is a compile
-/// error.
-template <class T>
-inline constexpr bool is_option = [] {
-  if constexpr (requires { T::is_option; })
-    return static_cast<bool>(T::is_option);
-  else
-    return std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
-}();
-
-/// A tensor of a module, of any rank: its path, and its data to read or replace. (In a const module it is const.)
-template <Backend B, class Data = typename B::tensor>
-struct ModuleTensor {
-  std::string path;
-  int rank = 0;
-  void* tensor = nullptr;  // Tensor<B, rank>
-  Data* data = nullptr;
-  bool trainable = true;  // is_trainable of the module that lists it
-
-  Shape shape() const { return B::shape(*data); }
-  /// The values, row-major.
-  std::span<const typename B::scalar> span() const { return B::to_span(*data); }
-};
-
-namespace detail {
-
-/// The common properties of the tensors below a type: their backend (void: there are none), and their ranks, one bit
-/// for each.
-template <class T>
-struct TensorsBelow {
-  static_assert(is_option<T>,
-                "motionlang: fields() of a module lists a member whose type has no fields(). Write `static constexpr "
-                "auto fields()` in that type (core/fields.hpp), or `static constexpr bool is_option = true` if it has "
-                "nothing to save or train");
-  using backend = void;
-  static constexpr unsigned ranks = 0;
-};
-template <>
-struct TensorsBelow<NoFields> {
-  using backend = void;
-  static constexpr unsigned ranks = 0;
-};
-template <class B, int R>
-struct TensorsBelow<Tensor<B, R>> {
-  using backend = B;
-  static constexpr unsigned ranks = 1U << R;
-};
-template <class T>
-struct TensorsBelow<std::vector<T>> : TensorsBelow<T> {};
-template <class T>
-struct TensorsBelow<std::optional<T>> : TensorsBelow<T> {};
-template <class M, class T, class Rest>
-struct TensorsBelow<FieldList<Field<M, T>, Rest>> {
-  using first = TensorsBelow<T>;
-  using others = TensorsBelow<Rest>;
-  using backend = std::conditional_t<first::ranks != 0, typename first::backend, typename others::backend>;
-  static constexpr unsigned ranks = first::ranks | others::ranks;
-};
-template <Module M>
-struct TensorsBelow<M> : TensorsBelow<decltype(M::fields())> {};
-
-/// Lists tensors. It is one function for every type of module and every use of the tensors. Models are large, and
-/// otherwise each of their modules would be compiled again for every use.
-template <Backend B>
-class TensorLister {
- public:
-  template <Module M>
-  void list(M& module) {
-    check_names<M>();
-    const bool outer = std::exchange(trainable_, is_trainable<M>);
-    list_fields(M::fields(), module);
-    trainable_ = outer;
-  }
-  std::vector<ModuleTensor<B>> tensors;
-
- private:
-  template <class Fields, class M>
-  [[gnu::always_inline]] void list_fields(const Fields& fields, M& module) {
-    if constexpr (!std::is_same_v<Fields, NoFields>) {
-      list_member(fields.first.name, module.*(fields.first.member));
-      list_fields(fields.rest, module);
-    }
-  }
-  template <class T>
-  [[gnu::always_inline]] void list_member(const char* name, T& member) {
-    if constexpr (TensorsBelow<T>::ranks != 0) {
-      const std::size_t length = open(name);
-      if constexpr (is_tensor<T>) {
-        add(T::rank, &member, member.mutable_data());
-      } else if constexpr (is_vector<T>) {
-        for (std::size_t i = 0; i < member.size(); ++i) list_member(std::to_string(i).c_str(), member[i]);
-      } else if constexpr (is_optional<T>) {
-        if (member) list_member("", *member);
-      } else {
-        list(member);
-      }
-      path_.resize(length);
-    }
-  }
-  std::size_t open(std::string_view name) {
-    const std::size_t length = path_.size();
-    if (length != 0 && !name.empty()) path_ += '.';
-    path_ += name;
-    return length;
-  }
-  void add(int rank, void* tensor, typename B::tensor& data) {
-    tensors.push_back({path_, rank, tensor, &data, trainable_});
-  }
-
-  std::string path_;
-  bool trainable_ = true;
-};
-
-/// Calls f(path, tensor) with the tensor's rank as a type.
-template <class M, unsigned ranks, Backend B, class F, int R = 0>
-void with_rank(const ModuleTensor<B>& t, F& f) {
-  if constexpr ((ranks >> R & 1) != 0) {
-    using T = std::conditional_t<std::is_const_v<M>, const Tensor<B, R>, Tensor<B, R>>;
-    if (t.rank == R) return f(t.path, *static_cast<T*>(t.tensor));
-  }
-  if constexpr (ranks >> R > 1) with_rank<M, ranks, B, F, R + 1>(t, f);
-}
-
-}  // namespace detail
-
-/// The backend of a module's tensors.
-template <Module M>
-using module_backend = typename detail::TensorsBelow<M>::backend;
-
-/// All tensors of a module in the order of its fields; other fields (sizes, options) are skipped.
-template <Module M>
-std::vector<ModuleTensor<module_backend<M>>> tensors_of(M& module) {
-  detail::TensorLister<module_backend<M>> lister;
-  lister.list(module);
-  return std::move(lister.tensors);
-}
-template <Module M>
-auto tensors_of(const M& module) {
-  using B = module_backend<M>;
-  std::vector<ModuleTensor<B, const typename B::tensor>> out;
-  for (auto& t : tensors_of(const_cast<M&>(module)))
-    out.push_back({std::move(t.path), t.rank, t.tensor, t.data, t.trainable});
-  return out;
-}
-
-/// Calls f(path, tensor) for all tensors of a module.
-template <class M, class F>
-requires Module<std::remove_const_t<M>>
-void visit_tensors(M& module, F f) {
-  using Plain = std::remove_const_t<M>;
-  if constexpr (constexpr unsigned ranks = detail::TensorsBelow<Plain>::ranks; ranks != 0) {
-    for (const auto& t : tensors_of(const_cast<Plain&>(module))) detail::with_rank<M, ranks>(t, f);
-  }
-}
-
-/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, possibly over
-/// different backends. Throws shape_error 204 if the structures differ.
-template <class M, class N, class F>
-void zip_tensors(M& a, N& b, F f) {
-  const auto first = tensors_of(a);
-  const auto second = tensors_of(b);
-  if (first.size() != second.size())
-    raise<shape_error>(204, "zip_tensors: ", Index(first.size()), " and ", Index(second.size()), " tensors");
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    if (first[i].path != second[i].path)
-      raise<shape_error>(204, "zip_tensors: '", first[i].path, "' beside '", second[i].path, "'");
-    f(first[i], second[i]);
-  }
-}
-
-/// The number of values in all tensors of a module.
-template <Module M>
-Index parameter_count(const M& module) {
-  Index n = 0;
-  for (const auto& t : tensors_of(module)) n += t.shape().count();
-  return n;
-}
-
-namespace detail {
-
-template <class To, class From>
-void convert_module(To& to, const From& from);
-
-template <bool trainable, class To, class From>
-void convert_member(To& to, const From& from) {
-  if constexpr (is_tensor<To>) {
-    using B = typename To::backend;
-    const std::vector<typename B::scalar> values(from.span().begin(), from.span().end());
-    to = To::from(values, from.shape());
-    if constexpr (AutodiffBackend<B> && trainable) to = To(B::variable(B::value(to.data())));
-  } else if constexpr (Module<To>) {
-    convert_module(to, from);
-  } else if constexpr (is_vector<To>) {
-    to.resize(from.size());
-    for (std::size_t i = 0; i < from.size(); ++i) convert_member<trainable>(to[i], from[i]);
-  } else if constexpr (is_optional<To>) {
-    to.reset();
-    if (from) convert_member<trainable>(to.emplace(), *from);
-  } else if constexpr (std::is_same_v<To, From>) {
-    to = from;
-  } else {
-    to = To(from);  // computed tables, not stored
-  }
-}
-
-template <class To, class From>
-void convert_module(To& to, const From& from) {
-  auto member = [](const char*, auto& t, const auto& f) { convert_member<is_trainable<To>>(t, f); };
-  each_field(member, walk(to), walk(from));
-}
-
-}  // namespace detail
-
-/// The same model over another backend, with copies of all values. On an Autodiff backend every trainable tensor
-/// becomes a variable.
-template <Backend To, template <class> class M, class From>
-M<To> convert(const M<From>& model) {
-  M<To> out;
-  detail::convert_module(out, model);
-  return out;
-}
-/// The model without a tape, after training.
-template <template <class> class M, AutodiffBackend A>
-M<typename A::inner> to_inner(const M<A>& model) {
-  return convert<typename A::inner>(model);
-}
-
-namespace detail {
-
-/// True for the ranks of matrices and of a convolution's weight: (out, in, taps), (out, in, taps, 1).
-template <class B>
-bool has_panels(int rank) {
-  return PackingBackend<B> && rank >= 2 && rank <= 4;
-}
-
-/// Packs a weight; returns true if all its values are finite.
-template <PackingBackend B>
-bool pack_weight(const typename B::tensor& weight, Precision precision = product_precision()) {
-  const Shape shape = B::shape(weight);
-  if (shape.rank() < 4) return B::prepare(weight, precision);
-  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}), precision);
-}
-
-template <Module M>
-void prepare_in(M& model, Precision precision) {
-  using B = module_backend<M>;
-  if constexpr (PackingBackend<B>) {
-    for (const auto& t : tensors_of(model)) {
-      if (has_panels<B>(t.rank)) pack_weight<B>(*t.data, precision);
-    }
-  }
-}
-
-}  // namespace detail
-
-/// Prepares a model for inference: packs the weights of linear layers and convolutions for the backend's kernels (and
-/// other tensors with two to four axes). It uses the precision of the process; backend/precision.hpp offers others. The
-/// model must not change afterwards. Does nothing on backends without such a layout.
-template <Module M>
-void prepare(M& model) {
-  detail::prepare_in(model, product_precision());
-}
-
-/// The precision of products with the first weight of a model.
-template <Module M>
-Precision precision_of(const M& model) {
-  using B = module_backend<M>;
-  if constexpr (PackingBackend<B>) {
-    for (const auto& t : tensors_of(model)) {
-      if (detail::has_panels<B>(t.rank)) return B::precision_of(*t.data);
-    }
-  }
-  return product_precision();
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
-/// Statistics are saved with a model but not trained. eps matters only if std is 0.
-template <Backend B>
-struct Normalizer {
-  static constexpr bool trainable = false;
-  Tensor<B, 1> mean, std;  // (features)
-  double eps = 1e-12;
-
-  static constexpr auto fields() {
-    return motionlang::fields("mean", &Normalizer::mean, "std", &Normalizer::std, "eps", &Normalizer::eps);
-  }
-  /// Statistics that change nothing.
-  static Normalizer identity(Index features) {
-    return {Tensor<B, 1>::zeros({features}), Tensor<B, 1>::full({features}, 1)};
-  }
-
-  template <int R>
-  Tensor<B, R> normalize(const Tensor<B, R>& x) const {
-    return (x - mean) / (std + eps);
-  }
-  template <int R>
-  Tensor<B, R> denormalize(const Tensor<B, R>& x) const {
-    return x * (std + eps) + mean;
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Finds motions for texts. datasets/motion_memory.hpp has one; any other may be written.
-class MotionRecall {
- public:
-  MotionRecall() = default;
-  MotionRecall(const MotionRecall&) = delete;
-  MotionRecall& operator=(const MotionRecall&) = delete;
-  virtual ~MotionRecall() = default;
-
-  /// The features of a motion for the text, (frames, features), not normalised. Nothing if no motion is known.
-  /// choice  in 0 ... 1: chooses one, if there are several. The same arguments give the same motion
-  virtual std::vector<double> features(const std::string& text, Index frames, double choice) const = 0;
-  /// Digits that change with any motion or text.
-  virtual std::string fingerprint() const = 0;
-};
-
-/// The share of the remembered motion that is usual.
-inline constexpr double usual_recall = 0.9;
-
-/// A remembered motion in a crop of a batch.
-template <Backend B>
-struct RecalledMotion {
-  Index crop = 0;       // in the batch
-  Tensor<B, 2> rows{};  // (frames of the crop, features), normalised
-};
-
-/// The motions for all texts of a plan. The first value of a timeline's noise chooses among several, so the same noise
-/// gives the same motion, alone and in a batch.
-/// noise  the initial one, (timelines * stride, features)
-template <Backend B>
-std::vector<RecalledMotion<B>> recalled_motions(const MotionRecall& memory, const BatchPlan& plan,
-                                                const Tensor<B, 2>& noise, Index stride,
-                                                const Normalizer<B>& normalizer) {
-  using S = typename B::scalar;
-  std::vector<RecalledMotion<B>> out;
-  const Index width = noise.size(1);
-  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
-    const TimelinePlan& p = plan.timelines[m];
-    const auto z = noise.span()[m * static_cast<std::size_t>(stride * width)];
-    const double choice = std::erfc(-static_cast<double>(z) / std::sqrt(2.0)) / 2;  // uniform in 0 ... 1
-    for (std::size_t c = 0; c < p.crops.size(); ++c) {
-      const Crop& crop = p.crops[c];
-      if (crop.is_transition() || crop.range.size() == 0) continue;
-      const Interval& text = p.timeline.intervals[static_cast<std::size_t>(crop.interval)];
-      const Index frames = text.end - text.start;
-      const std::vector<double> values = memory.features(text.text, frames, choice);
-      if (values.empty()) continue;
-      if (std::ssize(values) != frames * width)
-        raise<shape_error>(205, "recalled_motions: ", values.size(), " values for '", text.text, "', ",
-                           counted(frames, "frame"), " of ", counted(width, "feature"), " have ", frames * width);
-      std::vector<S> rows;
-      rows.reserve(static_cast<std::size_t>(crop.range.size() * width));
-      for (Index f = crop.range.start; f < crop.range.end; ++f) {
-        const auto* from = values.data() + std::clamp(f - text.start, Index{0}, frames - 1) * width;
-        rows.insert(rows.end(), from, from + width);
-      }
-      out.push_back({.crop = plan.first_crop[m] + static_cast<Index>(c),
-                     .rows = normalizer.normalize(Tensor<B, 2>::from(rows, {crop.range.size(), width}))});
-    }
-  }
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP  // <motionlang/diffusion/mdm_smpl.hpp>
-#define MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP
-/// MDM-SMPL: the denoiser of the STMC paper.
-
-#ifndef MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP  // <motionlang/diffusion/denoiser.hpp>
-#define MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP
-/// The concept of a denoising network, for samplers and for STMC.
-
-#ifndef MOTIONLANG_HAS_CORE_CONTEXT_HPP  // <motionlang/core/context.hpp>
-#define MOTIONLANG_HAS_CORE_CONTEXT_HPP
-/// Settings of a model call besides its inputs. By default they are empty, and no dropout runs.
-
-#ifndef MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP  // <motionlang/core/batch_sums.hpp>
-#define MOTIONLANG_HAS_CORE_BATCH_SUMS_HPP
-/// Sums over the parts of a batch, for networks that normalise by the statistics of the whole batch.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The view that a part of a batch has of the others. Each part has its own object, in its Context.
-/// Models  the parts of train/meeting_parts.hpp
-class BatchSums {
- public:
-  virtual ~BatchSums() = default;
-  /// Replaces each number by its sum over all parts, whose bits do not depend on the number of processes. It waits for
-  /// the other parts, so all parts must call it equally often, with equally many numbers.
-  virtual void add(std::span<double> numbers) const = 0;
-  /// True for the one part of a process that changes what its parts share, such as running statistics.
-  virtual bool keeps_statistics() const = 0;
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
-///
-///     model(x, t, text, {.dropout = rng.split("dropout").split(step)});
-struct Context {
-  std::optional<Philox> dropout{};
-  mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
-  bool recompute = false;  // training keeps only the inputs of layers and recomputes the rest: less memory, more time
-  const BatchSums* sums = nullptr;  // of a part of a batch: batch norm takes the statistics of all parts
-
-  /// The generator of the next dropout mask. Only when `dropout` is set.
-  Philox next_mask() const { return dropout->split(drawn++); }
-};
 
 MOTIONLANG_NAMESPACE_END
 #endif
@@ -9668,6 +8857,301 @@ MOTIONLANG_BODY void ParameterRoom::take_numbers(const Shape& shape) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
+
+#ifndef MOTIONLANG_HAS_TENSOR_MODULE_HPP  // <motionlang/tensor/module.hpp>
+#define MOTIONLANG_HAS_TENSOR_MODULE_HPP
+/// Operations of every module that lists its fields: visit tensors, count parameters, move to another backend.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Statistics and tables (`static constexpr bool trainable = false`) are saved and loaded, but get no gradient.
+template <class M>
+inline constexpr bool is_trainable = [] {
+  if constexpr (requires { M::trainable; })
+    return M::trainable;
+  else
+    return true;
+}();
+
+/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and types that say
+/// so (`static constexpr bool is_option = true`, or a specialisation of this variable), such as sizes and computed
+/// tables. Other types need fields() of their own. Without them their tensors would be skipped, so this is a compile
+/// error.
+template <class T>
+inline constexpr bool is_option = [] {
+  if constexpr (requires { T::is_option; })
+    return static_cast<bool>(T::is_option);
+  else
+    return std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
+}();
+
+/// A tensor of a module, of any rank: its path, and its data to read or replace. (In a const module it is const.)
+template <Backend B, class Data = typename B::tensor>
+struct ModuleTensor {
+  std::string path;
+  int rank = 0;
+  void* tensor = nullptr;  // Tensor<B, rank>
+  Data* data = nullptr;
+  bool trainable = true;  // is_trainable of the module that lists it
+
+  Shape shape() const { return B::shape(*data); }
+  /// The values, row-major.
+  std::span<const typename B::scalar> span() const { return B::to_span(*data); }
+};
+
+namespace detail {
+
+/// The common properties of the tensors below a type: their backend (void: there are none), and their ranks, one bit
+/// for each.
+template <class T>
+struct TensorsBelow {
+  static_assert(is_option<T>,
+                "motionlang: fields() of a module lists a member whose type has no fields(). Write `static constexpr "
+                "auto fields()` in that type (core/fields.hpp), or `static constexpr bool is_option = true` if it has "
+                "nothing to save or train");
+  using backend = void;
+  static constexpr unsigned ranks = 0;
+};
+template <>
+struct TensorsBelow<NoFields> {
+  using backend = void;
+  static constexpr unsigned ranks = 0;
+};
+template <class B, int R>
+struct TensorsBelow<Tensor<B, R>> {
+  using backend = B;
+  static constexpr unsigned ranks = 1U << R;
+};
+template <class T>
+struct TensorsBelow<std::vector<T>> : TensorsBelow<T> {};
+template <class T>
+struct TensorsBelow<std::optional<T>> : TensorsBelow<T> {};
+template <class M, class T, class Rest>
+struct TensorsBelow<FieldList<Field<M, T>, Rest>> {
+  using first = TensorsBelow<T>;
+  using others = TensorsBelow<Rest>;
+  using backend = std::conditional_t<first::ranks != 0, typename first::backend, typename others::backend>;
+  static constexpr unsigned ranks = first::ranks | others::ranks;
+};
+template <Module M>
+struct TensorsBelow<M> : TensorsBelow<decltype(M::fields())> {};
+
+/// Lists tensors. It is one function for every type of module and every use of the tensors. Models are large, and
+/// otherwise each of their modules would be compiled again for every use.
+template <Backend B>
+class TensorLister {
+ public:
+  template <Module M>
+  void list(M& module) {
+    check_names<M>();
+    const bool outer = std::exchange(trainable_, is_trainable<M>);
+    list_fields(M::fields(), module);
+    trainable_ = outer;
+  }
+  std::vector<ModuleTensor<B>> tensors;
+
+ private:
+  template <class Fields, class M>
+  [[gnu::always_inline]] void list_fields(const Fields& fields, M& module) {
+    if constexpr (!std::is_same_v<Fields, NoFields>) {
+      list_member(fields.first.name, module.*(fields.first.member));
+      list_fields(fields.rest, module);
+    }
+  }
+  template <class T>
+  [[gnu::always_inline]] void list_member(const char* name, T& member) {
+    if constexpr (TensorsBelow<T>::ranks != 0) {
+      const std::size_t length = open(name);
+      if constexpr (is_tensor<T>) {
+        add(T::rank, &member, member.mutable_data());
+      } else if constexpr (is_vector<T>) {
+        for (std::size_t i = 0; i < member.size(); ++i) list_member(std::to_string(i).c_str(), member[i]);
+      } else if constexpr (is_optional<T>) {
+        if (member) list_member("", *member);
+      } else {
+        list(member);
+      }
+      path_.resize(length);
+    }
+  }
+  std::size_t open(std::string_view name) {
+    const std::size_t length = path_.size();
+    if (length != 0 && !name.empty()) path_ += '.';
+    path_ += name;
+    return length;
+  }
+  void add(int rank, void* tensor, typename B::tensor& data) {
+    tensors.push_back({path_, rank, tensor, &data, trainable_});
+  }
+
+  std::string path_;
+  bool trainable_ = true;
+};
+
+/// Calls f(path, tensor) with the tensor's rank as a type.
+template <class M, unsigned ranks, Backend B, class F, int R = 0>
+void with_rank(const ModuleTensor<B>& t, F& f) {
+  if constexpr ((ranks >> R & 1) != 0) {
+    using T = std::conditional_t<std::is_const_v<M>, const Tensor<B, R>, Tensor<B, R>>;
+    if (t.rank == R) return f(t.path, *static_cast<T*>(t.tensor));
+  }
+  if constexpr (ranks >> R > 1) with_rank<M, ranks, B, F, R + 1>(t, f);
+}
+
+}  // namespace detail
+
+/// The backend of a module's tensors.
+template <Module M>
+using module_backend = typename detail::TensorsBelow<M>::backend;
+
+/// All tensors of a module in the order of its fields; other fields (sizes, options) are skipped.
+template <Module M>
+std::vector<ModuleTensor<module_backend<M>>> tensors_of(M& module) {
+  detail::TensorLister<module_backend<M>> lister;
+  lister.list(module);
+  return std::move(lister.tensors);
+}
+template <Module M>
+auto tensors_of(const M& module) {
+  using B = module_backend<M>;
+  std::vector<ModuleTensor<B, const typename B::tensor>> out;
+  for (auto& t : tensors_of(const_cast<M&>(module)))
+    out.push_back({std::move(t.path), t.rank, t.tensor, t.data, t.trainable});
+  return out;
+}
+
+/// Calls f(path, tensor) for all tensors of a module.
+template <class M, class F>
+requires Module<std::remove_const_t<M>>
+void visit_tensors(M& module, F f) {
+  using Plain = std::remove_const_t<M>;
+  if constexpr (constexpr unsigned ranks = detail::TensorsBelow<Plain>::ranks; ranks != 0) {
+    for (const auto& t : tensors_of(const_cast<Plain&>(module))) detail::with_rank<M, ranks>(t, f);
+  }
+}
+
+/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, possibly over
+/// different backends. Throws shape_error 204 if the structures differ.
+template <class M, class N, class F>
+void zip_tensors(M& a, N& b, F f) {
+  const auto first = tensors_of(a);
+  const auto second = tensors_of(b);
+  if (first.size() != second.size())
+    raise<shape_error>(204, "zip_tensors: ", Index(first.size()), " and ", Index(second.size()), " tensors");
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    if (first[i].path != second[i].path)
+      raise<shape_error>(204, "zip_tensors: '", first[i].path, "' beside '", second[i].path, "'");
+    f(first[i], second[i]);
+  }
+}
+
+/// The number of values in all tensors of a module.
+template <Module M>
+Index parameter_count(const M& module) {
+  Index n = 0;
+  for (const auto& t : tensors_of(module)) n += t.shape().count();
+  return n;
+}
+
+namespace detail {
+
+template <class To, class From>
+void convert_module(To& to, const From& from);
+
+template <bool trainable, class To, class From>
+void convert_member(To& to, const From& from) {
+  if constexpr (is_tensor<To>) {
+    using B = typename To::backend;
+    const std::vector<typename B::scalar> values(from.span().begin(), from.span().end());
+    to = To::from(values, from.shape());
+    if constexpr (AutodiffBackend<B> && trainable) to = To(B::variable(B::value(to.data())));
+  } else if constexpr (Module<To>) {
+    convert_module(to, from);
+  } else if constexpr (is_vector<To>) {
+    to.resize(from.size());
+    for (std::size_t i = 0; i < from.size(); ++i) convert_member<trainable>(to[i], from[i]);
+  } else if constexpr (is_optional<To>) {
+    to.reset();
+    if (from) convert_member<trainable>(to.emplace(), *from);
+  } else if constexpr (std::is_same_v<To, From>) {
+    to = from;
+  } else {
+    to = To(from);  // computed tables, not stored
+  }
+}
+
+template <class To, class From>
+void convert_module(To& to, const From& from) {
+  auto member = [](const char*, auto& t, const auto& f) { convert_member<is_trainable<To>>(t, f); };
+  each_field(member, walk(to), walk(from));
+}
+
+}  // namespace detail
+
+/// The same model over another backend, with copies of all values. On an Autodiff backend every trainable tensor
+/// becomes a variable.
+template <Backend To, template <class> class M, class From>
+M<To> convert(const M<From>& model) {
+  M<To> out;
+  detail::convert_module(out, model);
+  return out;
+}
+/// The model without a tape, after training.
+template <template <class> class M, AutodiffBackend A>
+M<typename A::inner> to_inner(const M<A>& model) {
+  return convert<typename A::inner>(model);
+}
+
+namespace detail {
+
+/// True for the ranks of matrices and of a convolution's weight: (out, in, taps), (out, in, taps, 1).
+template <class B>
+bool has_panels(int rank) {
+  return PackingBackend<B> && rank >= 2 && rank <= 4;
+}
+
+/// Packs a weight; returns true if all its values are finite.
+template <PackingBackend B>
+bool pack_weight(const typename B::tensor& weight, Precision precision = product_precision()) {
+  const Shape shape = B::shape(weight);
+  if (shape.rank() < 4) return B::prepare(weight, precision);
+  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}), precision);
+}
+
+template <Module M>
+void prepare_in(M& model, Precision precision) {
+  using B = module_backend<M>;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (has_panels<B>(t.rank)) pack_weight<B>(*t.data, precision);
+    }
+  }
+}
+
+}  // namespace detail
+
+/// Prepares a model for inference: packs the weights of linear layers and convolutions for the backend's kernels (and
+/// other tensors with two to four axes). It uses the precision of the process; backend/precision.hpp offers others. The
+/// model must not change afterwards. Does nothing on backends without such a layout.
+template <Module M>
+void prepare(M& model) {
+  detail::prepare_in(model, product_precision());
+}
+
+/// The precision of products with the first weight of a model.
+template <Module M>
+Precision precision_of(const M& model) {
+  using B = module_backend<M>;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (detail::has_panels<B>(t.rank)) return B::precision_of(*t.data);
+    }
+  }
+  return product_precision();
+}
+
+MOTIONLANG_NAMESPACE_END
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -10697,6 +10181,41 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
+#define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
+/// Converts features to zero mean and unit deviation, and back.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
+/// Statistics are saved with a model but not trained. eps matters only if std is 0.
+template <Backend B>
+struct Normalizer {
+  static constexpr bool trainable = false;
+  Tensor<B, 1> mean, std;  // (features)
+  double eps = 1e-12;
+
+  static constexpr auto fields() {
+    return motionlang::fields("mean", &Normalizer::mean, "std", &Normalizer::std, "eps", &Normalizer::eps);
+  }
+  /// Statistics that change nothing.
+  static Normalizer identity(Index features) {
+    return {Tensor<B, 1>::zeros({features}), Tensor<B, 1>::full({features}, 1)};
+  }
+
+  template <int R>
+  Tensor<B, R> normalize(const Tensor<B, R>& x) const {
+    return (x - mean) / (std + eps);
+  }
+  template <int R>
+  Tensor<B, R> denormalize(const Tensor<B, R>& x) const {
+    return x * (std + eps) + mean;
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP  // <motionlang/text/caption_encoder.hpp>
 #define MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP
 /// A small text encoder of our own: word pieces, a transformer, one vector per caption. It is below 2 MB, so it can be
@@ -11553,6 +11072,496 @@ MOTIONLANG_NAMESPACE_END
 /// stitched.
 ///
 /// It does not depend on the feature type or the network: any layout with a partition into parts, any `Denoiser`.
+
+#ifndef MOTIONLANG_HAS_COMPOSE_RECALLED_MOTIONS_HPP  // <motionlang/compose/recalled_motions.hpp>
+#define MOTIONLANG_HAS_COMPOSE_RECALLED_MOTIONS_HPP
+/// Remembered motions for the texts of a collage, which its clean estimates follow.
+///
+/// A network that was trained on few gestures makes poses that are right and hardly move. A model may therefore
+/// remember some motions. In every step, the clean estimate of a crop whose text has one is drawn towards it:
+///
+///     x0 = (1 - recall) x0 + recall remembered
+///
+/// The frames of a crop before and after its text have the first and the last row, with its speed. Other crops are the
+/// network's, so it makes the passages between texts. Stitching combines the motion with the texts of other parts.
+///
+/// Source  ours; the idea is that of replacing known parts of a clean estimate (Lugmayr et al. 2022, "RePaint")
+
+#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_HPP  // <motionlang/compose/plan.hpp>
+#define MOTIONLANG_HAS_COMPOSE_PLAN_HPP
+/// From timelines to the integers of a composition: the crops to denoise, and the frames of each crop that are added to
+/// or subtracted from frames of the motion, for each body part. There are no tensors here.
+///
+/// Source     thesis 6.2.3; STMC (Petrovich et al. 2024); reference: nv-tlabs/stmc src/stmc.py process_timelines
+/// Notation   a, b -> start, end of an interval; T -> frames; O, l, r -> Overlap; x -> cut
+/// Property   For every body part and frame, additions minus subtractions = 1, however close the cuts are. This holds
+///            if extension and transition crops are both on or both off; see net_weights
+/// Differs    from the reference, if the options say so: gaps are filled with the unconditional text "" (the reference
+///            stops), and transitions at which no part changes can be left out
+
+#ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP  // <motionlang/compose/overlap.hpp>
+#define MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP
+/// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
+///
+/// Source   thesis 6.2.3, "Temporal stitching"; STMC (Petrovich et al. 2024) src/stmc.py
+/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap. The longer half is on
+///          the right
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A half-open range of frames.
+struct FrameRange {
+  Index start = 0, end = 0;
+  Index size() const { return end - start; }
+  bool operator==(const FrameRange&) const = default;
+};
+
+/// A total of O frames: l = O div 2 to the left of a cut, r = O - l to the right.
+struct Overlap {
+  Index left = 0, right = 0;
+
+  /// Throws config_error 101 if it is negative or beyond `latest_time`.
+  static Overlap of_frames(Index total);
+  static Overlap of_seconds(double total, double fps) { return of_frames(frame_at(total, fps)); }
+
+  /// [max(s - l, 0), min(e + r, frames))
+  FrameRange extend(FrameRange range, Index frames) const {
+    return {std::max<Index>(range.start - left, 0), std::min(range.end + right, frames)};
+  }
+  /// Around a cut x: [max(x - l, 0), min(x + r, frames)).
+  FrameRange window(Index cut, Index frames) const { return extend({cut, cut}, frames); }
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_IPP  // <motionlang/compose/overlap.ipp>
+#define MOTIONLANG_HAS_COMPOSE_OVERLAP_IPP
+// Bodies of overlap.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Overlap Overlap::of_frames(Index total) {
+  if (total < 0 || total > latest_time) raise<config_error>(101, "Overlap: ", total, " frames");
+  return {total / 2, total - total / 2};
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP  // <motionlang/compose/sinc_assignment.hpp>
+#define MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP
+/// Assigns each body part to one text while several texts are active.
+///
+/// Source   thesis 6.2.3, figure 6.4: the heuristic of SINC (thesis B.2.1) as STMC src/stmc.py applies it. Where papers
+///          and code differ (the base is a text with legs first, ties are random), this follows the code.
+/// Rule     1. The base is the text with the most body parts. It must have the part that carries the path (the legs of
+///             a human), unless no text has it. It gets all parts.
+///          2. The others take their parts from the present owners. They come by number of parts, the largest first, in
+///             file order among equals. So the text with fewer parts wins, and among equals the later one.
+/// Ties     between base texts: the first in the file, or random as published when a generator is given
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Number of the interval that owns each body part.
+using PartOwners = std::vector<Index>;
+
+/// A generator that can shuffle a list: PythonRandom (as published), NumpyRandom.
+template <class G>
+concept Shuffler = requires(G& g, std::span<Index> list) {
+  g.shuffle(list);
+};
+
+/// The library's rule for ties: keep the order of the file.
+struct FirstWins {
+  void shuffle(std::span<Index>) const {}
+};
+
+namespace detail {
+
+/// Among texts with the path (or all, if none has it), the one with the most parts. On a tie, the first after a
+/// shuffle. Shuffling a single text takes no random numbers.
+template <class T, Shuffler G>
+Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
+  const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts; };
+  std::vector<Index> candidates;
+  for (Index i : texts) {
+    if (parts(i).has(timeline.body.path())) candidates.push_back(i);
+  }
+  if (candidates.empty()) candidates.assign(texts.begin(), texts.end());
+  ties.shuffle(std::span<Index>(candidates));
+  Index base = candidates.front();
+  for (Index i : candidates) {
+    if (parts(i).count() > parts(base).count()) base = i;
+  }
+  return base;
+}
+
+}  // namespace detail
+
+/// Owners of all parts on a piece with at least one text. `texts` are numbers of intervals in file order.
+template <class T, Shuffler G>
+PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
+  const Index base = detail::base_text(timeline, texts, ties);
+  const int size = timeline.body.size();
+  PartOwners owners(static_cast<std::size_t>(size), base);
+  for (int count = size; count > 0; --count) {  // texts with many parts first, in file order among equals
+    for (Index i : texts) {
+      const BodyParts parts = timeline.intervals[static_cast<std::size_t>(i)].parts;
+      if (i == base || parts.count() != count) continue;
+      for (int p = 0; p < size; ++p) {
+        if (parts.has(static_cast<BodyPart>(p))) owners[static_cast<std::size_t>(p)] = i;
+      }
+    }
+  }
+  return owners;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A range of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
+/// numbers agree with the reference; they have no effect.
+struct Crop {
+  Index interval = 0;  // -1: a transition, with the unconditional text
+  FrameRange range;
+  bool is_transition() const { return interval < 0; }
+  bool operator==(const Crop&) const = default;
+};
+
+/// A part belongs to one text for a range of frames. Neighbours have different owners.
+struct PartInterval {
+  BodyPart part{};
+  Index owner = 0;
+  FrameRange range;
+  bool operator==(const PartInterval&) const = default;
+};
+
+/// The frames `from` of a crop become the frames `to` of the motion, for the features of one part.
+struct Slice {
+  BodyPart part{};
+  Index crop = 0;
+  FrameRange from, to;
+  bool operator==(const Slice&) const = default;
+};
+
+/// A window in which a part changes its owner, for interpolation instead of blending (the SINC+lerp baseline).
+struct LerpWindow {
+  BodyPart part{};
+  Index transition = 0;
+  FrameRange range;
+  bool operator==(const LerpWindow&) const = default;
+};
+
+/// Everything about one timeline. All lists are sorted by part, then by time.
+struct TimelinePlan {
+  Timeline timeline;                 // gaps filled
+  Index frames = 0;                  // T
+  std::vector<Piece> pieces;         // between cuts
+  std::vector<PartOwners> owners;    // on each piece
+  std::vector<PartInterval> merged;  // before extension
+  std::vector<Crop> crops;           // one for each interval, then the transitions by time
+  std::vector<Slice> add, subtract;
+  std::vector<LerpWindow> lerp;  // also without transition crops
+
+  /// "" for transitions.
+  std::string_view text(const Crop& crop) const {
+    if (crop.is_transition()) return {};
+    return timeline.intervals[static_cast<std::size_t>(crop.interval)].text;
+  }
+};
+
+/// Several timelines that are sampled together. The crops of timeline m have the numbers first_crop[m] ...
+/// first_crop[m + 1] - 1 in the batch; slices count crops from the first one of their timeline.
+struct BatchPlan {
+  std::vector<TimelinePlan> timelines;
+  std::vector<Index> first_crop{0};
+  Index frames = 0;  // of the longest timeline
+
+  Index crops() const { return first_crop.back(); }
+};
+
+namespace detail {
+
+/// Throws timeline_error 505 at a piece without a text.
+void require_text(const Piece& piece);
+
+/// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
+void check_crops(const TimelinePlan& plan, Index longest);
+
+/// A plan with its pieces, which have no owners yet. Throws timeline_error 503 ... 505, 507, config_error 101.
+TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options);
+
+/// Derives the plan from the owners of the pieces. Throws timeline_error 506, 508.
+void finish_plan(TimelinePlan& plan, const PlanOptions& options);
+
+}  // namespace detail
+
+/// The plan of one timeline. `ties` decides between equal base texts: FirstWins, or a generator (see PlanOptions and
+/// sinc_assignment.hpp).
+/// Throws     timeline_error 503 (parts of another body), 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long),
+///            config_error 101
+template <Shuffler G>
+TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options, G& ties) {
+  TimelinePlan plan = detail::pieces_of(std::move(timeline), options);
+  for (const Piece& piece : plan.pieces) {
+    detail::require_text(piece);
+    plan.owners.push_back(assign_parts(plan.timeline, piece.intervals, ties));
+  }
+  detail::finish_plan(plan, options);
+  return plan;
+}
+TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options = {});
+
+/// Puts plans into one batch.
+BatchPlan batch_plans(std::vector<TimelinePlan> plans);
+
+/// Plans of all timelines, in order, with one generator.
+template <Shuffler G>
+BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options, G& ties) {
+  std::vector<TimelinePlan> plans;
+  for (const Timeline& t : timelines) plans.push_back(plan_timeline(t, options, ties));
+  return batch_plans(std::move(plans));
+}
+BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options = {});
+
+/// Smallest and largest number of additions minus subtractions over all parts and frames. Both are 1 in a plan that
+/// extends and has transition crops, or does neither.
+struct NetWeights {
+  int smallest = 0, largest = 0;
+};
+NetWeights net_weights(const TimelinePlan& plan);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_IPP  // <motionlang/compose/plan.ipp>
+#define MOTIONLANG_HAS_COMPOSE_PLAN_IPP
+// Bodies of plan.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline std::string quoted(const Interval& i) { return concat_text("'", i.text, "' (", i.start, " to ", i.end, ")"); }
+
+/// " (line 3, column 1)", nothing if the interval was not read from a text.
+inline std::string place_of(const Interval& i) {
+  return i.place.line == 0 ? "" : concat_text(" (line ", i.place.line, ", column ", i.place.column, ")");
+}
+
+inline void check_timeline(const Timeline& timeline) {
+  if (timeline.intervals.empty()) raise<timeline_error>(507, "plan_timeline: no interval");
+  for (const Interval& i : timeline.intervals) {
+    if (i.start < 0 || i.end < i.start || i.end > latest_time) {
+      raise<timeline_error>(504, "plan_timeline: ", quoted(i), " is not a range of frames of the motion");
+    }
+    if ((i.parts.bits & ~timeline.body.all().bits) != 0) {
+      raise<timeline_error>(503, "plan_timeline: ", quoted(i), " moves other body parts than ", timeline.body);
+    }
+  }
+  if (timeline.end() == 0) raise<timeline_error>(504, "plan_timeline: the timeline has no frame");
+}
+
+MOTIONLANG_BODY void require_text(const Piece& piece) {
+  if (!piece.intervals.empty()) return;
+  raise<timeline_error>(505, "plan_timeline: no text covers frames ", piece.start, " to ", piece.end);
+}
+
+/// Joins neighbouring pieces of a part that have the same owner.
+inline void merge_pieces(TimelinePlan& plan) {
+  const auto parts = static_cast<std::size_t>(plan.timeline.body.size());
+  for (std::size_t p = 0; p < parts; ++p) {
+    for (std::size_t k = 0; k < plan.pieces.size(); ++k) {
+      const Piece& piece = plan.pieces[k];
+      const Index owner = plan.owners[k][p];
+      if (k > 0 && plan.owners[k - 1][p] == owner)
+        plan.merged.back().range.end = piece.end;
+      else
+        plan.merged.push_back({static_cast<BodyPart>(p), owner, {piece.start, piece.end}});
+    }
+  }
+}
+
+/// The cuts with a transition, ascending: all except the first and the last. At a cut where no part changes its owner,
+/// it throws timeline_error 506 or leaves the cut out.
+inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts hidden) {
+  std::vector<Index> cuts;
+  for (std::size_t k = 1; k < plan.pieces.size(); ++k) {
+    const Index cut = plan.pieces[k].start;
+    if (plan.owners[k] != plan.owners[k - 1]) {
+      cuts.push_back(cut);
+    } else if (hidden == HiddenTexts::refuse) {
+      for (const Interval& i : plan.timeline.intervals) {
+        if (i.start != cut && i.end != cut) continue;
+        raise<timeline_error>(506, "plan_timeline: ", quoted(i), " owns no body part at frame ", cut,
+                              ": other texts hide it; give it parts that no text with fewer parts takes", place_of(i));
+      }
+    }
+  }
+  return cuts;
+}
+
+MOTIONLANG_BODY void check_crops(const TimelinePlan& plan, Index longest) {
+  for (const Crop& c : plan.crops) {
+    if (longest == 0 || c.range.size() <= longest) continue;
+    raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", counted(c.range.size(), "frame"),
+                          " with its overlap; the denoiser accepts ", longest,
+                          c.is_transition() ? ""
+                                            : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
+                                                  ". Divide it into shorter ones");
+  }
+}
+
+inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
+                       const PlanOptions& options) {
+  for (std::size_t i = 0; i < plan.timeline.intervals.size(); ++i) {
+    const FrameRange range{plan.timeline.intervals[i].start, plan.timeline.intervals[i].end};
+    plan.crops.push_back({static_cast<Index>(i), options.extend ? overlap.extend(range, plan.frames) : range});
+  }
+  if (options.transition_crops) {
+    for (Index cut : cuts) plan.crops.push_back({-1, overlap.window(cut, plan.frames)});
+  }
+  check_crops(plan, options.longest_crop);
+}
+
+/// For each stretch of a part, its extended frames are added from the crop of its owner. At its start, the window of
+/// the transition, which both neighbours have added, is subtracted once.
+inline void make_slices(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
+                        const PlanOptions& options) {
+  const auto texts = static_cast<Index>(plan.timeline.intervals.size());
+  for (const PartInterval& m : plan.merged) {
+    const FrameRange to = options.extend ? overlap.extend(m.range, plan.frames) : m.range;
+    const Index begin = plan.crops[static_cast<std::size_t>(m.owner)].range.start;
+    plan.add.push_back({m.part, m.owner, {to.start - begin, to.end - begin}, to});
+
+    const auto cut = std::lower_bound(cuts.begin(), cuts.end(), m.range.start);
+    if (cut == cuts.end() || *cut != m.range.start) continue;  // the beginning
+    const Index transition = cut - cuts.begin();
+    const FrameRange window = overlap.window(*cut, plan.frames);
+    plan.lerp.push_back({m.part, transition, window});
+    if (options.transition_crops) plan.subtract.push_back({m.part, texts + transition, {0, window.size()}, window});
+  }
+}
+
+MOTIONLANG_BODY TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options) {
+  check_timeline(timeline);
+  Overlap::of_frames(options.overlap);
+  TimelinePlan plan;
+  if (options.gaps == Gaps::fill) fill_gaps(timeline);
+  plan.timeline = std::move(timeline);
+  plan.frames = plan.timeline.end();
+  plan.pieces = elementary_pieces(plan.timeline);
+  const Index first = plan.pieces.empty() ? plan.frames : plan.pieces.front().start;
+  if (first > 0) raise<timeline_error>(505, "plan_timeline: no text covers frames 0 to ", first);
+  return plan;
+}
+
+MOTIONLANG_BODY void finish_plan(TimelinePlan& plan, const PlanOptions& options) {
+  const Overlap overlap = Overlap::of_frames(options.overlap);
+  merge_pieces(plan);
+  const std::vector<Index> cuts = transition_cuts(plan, options.hidden);
+  make_crops(plan, cuts, overlap, options);
+  make_slices(plan, cuts, overlap, options);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options) {
+  FirstWins ties;
+  return plan_timeline(std::move(timeline), options, ties);
+}
+
+MOTIONLANG_BODY BatchPlan batch_plans(std::vector<TimelinePlan> plans) {
+  BatchPlan batch;
+  batch.timelines = std::move(plans);
+  for (const TimelinePlan& plan : batch.timelines) {
+    batch.first_crop.push_back(batch.first_crop.back() + std::ssize(plan.crops));
+    batch.frames = std::max(batch.frames, plan.frames);
+  }
+  return batch;
+}
+
+MOTIONLANG_BODY BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options) {
+  FirstWins ties;
+  return plan_timelines(timelines, options, ties);
+}
+
+MOTIONLANG_BODY NetWeights net_weights(const TimelinePlan& plan) {
+  NetWeights net{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
+  for (int p = 0; p < plan.timeline.body.size(); ++p) {
+    std::vector<std::pair<Index, int>> steps{{0, 0}, {plan.frames, 0}};  // frame, change of the weight
+    const auto count = [&](const std::vector<Slice>& slices, int weight) {
+      for (const Slice& s : slices) {
+        if (s.part != static_cast<BodyPart>(p)) continue;
+        steps.emplace_back(s.to.start, weight), steps.emplace_back(s.to.end, -weight);
+      }
+    };
+    count(plan.add, 1), count(plan.subtract, -1);
+    detail::sort(steps, [](const auto& a, const auto& b) { return a < b; });
+    int weight = 0;
+    for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
+      weight += steps[i].second;
+      if (steps[i].first == steps[i + 1].first) continue;
+      net = {std::min(net.smallest, weight), std::max(net.largest, weight)};
+    }
+  }
+  return net;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A remembered motion in a crop of a batch.
+template <Backend B>
+struct RecalledMotion {
+  Index crop = 0;       // in the batch
+  Tensor<B, 2> rows{};  // (frames of the crop, features), normalised
+};
+
+/// The motions for all texts of a plan. The first value of a timeline's noise chooses among several, so the same noise
+/// gives the same motion, alone and in a batch.
+/// noise  the initial one, (timelines * stride, features)
+template <Backend B>
+std::vector<RecalledMotion<B>> recalled_motions(const MotionRecall& memory, const BatchPlan& plan,
+                                                const Tensor<B, 2>& noise, Index stride,
+                                                const Normalizer<B>& normalizer) {
+  using S = typename B::scalar;
+  std::vector<RecalledMotion<B>> out;
+  const Index width = noise.size(1);
+  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+    const TimelinePlan& p = plan.timelines[m];
+    const auto z = noise.span()[m * static_cast<std::size_t>(stride * width)];
+    const double choice = std::erfc(-static_cast<double>(z) / std::sqrt(2.0)) / 2;  // uniform in 0 ... 1
+    for (std::size_t c = 0; c < p.crops.size(); ++c) {
+      const Crop& crop = p.crops[c];
+      if (crop.is_transition() || crop.range.size() == 0) continue;
+      const Interval& text = p.timeline.intervals[static_cast<std::size_t>(crop.interval)];
+      const Index frames = text.end - text.start;
+      const std::vector<double> values = memory.features(text.text, frames, choice);
+      if (values.empty()) continue;
+      if (std::ssize(values) != frames * width)
+        raise<shape_error>(205, "recalled_motions: ", values.size(), " values for '", text.text, "', ",
+                           counted(frames, "frame"), " of ", counted(width, "feature"), " have ", frames * width);
+      std::vector<S> rows;
+      rows.reserve(static_cast<std::size_t>(crop.range.size() * width));
+      for (Index f = crop.range.start; f < crop.range.end; ++f) {
+        const auto* from = values.data() + std::clamp(f - text.start, Index{0}, frames - 1) * width;
+        rows.insert(rows.end(), from, from + width);
+      }
+      out.push_back({.crop = plan.first_crop[m] + static_cast<Index>(c),
+                     .rows = normalizer.normalize(Tensor<B, 2>::from(rows, {crop.range.size(), width}))});
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_STITCHING_HPP  // <motionlang/compose/stitching.hpp>
 #define MOTIONLANG_HAS_COMPOSE_STITCHING_HPP

@@ -14,31 +14,13 @@
 
 #include <algorithm>  // clamp
 #include <cmath>      // erfc
-#include <string>     // texts
 #include <vector>     // motions
 
+#include <motionlang/compose/motion_recall.hpp>
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/features/normalizer.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
-
-/// Finds motions for texts. datasets/motion_memory.hpp has one; any other may be written.
-class MotionRecall {
- public:
-  MotionRecall() = default;
-  MotionRecall(const MotionRecall&) = delete;
-  MotionRecall& operator=(const MotionRecall&) = delete;
-  virtual ~MotionRecall() = default;
-
-  /// The features of a motion for the text, (frames, features), not normalised. Nothing if no motion is known.
-  /// choice  in 0 ... 1: chooses one, if there are several. The same arguments give the same motion
-  virtual std::vector<double> features(const std::string& text, Index frames, double choice) const = 0;
-  /// Digits that change with any motion or text.
-  virtual std::string fingerprint() const = 0;
-};
-
-/// The share of the remembered motion that is usual.
-inline constexpr double usual_recall = 0.9;
 
 /// A remembered motion in a crop of a batch.
 template <Backend B>

@@ -8,7 +8,7 @@
 /// like its first.
 #pragma once
 
-#include <motionlang/compose/recalled_motions.hpp>
+#include <motionlang/compose/motion_recall.hpp>
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/text/known_captions.hpp>
 

@@ -11,8 +11,8 @@
 #include <memory>    // shared motions
 #include <optional>  // what the caller leaves to the model
 
+#include <motionlang/compose/motion_recall.hpp>
 #include <motionlang/compose/plan_options.hpp>
-#include <motionlang/compose/recalled_motions.hpp>
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/diffusion/mdm_smpl.hpp>
 #include <motionlang/diffusion/sampler.hpp>
