@@ -27549,14 +27549,14 @@ MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& 
   return out;
 }
 
-MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& written) const {
+MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& text) const {
   constexpr double near = 0.7;
-  const std::string text = detail::without_contractions(written);
-  const auto best = nearest(text, 1);
-  if (best.empty() || best.front().likeness >= near) return text;
-  std::vector<std::string> words = WordPiece::words(text);
+  std::string plain = detail::without_contractions(text);
+  const auto best = nearest(plain, 1);
+  if (best.empty() || best.front().likeness >= near) return plain;
+  std::vector<std::string> words = WordPiece::words(plain);
   const auto verb = std::find_if_not(words.begin(), words.end(), detail::is_function_word);
-  if (verb == words.end()) return text;
+  if (verb == words.end()) return plain;
   words.erase(words.begin(), verb);
   const auto& captions = table_.texts();
   const auto tried = captions.begin() + std::ssize(actions_);
@@ -27569,7 +27569,7 @@ MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& wr
       if (has(start) || has(mirror_caption(start))) return start;
     }
   }
-  return text;
+  return plain;
 }
 
 MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string& text, Index count) const {
@@ -27588,16 +27588,16 @@ MOTIONLANG_BODY bool KnownCaptions::knows(const std::string& text) const {
   return !first.empty() && first.front().likeness >= nearness_;
 }
 
-MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& whole) const {
-  const std::string text = known_beginning(whole);
+MOTIONLANG_BODY std::optional<KnownAction> KnownCaptions::action(const std::string& text) const {
+  const std::string known = known_beginning(text);
   constexpr Index asked = 12;
   constexpr double as_near = 0.9, exact = 3;  // a share of the best likeness; the weight of the caption itself
-  const auto found = different(this->found(text, asked, 0, std::ssize(actions_)), asked);
+  const auto found = different(this->found(known, asked, 0, std::ssize(actions_)), asked);
   if (found.empty() || found.front().near.likeness < nearness_) return std::nullopt;
   double repeats = 0, all = 0;
   const auto weight = [&](const Found& f) {
     if (f.near.likeness < as_near * found.front().near.likeness) return 0.0;
-    return f.near.text == text ? exact * f.near.likeness : f.near.likeness;
+    return f.near.text == known ? exact * f.near.likeness : f.near.likeness;
   };
   const auto action_of = [&](const Found& f) { return actions_[static_cast<std::size_t>(f.near.row)]; };
   for (const Found& f : found) {
