@@ -138,9 +138,11 @@ class Pose:
         """The direction over the floor."""
         return unit((self.local[0] @ X)[:2])
 
-    def pitch(self, degrees):
-        """Leans the whole figure ahead."""
+    def hinge(self, degrees):
+        """Leans the figure ahead from the hips; the legs stay as they are."""
         self.local[0] = rotation(np.append(self.left(), 0), np.radians(degrees)) @ self.local[0]
+        for side in (LEFT, RIGHT):
+            self.turn(HIP[side], X, -degrees)
 
     def ahead(self):
         """The same of its heading."""
@@ -378,20 +380,17 @@ def dance(p, t, s, n, r):
 def squat(p, t, s, n, r):
     w = held(t, s, 1.0 / r, 1.0 / r)
     p.crouch(62 * min(1, n) * w)
-    p.pitch(14 * w)
+    p.hinge(14 * w)
     p.trunk(ahead=16 * w)
     for side, out in ((LEFT, 1), (RIGHT, -1)):
-        p.turn(HIP[side], X, -14 * w)
         p.reach(side, (out * 0.16, 0.02, 0.46), (out * 0.4, -1, 0), w)
 
 
 def pick_up(p, t, s, n, r):
     w = held(t, s, 1.1 / r, 1.1 / r)
     p.crouch(66 * w)
-    p.pitch(38 * w)
+    p.hinge(38 * w)
     p.trunk(ahead=48 * w)
-    for side in (LEFT, RIGHT):
-        p.turn(HIP[side], X, -38 * w)
     p.reach(RIGHT, (-0.10, -0.38, 0.28), (-1, 0, -0.2), w)
     p.gaze(up=-10 * w)
 
@@ -566,9 +565,7 @@ def stay_kneeling(p, t, s, n, r):
 
 def lean_forward(p, t, s, n, r):
     w = held(t, s, 1.0 / r, 1.0 / r)
-    p.pitch(38 * w)
-    for side in (LEFT, RIGHT):
-        p.turn(HIP[side], X, -38 * w)
+    p.hinge(38 * w)
     p.trunk(ahead=36 * w)
     p.gaze(up=-8 * w)
 
@@ -796,10 +793,9 @@ def walk_on(p, t, s, n, r):
 
 def sneak(p, t, s, n, r):
     p.crouch(24)
-    p.pitch(12)
+    p.hinge(12)
     p.trunk(ahead=24)
     for side, out in ((LEFT, 1), (RIGHT, -1)):
-        p.turn(HIP[side], X, -12)
         p.reach(side, (out * 0.20, -0.02 + 0.05 * out * np.sin(2 * np.pi * 0.5 * t), 0.30), (out, -0.8, -0.2), 1)
     p.gaze(left=16 * np.sin(2 * np.pi * 0.35 * t), up=22)
 
