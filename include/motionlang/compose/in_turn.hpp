@@ -21,6 +21,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// A sentence of one action is returned unchanged.
 std::vector<std::string> actions_in_turn(std::string_view sentence);
 
+/// The same, and also cut at commas. If it has a comma, the last "and" after it cuts, too: "walk, turn and wave" has
+/// three parts. A part need not be an action: "slowly, on tiptoe".
+std::vector<std::string> listed_in_turn(std::string_view sentence);
+
 /// Replaces every text of several actions by one text for each. They follow each other and share its frames evenly.
 /// Throws config_error 101 if it has fewer frames than actions.
 Timeline in_turn(const Timeline& timeline);

@@ -73,6 +73,28 @@ MOTIONLANG_BODY std::vector<std::string> actions_in_turn(std::string_view senten
   return actions.size() > 1 ? actions : std::vector<std::string>{std::string(sentence)};
 }
 
+MOTIONLANG_BODY std::vector<std::string> listed_in_turn(std::string_view sentence) {
+  std::vector<std::string> out;
+  for (const std::string& action : actions_in_turn(sentence)) {
+    std::vector<std::string> parts(1);
+    for (const detail::SentenceWord& word : detail::sentence_words(action)) {
+      if (parts.back().empty() && parts.size() > 1 && word.plain == "and") continue;
+      parts.back().append(parts.back().empty() ? "" : " ").append(word.written);
+      if (!word.written.ends_with(',')) continue;
+      parts.back().pop_back();
+      parts.emplace_back();
+    }
+    constexpr std::string_view last_and = " and ";
+    if (const auto at = parts.back().rfind(last_and); parts.size() > 1 && at != std::string::npos) {
+      parts.push_back(parts.back().substr(at + last_and.size()));
+      parts[parts.size() - 2].resize(at);
+    }
+    std::erase(parts, "");
+    out.insert(out.end(), parts.begin(), parts.end());
+  }
+  return out.size() > 1 ? out : std::vector<std::string>{std::string(sentence)};
+}
+
 MOTIONLANG_BODY Timeline in_turn(const Timeline& timeline) {
   Timeline out{{}, timeline.body};
   for (const Interval& whole : timeline.intervals) {

@@ -6,7 +6,7 @@
 ///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
 ///
 /// Source  lengths: the third quartile of the segments with such captions in examples/training/captions.tsv; of a jump,
-///         half of that, because the bundled model fills all of it with two jumps
+///         that of the jumps which the bundled weights remember
 #pragma once
 
 #include <optional>     // other texts

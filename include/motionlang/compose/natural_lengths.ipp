@@ -28,10 +28,10 @@ inline std::vector<std::string> lower_case_words(std::string_view text) {
 }
 
 /// Words of actions that continue, or that need another action.
-inline constexpr std::array continuing_words{"again",      "and",  "then",  "while",   "times",  "twice",
-                                             "repeatedly", "keep", "keeps", "circles", "circle", "continuously",
-                                             "several",    "many", "jacks", "rope",    "walk",   "walks",
-                                             "walking",    "run",  "runs",  "running"};
+inline constexpr std::array continuing_words{
+    "again",   "and",    "then",         "while",   "times", "twice", "repeatedly", "keep", "keeps",
+    "circles", "circle", "continuously", "several", "many",  "jacks", "rope",       "walk", "walks",
+    "walking", "run",    "runs",         "running", "u",     "wide",  "curve"};
 
 }  // namespace detail
 
@@ -58,7 +58,7 @@ MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view tex
   if (says({"sit", "sits", "sitting"}) && says({"down"})) return NaturalLength{2.8, "sit quietly"};
   if (says({"stand", "stands", "get", "gets"}) && says({"up"})) return NaturalLength{2.4, "stand still"};
   if (says({"jump", "jumps", "leap", "leaps"}) && !(says({"up"}) && says({"down"})))
-    return NaturalLength{1.4, "stand still"};
+    return NaturalLength{2.4, "stand still"};
   if (says({"bend", "bends", "bending", "bow", "bows", "bowing"}) && !says({"knees", "knee", "arm", "arms"}))
     return NaturalLength{2.2, "stand still", true};
   if (says({"kick", "kicks", "punch", "punches", "throw", "throws"})) return NaturalLength{2.4, "stand still"};

@@ -34,9 +34,15 @@ std::optional<KnownAction> usual_action(const std::string& text, const KnownCapt
 /// text_seconds if the action is not known, or no captions are.
 double usual_seconds(const std::string& text, const KnownCaptions& captions);
 
-/// The whole body does what the text says. If it has at least a second more than its action takes, and the action ends,
-/// the text of what follows takes the rest, unless no captions are known. Several actions are made in turn also if they
-/// last longer than longest_whole_text and actions end, because a text that is cut would start again.
+/// The actions of a text that no caption says as a whole (likeness below 0.85), if captions know each of them: "walk
+/// forward, wave and sit down". Commas separate actions if each has a caption nearly like it (0.75). Otherwise the
+/// text.
+std::vector<std::string> known_in_turn(const std::string& text, const KnownCaptions& captions);
+
+/// The whole body does what the text says. Actions that are known are made in turn (known_in_turn). All actions are, if
+/// they last longer than longest_whole_text, because a text that is cut would start again. If an action ends and has
+/// at least a second more than it takes, the text of what follows takes the rest, unless no captions are known. All of
+/// this is only done if actions end.
 Timeline text_timeline(const std::string& text, const KnownCaptions& captions, const TextTimelineOptions& options = {});
 
 /// True if the action of the text ends, and the interval is more than twice as long and more than two seconds longer.

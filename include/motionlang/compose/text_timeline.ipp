@@ -2,7 +2,7 @@
 // Bodies of text_timeline.hpp.
 #pragma once
 
-#include <algorithm>  // clamp, max
+#include <algorithm>  // all_of, clamp, max
 #include <vector>     // actions in turn
 
 #include <motionlang/compose/cut_texts.hpp>
@@ -34,10 +34,29 @@ MOTIONLANG_BODY double usual_seconds(const std::string& text, const KnownCaption
   return std::clamp(action->seconds, action->repeats ? shortest_repeated : shortest, longest_whole_text);
 }
 
+MOTIONLANG_BODY std::vector<std::string> known_in_turn(const std::string& text, const KnownCaptions& captions) {
+  constexpr double same = 0.85, nearly_same = 0.75;
+  const auto likeness = [&](const std::string& action) {
+    const auto near = captions.nearest(action, 1);
+    return near.empty() ? 0.0 : near.front().likeness;
+  };
+  const auto all_are = [&](const std::vector<std::string>& actions, double least) {
+    return actions.size() > 1 && std::all_of(actions.begin(), actions.end(),
+                                             [&](const std::string& action) { return likeness(action) >= least; });
+  };
+  const auto listed = listed_in_turn(text);
+  if (captions.empty() || listed.size() == 1 || likeness(text) >= same) return {text};
+  if (all_are(listed, nearly_same)) return listed;
+  const auto actions = actions_in_turn(text);
+  return all_are(actions, captions.nearness()) ? actions : std::vector<std::string>{text};
+}
+
 MOTIONLANG_BODY Timeline text_timeline(const std::string& text, const KnownCaptions& captions,
                                        const TextTimelineOptions& options) {
   const bool too_long = options.end_actions && options.seconds.value_or(0) > longest_whole_text;
-  const auto texts = options.in_turn || too_long ? actions_in_turn(text) : std::vector<std::string>{text};
+  const auto texts = options.in_turn || too_long ? actions_in_turn(text)
+                     : options.end_actions       ? known_in_turn(text, captions)
+                                                 : std::vector<std::string>{text};
   std::vector<Interval> intervals;
   if (options.seconds) {
     const Interval whole{text, 0, frame_at(*options.seconds, options.fps), BodyParts::all()};

@@ -31,6 +31,7 @@ class MotionMemory final : public MotionRecall {
                std::string_view source = "MotionMemory");
 
   const KnownCaptions& captions() const { return captions_; }
+  const KnownCaptions* known() const override { return &captions_; }
   const std::vector<Motion>& motions() const { return motions_; }
   const std::vector<RememberedMotion>& remembered() const { return of_; }
   /// The number of captions that have a motion.

@@ -63,9 +63,10 @@ class KnownCaptions {
 
   /// At most `count` captions or mirror images of captions, the nearest first, each once.
   std::vector<NearText> nearest(const std::string& text, Index count) const;
-  /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. If all
-  /// are far (likeness below 0.7), those of its beginning, if that or its mirror image is a caption: "kick" for "he
-  /// kicks the xylophone".
+  /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. Captions
+  /// that say more than the text are less alike. If all are far (likeness below 0.7), those of its longest beginning
+  /// that is nearly a caption: "kick" for "he kicks the xylophone". Half of the text has to say it, unless the captions
+  /// are very far (0.5).
   std::vector<NearCaption> meant(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
@@ -83,7 +84,7 @@ class KnownCaptions {
   };
   /// In the rows from `first` to before `last`. A caption that is the mirror image of another is found twice.
   std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
-  /// The text, or its beginning if that is a caption and the text is far from all of them.
+  /// The text, or the caption of its beginning if the text is far from all of them.
   std::string known_beginning(const std::string& text) const;
   /// Each text once.
   static std::vector<Found> different(std::vector<Found> all, Index count);

@@ -111,34 +111,52 @@ MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& 
 }
 
 MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& text) const {
-  constexpr double near = 0.7;
+  constexpr double near = 0.7, half_near = 0.5, same = 0.9;
   std::string plain = detail::without_contractions(text);
   const auto best = nearest(plain, 1);
   if (best.empty() || best.front().likeness >= near) return plain;
   std::vector<std::string> words = WordPiece::words(plain);
-  const auto verb = std::find_if_not(words.begin(), words.end(), detail::is_function_word);
-  if (verb == words.end()) return plain;
-  words.erase(words.begin(), verb);
+  const auto says = [](const std::string& word) { return !detail::is_function_word(word); };
+  words.erase(words.begin(), std::find_if(words.begin(), words.end(), says));
+  const auto all = std::count_if(words.begin(), words.end(), says);
+  // A text that is not so far means its beginning only if that is half of it.
+  const auto least = best.front().likeness < half_near ? 1 : std::max<std::ptrdiff_t>(1, all / 2);
+  std::vector<std::string> beginnings;  // the longest first, each before its mirror image
+  for (; std::count_if(words.begin(), words.end(), says) >= least; words.pop_back()) {
+    if (!says(words.back())) continue;
+    std::string beginning;
+    for (const std::string& word : words) beginning += (beginning.empty() ? "" : " ") + word;
+    beginnings.push_back(beginning);
+    beginnings.push_back(mirror_caption(beginning));
+  }
   const auto& captions = table_.texts();
   const auto tried = captions.begin() + std::ssize(actions_);
   const auto has = [&](const std::string& caption) { return std::find(captions.begin(), tried, caption) != tried; };
-  const std::vector<std::string> forms = detail::plain_forms(words.front());
-  for (std::size_t count = words.size(); count > 0; --count) {
-    for (const std::string& form : forms) {
-      std::string start = form;
-      for (std::size_t i = 1; i < count; ++i) start += " " + words[i];
-      if (has(start) || has(mirror_caption(start))) return start;
+  const auto near_beginnings =
+      table_.nearest(beginnings, 1, [&](Index, Index row) { return row < std::ssize(actions_); });
+  for (std::size_t i = 0; i < beginnings.size(); ++i) {
+    const std::size_t end = std::min(beginnings[i].find(' '), beginnings[i].size());  // of its first word
+    for (std::string form : detail::plain_forms(beginnings[i].substr(0, end))) {
+      form += beginnings[i].substr(end);
+      if (has(form)) return i % 2 == 0 ? form : mirror_caption(form);
     }
+    const NearText& alike = near_beginnings[i].front();
+    if (alike.likeness * alike.said >= same) return i % 2 == 0 ? alike.text : mirror_caption(alike.text);
   }
   return plain;
 }
 
 MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string& text, Index count) const {
-  constexpr double nearly_as_alike = 0.96;
+  constexpr double nearly_as_alike = 0.88;
+  // A caption that says more than the text is less alike: "walk and get pushed" for "walk".
+  const auto rank = [](const Found& f) { return f.near.likeness * (2 + f.near.said) / 3; };
+  constexpr Index looked_at = 24;
+  auto all = found(known_beginning(text), std::max(count, looked_at), 0, std::ssize(actions_));
+  std::erase_if(all, [&](const Found& f) { return f.near.likeness < nearness_; });
+  std::stable_sort(all.begin(), all.end(), [&](const Found& a, const Found& b) { return rank(a) > rank(b); });
   std::vector<NearCaption> out;
-  for (const Found& f : found(known_beginning(text), count, 0, std::ssize(actions_))) {
-    const double least = std::max(nearness_, out.empty() ? 0 : nearly_as_alike * out.front().likeness);
-    if (f.near.likeness < least || std::ssize(out) == count) break;
+  for (const Found& f : all) {
+    if (rank(f) < nearly_as_alike * rank(all.front()) || std::ssize(out) == count) break;
     out.push_back({f.near.row, f.mirrored, f.near.likeness});
   }
   return out;

@@ -44,11 +44,12 @@ struct NearText {
   Index row = 0;
   std::string text{};
   double likeness = 0;
+  double said = 0;  // the share of its own words that the other says, or words like them, by their rarity
 };
 
 namespace detail {
 
-/// True for words that say nothing about a motion: "the", "your", "person".
+/// True for words that say nothing about a motion: "the", "your", "person", "performs".
 bool is_function_word(const std::string& word);
 
 }  // namespace detail
@@ -102,7 +103,10 @@ class TextTable {
     std::shared_ptr<const Words> said{};  // in the texts
   };
   const Table& table() const;
-  std::vector<double> likeness(const std::string& text, std::span<const float> vector) const;
+  struct Likeness {
+    double likeness = 0, said = 0;
+  };
+  std::vector<Likeness> likeness(const std::string& text, std::span<const float> vector) const;
 
   std::shared_ptr<const Table> table_;
 };

@@ -18,13 +18,15 @@ namespace detail {
 
 MOTIONLANG_BODY bool is_function_word(const std::string& word) {
   static const std::set<std::string> words{
-      "a",      "an",      "and",      "are",     "as",      "at",     "be",     "been",  "being", "both",     "by",
-      "can",    "do",      "does",     "doing",   "for",     "from",   "he",     "her",   "hers",  "him",      "his",
-      "i",      "in",      "is",       "it",      "its",     "just",   "like",   "man",   "me",    "my",       "of",
-      "on",     "one",     "or",       "our",     "ourself", "person", "please", "she",   "so",    "some",     "that",
-      "the",    "their",   "them",     "there",   "these",   "they",   "this",   "those", "to",    "us",       "very",
-      "was",    "we",      "were",     "while",   "who",     "with",   "woman",  "you",   "your",  "yourself", "human",
-      "figure", "someone", "somebody", "himself", "herself", "itself"};
+      "a",      "an",      "and",        "are",      "as",    "at",      "be",       "been",       "being",   "both",
+      "by",     "can",     "do",         "does",     "doing", "for",     "from",     "he",         "her",     "hers",
+      "him",    "his",     "i",          "in",       "is",    "it",      "its",      "just",       "like",    "man",
+      "me",     "my",      "of",         "on",       "or",    "our",     "ourself",  "person",     "please",  "she",
+      "so",     "some",    "that",       "the",      "their", "them",    "there",    "these",      "they",    "this",
+      "those",  "to",      "us",         "very",     "was",   "we",      "were",     "while",      "who",     "with",
+      "woman",  "you",     "your",       "yourself", "human", "figure",  "someone",  "somebody",   "himself", "herself",
+      "itself", "subject", "individual", "people",   "guy",   "perform", "performs", "performing", "make",    "makes",
+      "making", "motion",  "movement",   "movements"};
   return words.contains(word);
 }
 
@@ -159,12 +161,14 @@ MOTIONLANG_BODY const TextTable::Table& TextTable::table() const {
   return table_ ? *table_ : none;
 }
 
-MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text, std::span<const float> vector) const {
+MOTIONLANG_BODY std::vector<TextTable::Likeness> TextTable::likeness(const std::string& text,
+                                                                     std::span<const float> vector) const {
   const Table& t = table();
   const std::size_t width = t.mean.size();
   // How alike each word of the text is to each word of the table, with the rarity as its weight.
   const Words& said = *t.said;
   std::vector<std::vector<double>> alike;
+  std::vector<double> said_now(said.words.size());  // how alike each word of the table is to one of the text
   double weights = 0;
   std::set<std::string> seen;
   for (const std::string& word : WordPiece::words(text)) {
@@ -175,12 +179,15 @@ MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text,
     const double weight = same ? said.rarity[*same] : said.rarest;
     auto& list = alike.emplace_back(said.words.size());
     for (std::size_t v = 0; v < said.words.size() && row; ++v) {
-      if (!said.vectors[v].empty()) list[v] = weight * std::max(0.0, word_likeness(of_word, said.vectors[v]));
+      if (said.vectors[v].empty()) continue;
+      const double like = std::max(0.0, word_likeness(of_word, said.vectors[v]));
+      list[v] = weight * like;
+      said_now[v] = std::max(said_now[v], like);
     }
-    if (same) list[*same] = weight;
+    if (same) list[*same] = weight, said_now[*same] = 1;
     weights += weight;
   }
-  std::vector<double> out(t.texts.size());
+  std::vector<Likeness> out(t.texts.size());
   double own = 0;
   for (std::size_t k = 0; k < width; ++k) own += std::pow(static_cast<double>(vector[k] - t.mean[k]), 2);
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -195,7 +202,13 @@ MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text,
       for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) best = std::max(best, list[said.said[w]]);
       words += best;
     }
-    out[i] = product / std::sqrt(own * length) * (0.01 + 0.99 * (weights > 0 ? words / weights : 1));
+    double of_own = 0, all_own = 0;
+    for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) {
+      const std::uint32_t word = said.said[w];
+      of_own += said.rarity[word] * said_now[word], all_own += said.rarity[word];
+    }
+    out[i] = {product / std::sqrt(own * length) * (0.01 + 0.99 * (weights > 0 ? words / weights : 1)),
+              all_own > 0 ? of_own / all_own : 1};
   }
   return out;
 }
@@ -214,13 +227,14 @@ MOTIONLANG_BODY std::vector<std::vector<NearText>> TextTable::nearest(
     for (Index row = 0; row < size(); ++row) {
       if (!wanted || wanted(static_cast<Index>(t), row)) rows.push_back(row);
     }
-    const auto of = [&](Index row) { return all[static_cast<std::size_t>(row)]; };
+    const auto of = [&](Index row) { return all[static_cast<std::size_t>(row)].likeness; };
     const auto most = std::clamp<Index>(count, 0, std::ssize(rows));
     std::partial_sort(rows.begin(), rows.begin() + most, rows.end(),
                       [&](Index a, Index b) { return of(a) > of(b) || (of(a) == of(b) && a < b); });
     for (Index i = 0; i < most; ++i) {
       const Index row = rows[static_cast<std::size_t>(i)];
-      out[t].push_back({row, this->texts()[static_cast<std::size_t>(row)], of(row)});
+      const auto at = static_cast<std::size_t>(row);
+      out[t].push_back({row, this->texts()[at], all[at].likeness, all[at].said});
     }
   }
   return out;

@@ -7,6 +7,7 @@
 #include <limits>     // numbers of captions
 #include <utility>    // move
 
+#include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/weights/metadata_number.hpp>
@@ -71,7 +72,7 @@ MOTIONLANG_BODY std::shared_ptr<const MotionMemory> stored_motion_memory(const S
         const auto angle = [&](std::size_t i) {
           return detail::radians_per_step * angles[(3 * j + i) * static_cast<std::size_t>(frames) + first];
         };
-        m.local.push_back(to_quaternion(exp_so3(Vec3<double>{angle(0), angle(1), angle(2)})));
+        m.local.push_back(to_quaternion(AxisAngle<double>{{angle(0), angle(1), angle(2)}}));
       }
       m.local.resize(m.root.size() * detail::all_rotations, Quaternion<double>::identity());
     }

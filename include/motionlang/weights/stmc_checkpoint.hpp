@@ -72,6 +72,7 @@ StmcCheckpoint<B> load_stmc(const FilePath& path, const CheckpointOptions& optio
 /// The captions that a model of ours learned from, if its file has them. Throws what stored_known_captions throws.
 template <Backend B>
 KnownCaptions load_known_captions(const FilePath& path, const StmcCheckpoint<B>& stmc) {
+  if (stmc.memory && stmc.memory->known() != nullptr) return *stmc.memory->known();  // read with the memory
   const StmcPlace place = stmc_place(path);
   if (place.run || !stmc.text_encoder.captions) return {};
   return load_known_captions(FilePath(place.file), *stmc.text_encoder.captions);

@@ -24,6 +24,15 @@ TEST_CASE("a sentence of one action stays as it is") {
   }
 }
 
+TEST_CASE("commas cut a list, and so does its last and") {
+  using Actions = std::vector<std::string>;
+  CHECK(ml::listed_in_turn("walk, turn left and wave") == Actions{"walk", "turn left", "wave"});
+  CHECK(ml::listed_in_turn("walk, turn left, and wave.") == Actions{"walk", "turn left", "wave."});
+  CHECK(ml::listed_in_turn("walk,turn, then sit and wave") == Actions{"walk,turn", "sit and wave"});
+  CHECK(ml::listed_in_turn("walk and wave") == Actions{"walk and wave"});
+  CHECK(ml::listed_in_turn(" , ") == Actions{" , "});
+}
+
 TEST_CASE("actions share the frames of their text") {
   const auto parsed = [](const char* text) { return ml::parse_timeline(text, {.fps = 1}); };
   CHECK(ml::in_turn(parsed("walk, then turn, then sit # 0 # 10 # legs\n"

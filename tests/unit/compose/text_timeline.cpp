@@ -45,10 +45,14 @@ TEST_CASE("actions in turn share the time, or take their own") {
         ml::Timeline{{{"sit", 0, 40, all}, {"walk", 40, 120, all}}});
   CHECK(ml::text_timeline("sit, then walk", captions, {.seconds = 8, .in_turn = true}) ==
         ml::Timeline{{{"sit", 0, 40, all}, {"sit quietly", 40, 80, all}, {"walk", 80, 160, all}}});
-  CHECK(ml::text_timeline("sit, then walk", captions, {.seconds = 6}).intervals.size() == 1);
-  CHECK(ml::text_timeline("sit, then walk", captions) == ml::Timeline{{{"sit, then walk", 0, 120, all}}});
-  CHECK(ml::text_timeline("walk, then sit", captions, {.seconds = 7.9}) ==
-        ml::Timeline{{{"walk, then sit", 0, 120, all}, {"sit quietly", 120, 158, all}}});
+  const ml::TextTimelineOptions whole{.seconds = 6, .end_actions = false};
+  CHECK(ml::text_timeline("sit, then walk", captions, whole).intervals.size() == 1);
+  // Without being asked, if captions know each action, and none says both.
+  CHECK(ml::text_timeline("sit, then walk", captions) == ml::Timeline{{{"sit", 0, 40, all}, {"walk", 40, 120, all}}});
+  CHECK(ml::text_timeline("walk, sit and walk", captions).intervals.size() == 3);
+  CHECK(ml::known_in_turn("walk, then blorp", captions).size() == 1);
+  CHECK(ml::known_in_turn("walk, slowly", captions).size() == 1);
+  CHECK(ml::known_in_turn("walk", captions).size() == 1);
   CHECK(ml::text_timeline("walk, then sit", captions, {.seconds = 10}).intervals.size() == 3);  // one would start again
   CHECK(ml::text_timeline("walk, then sit", captions, {.seconds = 10, .end_actions = false}).intervals.size() == 1);
   CHECK(ml::usual_seconds("walk, then blorp", captions) == ml::text_seconds);

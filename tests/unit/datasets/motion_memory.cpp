@@ -40,6 +40,7 @@ double apart(const ml::Motion& a, const ml::Motion& b, Index frame_a, Index fram
 TEST_CASE("the caption nearest to a text decides, and the choice among its motions") {
   const auto m = memory();
   CHECK(m.captions_with_motions() == 2);
+  CHECK(m.known() == &m.captions());
   REQUIRE(m.motion("kick", 20, 0.1));
   CHECK(apart(*m.motion("kick", 20, 0.1), clip(20), 7, 7) < 1e-9);
   CHECK(apart(*m.motion("kick hard", 30, 0.9), clip(30, 0.5), 17, 17) < 1e-9);

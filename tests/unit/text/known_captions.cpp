@@ -92,6 +92,24 @@ TEST_CASE("a text that is far from all captions means its beginning, if that is 
   CHECK(still.meant("don't sit", 1)[0].row == 6);
 }
 
+TEST_CASE("of captions that are as alike, the one that says no more is meant") {
+  const Texts texts{"walk and get pushed", "kick"};  // the encoder hears "walk" and "kick"
+  const ml::KnownCaptions captions(ml::TextTable::encoded(texts, counted::vectors), {{}, {}}, 0.5);
+  const auto meant = captions.meant("walk", 9);
+  REQUIRE(meant.size() == 1);
+  CHECK(captions.table().texts()[static_cast<std::size_t>(meant[0].row)] == "walk and get pushed");
+  const Texts both{"walk and get pushed", "walk", "kick"};
+  const ml::KnownCaptions better(ml::TextTable::encoded(both, counted::vectors), {{}, {}, {}}, 0.5);
+  REQUIRE(better.meant("walk", 9).size() == 1);
+  CHECK(better.meant("walk", 9)[0].row == 1);
+}
+
+TEST_CASE("a long text means its longest beginning that is nearly a caption") {
+  const auto captions = known();
+  CHECK(captions.meant("kick hard, then play the xylophone", 1)[0].row == 4);
+  CHECK(captions.meant("kicks the xylophone and walks", 1)[0].row == 3);
+}
+
 TEST_CASE("the captions that a text means") {
   const auto captions = known();
   const auto hard = captions.meant("kick hard", 4);

@@ -58,6 +58,10 @@ TEST_CASE("the nearest texts say the same, or words like it") {
   CHECK(walk[2].text == "run");
   CHECK(walk[2].likeness < 0.7);  // the words are 0.6 alike
   CHECK(walk[4].likeness == 0);   // to the other side of the mean
+  CHECK(walk[0].said == doctest::Approx(1));
+  CHECK(walk[1].said > 0.3);  // says "slowly", too
+  CHECK(walk[1].said < 0.7);
+  CHECK(walk[4].said < 0.1);
   const auto stroll = table.nearest("stroll", 1);
   CHECK(stroll[0].text == "walk");  // no text says it
   CHECK(stroll[0].likeness == doctest::Approx(0.8).epsilon(0.02));
