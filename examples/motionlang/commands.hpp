@@ -66,6 +66,10 @@ inline std::filesystem::path default_model() {
 inline std::filesystem::path default_search_model() {
   return std::filesystem::path(MOTIONLANG_DEFAULT_MODEL).parent_path() / "tmr_free";
 }
+/// The model of captions that comes with the repository. Its motion tokenizer is beside it.
+inline std::filesystem::path default_describing_model() {
+  return std::filesystem::path(MOTIONLANG_DEFAULT_MODEL).parent_path() / "tm2t_free" / "motion_to_text";
+}
 
 /// The prompts of the gallery, which come with the weights.
 inline std::filesystem::path default_gallery_prompts() {

@@ -116,6 +116,14 @@ TEST_CASE(
   refused("of64", "[motionlang.io.404]");
 }
 
+TEST_CASE("describe: the bundled model says what motions of the bundled weights do") {
+  const OfficialWorkplace w;
+  for (const char* text : {"walk backwards", "spin around"}) w.did({"generate", "--text", text});
+  const std::string said = w.did({"describe", "out/walk_backwards.npz", "out/spin_around.npz"});
+  CHECK_MESSAGE(contains(said, "backwards"), said);
+  CHECK_MESSAGE(contains(said, "spin"), said);
+}
+
 TEST_CASE("describe: TM2T as published; a listing, JSON, a table that index and the trainings read, a packed folder") {
   const OfficialWorkplace w;
   const std::string model =

@@ -1,5 +1,5 @@
-// motionlang describe: describes motions in words with a TM2T from motions to texts. It may come from train-tm2t or
-// from its repository.
+// motionlang describe: describes motions in words with a TM2T from motions to texts. The default is the bundled one. It
+// may also come from train-tm2t or from its repository.
 #include <cstdio>
 
 #include <motionlang/backend/eigen.hpp>
@@ -20,7 +20,7 @@ using B = ml::EigenBackend<float>;
 
 struct DescribeOptions {
   std::vector<std::string> inputs;
-  std::string model, tokenizer, words, out;
+  std::string model = default_describing_model().string(), tokenizer, words, out;
   ml::DescribeOptions how;
   bool json = false;
   std::uint64_t seed = 0;
@@ -74,7 +74,8 @@ void add_describe(CLI::App& app) {
               "Motion files (.bvh, .amc, .npz of AMASS, .npy of joints or features, .glb, .vrma) and folders of "
               "them. Motions longer than 196 frames at the model's rate are captioned in parts")
       ->required();
-  folder_option(*c, "--model", o->model, "Folder of the model: from train-tm2t, or M2T_... as published")->required();
+  folder_option(*c, "--model", o->model,
+                "Folder of the model: from train-tm2t, or M2T_... as published. The default is the bundled model");
   folder_option(*c, "--tokenizer", o->tokenizer,
                 "Folder of the motion tokenizer. The default is to look beside the model");
   folder_option(*c, "--text-encoder", o->words,
