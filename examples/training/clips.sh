@@ -49,5 +49,5 @@ for window in reactidle/001_acted:0.2:7 reactidle/002_genuine:46:53 reactidle/00
   set -- "$@" "$clips/standing_$k.npz"
   k=$((k + 1))
 done
-python3 "$(dirname "$0")/gestures.py" "$@" "$clips/gestures"
+python3 "$(dirname "$0")/gestures" "$@" "$clips/gestures"
 rm "$@"

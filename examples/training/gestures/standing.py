@@ -1,163 +1,17 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Movements laid by hand over people who stand: nods, looks, claps, kicks, turns, jumping jacks.
+"""Gestures of people who stand: nods, looks, claps, kicks, jumping jacks, sitting down.
 
-    gestures.py STANDING... [--walking WALKING...] FOLDER
-    gestures.py --captions STANDING [WALKING]      how many people stand and walk; prints the lines of a table
-
-STANDING are AMASS files (.npz) of people who stand still, at 20 frames per second on the 24 joints of motionlang. Each
-is at least as long as the longest gesture. WALKING are files of people who walk ahead.
-FOLDER receives one .npz for every gesture and person, and the standing itself, which may follow a gesture.
-
-A gesture says where a wrist goes, as seen from the chest in metres (x left, y up, z ahead), by how many degrees a
-joint turns, how deep the knees bend, or how the figure steps and turns. All else, breath and sway, is the person's.
-examples/training/clips.sh calls this program for the training, and remember.sh for the memory of the bundled weights.
+A gesture is a function of a pose `p`, a time `t` and the length `s` in seconds, a strength `n` and a rate `r`, both
+about 1. It says where a wrist goes, as seen from the chest in metres (x left, y up, z ahead), by how many degrees a
+joint turns, or how deep the knees bend.
 """
-import os
-import sys
-from pathlib import Path
-
 import numpy as np
 
-FPS = 20
-LEG = 0.40  # thigh and shank, each
-GRAVITY = 9.81
-HIP, KNEE, ANKLE, SPINE = (1, 2), (4, 5), (7, 8), (3, 6, 9)
-NECK, COLLAR, HEAD, SHOULDER, ELBOW = 12, (13, 14), 15, (16, 17), (18, 19)
-SHOULDER_AT, UPPER, FORE = np.array([0.18, 0.16, 0.0]), 0.27, 0.25  # of the left arm, from the chest
-LEFT, RIGHT = 0, 1
-X, Y, Z = np.eye(3)
+from pose import (ANKLE, COLLAR, GRAVITY, HIP, KNEE, LEFT, LEG, RIGHT, SHOULDER, SHOULDER_AT, SPINE, X, Y, Z,
+                  ease, held)
+from stepping import spin, turn_around, turn_left
 
 
-def rotation(axis, angle):
-    """The matrix of a rotation by `angle` radians."""
-    x, y, z = axis
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
-
-
-def from_vector(v):
-    angle = np.linalg.norm(v)
-    return np.eye(3) if angle < 1e-12 else rotation(v / angle, angle)
-
-
-def to_vector(m):
-    angle = np.arccos(np.clip((np.trace(m) - 1) / 2, -1, 1))
-    if angle < 1e-9:
-        return np.zeros(3)
-    if angle > np.pi - 1e-4:  # the axis is the largest column of m + 1
-        columns = m + np.eye(3)
-        axis = columns[:, np.argmax(np.linalg.norm(columns, axis=0))]
-        return angle * axis / np.linalg.norm(axis)
-    return angle / (2 * np.sin(angle)) * np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
-
-
-def between(a, b, share):
-    return a @ from_vector(share * to_vector(a.T @ b))
-
-
-def unit(v):
-    return v / np.linalg.norm(v)
-
-
-def arm(side, wrist, elbow_towards):
-    """Rotations of shoulder and elbow that bring the wrist to a place, with the elbow bent towards a direction."""
-    out = 1 if side == LEFT else -1
-    shoulder = SHOULDER_AT * [out, 1, 1]
-    way = np.asarray(wrist, float) - shoulder
-    far = min(np.linalg.norm(way), 0.999 * (UPPER + FORE))
-    way = unit(way)
-    along = (far**2 + UPPER**2 - FORE**2) / (2 * far)
-    aside = np.asarray(elbow_towards, float)
-    aside = unit(aside - way * (aside @ way))
-    upper = unit(along * way + np.sqrt(max(UPPER**2 - along**2, 0)) * aside)
-    fore = unit(far * way - UPPER * upper)
-    x = out * upper
-    z = unit(fore - upper * (fore @ upper))
-    bend = np.arccos(np.clip(upper @ fore, -1, 1))
-    return np.stack([x, np.cross(z, x), z], axis=1), rotation(Y, -out * bend)
-
-
-def ease(t):
-    t = np.clip(t, 0, 1)
-    return t * t * t * (10 - 15 * t + 6 * t * t)
-
-
-def held(t, seconds, rise, fall):
-    """From 0 to 1 in `rise` seconds, and back in the last `fall` seconds."""
-    return min(ease(t / rise), ease((seconds - t) / fall))
-
-
-class Pose:
-    """Local rotations of one frame and the place of the pelvis (z up), changed by a gesture."""
-
-    def __init__(self, rows, place):
-        self.local = [from_vector(v) for v in rows]
-        self.place = place
-
-    def turn(self, joint, axis, degrees):
-        self.local[joint] = rotation(axis, np.radians(degrees)) @ self.local[joint]
-
-    def reach(self, side, wrist, elbow_towards, share):
-        """Moves an arm by a share of its way to a place."""
-        if share <= 0:
-            return
-        for joint, goal in zip((SHOULDER[side], ELBOW[side]), arm(side, wrist, elbow_towards)):
-            self.local[joint] = between(self.local[joint], goal, share)
-        self.local[COLLAR[side]] = between(self.local[COLLAR[side]], np.eye(3), share)
-
-    def gaze(self, left=0.0, up=0.0, tilt=0.0):
-        for joint in (NECK, HEAD):
-            self.turn(joint, X, -up / 2)
-            self.turn(joint, Z, tilt / 2)
-            self.turn(joint, Y, left / 2)
-
-    def trunk(self, left=0.0, ahead=0.0, tilt=0.0):
-        """Turns the chest to the left, bends it ahead and to the right, by degrees in all."""
-        for joint in SPINE:
-            self.turn(joint, X, ahead / 3)
-            self.turn(joint, Z, tilt / 3)
-            self.turn(joint, Y, left / 3)
-
-    def fold(self, side, degrees):
-        """Bends a leg, so that the foot comes up under the hip and stays flat."""
-        self.turn(HIP[side], X, -degrees)
-        self.turn(KNEE[side], X, 2 * degrees)
-        self.turn(ANKLE[side], X, -degrees)
-
-    def rise(self, height):
-        self.place[2] += height
-
-    def crouch(self, degrees):
-        """Bends both legs over feet that stay where they are."""
-        for side in (LEFT, RIGHT):
-            self.fold(side, degrees)
-        self.rise(-2 * LEG * (1 - np.cos(np.radians(degrees))))
-
-    def left(self):
-        """The direction over the floor."""
-        return unit((self.local[0] @ X)[:2])
-
-    def hinge(self, degrees):
-        """Leans the figure ahead from the hips; the legs stay as they are."""
-        self.local[0] = rotation(np.append(self.left(), 0), np.radians(degrees)) @ self.local[0]
-        for side in (LEFT, RIGHT):
-            self.turn(HIP[side], X, -degrees)
-
-    def ahead(self):
-        """The same of its heading."""
-        x, y = self.left()
-        return np.array([y, -x])
-
-    def yaw(self, degrees):
-        """Turns the whole figure to the left."""
-        self.local[0] = rotation(Z, np.radians(degrees)) @ self.local[0]
-
-    def rows(self):
-        return np.array([to_vector(m) for m in self.local])
-
-
-# A gesture: seconds, and what it does to a pose at a time. `n`: strength, about 1; `r`: rate, about 1.
 def as_it_is(p, t, s, n, r):
     """The person alone."""
 
@@ -455,53 +309,6 @@ def jumping_jacks(p, t, s, n, r):
     p.rise(-2 * LEG * (1 - np.cos(np.radians(15 * apart))))
 
 
-def steps_round(p, t, s, degrees, step):
-    """Turns on the spot by steps: the figure turns steadily, and each foot stands while the other one steps."""
-    rest = 0.3
-    turn = lambda at: degrees * ease_in((at - rest) / (s - 2 * rest))
-    p.yaw(turn(t))
-    begins = np.arange(rest, s - rest - 0.5 * step, step)
-    for side, out in ((LEFT, 1), (RIGHT, -1)):
-        foot, lift = 0.0, 0.0
-        for k, begin in enumerate(begins):
-            if k % 2 != (0 if degrees > 0 else 1) ^ side:
-                continue
-            end = begin + step
-            goal = degrees if k >= len(begins) - 2 else turn(min(s, end + 0.5 * step))
-            if t >= begin:
-                foot += (goal - foot) * ease((t - begin) / step)
-            if begin < t < end:
-                lift = np.sin(np.pi * (t - begin) / step)
-        behind = np.radians(foot - turn(t))
-        shift = out * 0.09 * np.array([np.cos(behind) - 1, -np.sin(behind)])  # to the left and ahead
-        reach = 2 * LEG
-        p.fold(side, 24 * lift)
-        p.turn(HIP[side], Y, np.degrees(behind))
-        p.turn(HIP[side], X, -np.degrees(shift[1] / reach))
-        p.turn(HIP[side], Z, np.degrees(shift[0] / reach))
-    p.gaze(left=np.sign(degrees) * 8 * held(t, s, 0.4, 0.6))
-
-
-def ease_in(t):
-    """From 0 to 1, steady in the middle."""
-    t = np.clip(t, 0, 1)
-    return t * t * (3 - 2 * t)
-
-
-def turn_left(p, t, s, n, r):
-    steps_round(p, t, s, 90, 0.45)
-
-
-def turn_around(p, t, s, n, r):
-    steps_round(p, t, s, 180, 0.42)
-
-
-def spin(p, t, s, n, r):
-    steps_round(p, t, s, 360, 0.34)
-    for side, out in ((LEFT, 1), (RIGHT, -1)):
-        p.reach(side, (out * 0.50, 0.02, 0.10), (out * 0.3, -1, -0.3), held(t, s, 0.6, 0.7))
-
-
 def raised(p, sides, share):
     """Arms on their way up: first ahead of the chest, then above the head."""
     for side in sides:
@@ -592,7 +399,7 @@ def jump_forward(p, t, s, n, r):
 
 ARMS, HEADS, TRUNK = "left arm,right arm", "head", "spine,head"
 # name: function, seconds, parts, captions
-GESTURES = {
+STANDING = {
     "nod": (
         nod, 2.6, HEADS,
         "nod | nod the head | nod yes | a person nods | someone nods the head | nodding | say yes with the head"),
@@ -606,24 +413,24 @@ GESTURES = {
         "someone turns the head left"),
     "look_up": (
         look_up, 3.0, HEADS,
-        "look up | raise the head and look up | a person looks up | looking up | look at the sky | someone looks up "
-        "at the sky"),
+        "look up | raise the head and look up | a person looks up | looking up | look at the sky | someone looks up at "
+        "the sky"),
     "look_down": (
         look_down, 3.0, HEADS,
-        "look down | lower the head | a person looks down | looking down | look at the floor | someone lowers the "
-        "head"),
+        "look down | lower the head | a person looks down | looking down | look at the floor | someone lowers the head",
+        ),
     "tilt_the_head": (
         tilt, 2.8, HEADS,
-        "tilt the head to the right | a person tilts the head to the right | lean the head to the right | tilting "
-        "the head right"),
+        "tilt the head to the right | a person tilts the head to the right | lean the head to the right | tilting the "
+        "head right"),
     "look_around": (
         look_around, 4.0, HEADS,
         "look around | look around in the room | look about | a person looks around | looking around | look to the "
         "left and to the right | someone looks around"),
     "twist": (
         twist, 3.6, TRUNK,
-        "twist the upper body | twist the trunk | a person twists the upper body | twisting the torso | turn the "
-        "upper body from side to side | rotate the torso left and right"),
+        "twist the upper body | twist the trunk | a person twists the upper body | twisting the torso | turn the upper "
+        "body from side to side | rotate the torso left and right"),
     "bow": (
         bow, 4.0, TRUNK,
         "bow | take a bow | a person bows | bowing | bow politely | someone bows to the audience"),
@@ -633,8 +440,8 @@ GESTURES = {
         "applaud | someone applauds"),
     "salute": (
         salute, 3.6, "right arm",
-        "salute | salute with the right hand | a person salutes | saluting | a soldier salutes | raise the right "
-        "hand to the forehead in a salute"),
+        "salute | salute with the right hand | a person salutes | saluting | a soldier salutes | raise the right hand "
+        "to the forehead in a salute"),
     "wave": (
         wave, 3.2, "right arm",
         "wave | wave hello | give a small wave | give a wave | wave the hand | wave to someone | wave with the right "
@@ -643,30 +450,30 @@ GESTURES = {
     "wave_both": (
         wave_both, 3.4, ARMS,
         "wave with both arms | wave both hands overhead | a person waves with both arms | waving both arms above the "
-        "head | signal with both arms"),
+        "head | signal with both arms | wave with both hands | wave both hands | a person waves with both hands | "
+        "someone waves with both hands"),
     "point_forward": (
         point_ahead, 2.8, "right arm",
-        "point forward | point ahead | point forward with the right hand | a person points forward | pointing | "
-        "point at something | point at something in front"),
+        "point forward | point ahead | point forward with the right hand | a person points forward | pointing | point "
+        "at something | point at something in front"),
     "point_to_the_right": (
         point_aside, 2.8, "right arm,head",
-        "point to the right | a person points to the right | pointing to the right with the right hand | point to "
-        "the right side"),
+        "point to the right | a person points to the right | pointing to the right with the right hand | point to the "
+        "right side"),
     "point_up": (
         point_up, 2.8, "right arm",
         "point up | point at the sky | a person points up with the right hand | pointing up"),
     "drink": (
         drink, 3.4, "right arm",
-        "drink | drink from a cup | a person drinks | drinking from a glass with the right hand | take a sip | "
-        "someone drinks water"),
+        "drink | drink from a cup | a person drinks | drinking from a glass with the right hand | take a sip | someone "
+        "drinks water"),
     "phone": (
         phone, 4.0, "right arm",
-        "talk on the phone | make a phone call | a person talks on the phone | hold a phone to the right ear | "
-        "phoning | answer the phone"),
+        "talk on the phone | make a phone call | a person talks on the phone | hold a phone to the right ear | phoning "
+        "| answer the phone"),
     "scratch_the_head": (
         scratch, 3.4, "right arm",
-        "scratch the head | scratch your head | a person scratches the head | scratching the head with the right "
-        "hand"),
+        "scratch the head | scratch your head | a person scratches the head | scratching the head with the right hand"),
     "hands_on_head": (
         hands_on_head, 3.4, ARMS,
         "put both hands on the head | hands on the head | a person puts the hands on the head | place both hands on "
@@ -677,28 +484,29 @@ GESTURES = {
         "face in the hands | cry"),
     "cross_arms": (
         cross_arms, 3.8, ARMS,
-        "cross the arms | fold the arms | cross your arms | a person crosses the arms | folding both arms in front "
-        "of the chest | stand with crossed arms"),
+        "cross the arms | fold the arms | cross your arms | a person crosses the arms | folding both arms in front of "
+        "the chest | stand with crossed arms"),
     "shrug": (
         shrug, 2.6, ARMS,
-        "shrug | shrug the shoulders | a person shrugs | shrugging | raise both shoulders and open the hands | "
-        "someone shrugs the shoulders"),
+        "shrug | shrug the shoulders | a person shrugs | shrugging | raise both shoulders and open the hands | someone "
+        "shrugs the shoulders"),
     "push": (
         push, 2.8, ARMS,
-        "push | push a door | push something | push something away | push with both hands | a person pushes with "
-        "both hands | pushing | push forward with both hands"),
+        "push | push a door | push something | push something away | push with both hands | a person pushes with both "
+        "hands | pushing | push forward with both hands"),
     "punch": (
         punch, 2.2, "right arm,spine",
-        "punch | punch with the right hand | a person punches | punching | throw a punch | someone punches ahead | "
-        "the person throws a punch | punch forward | punch someone | punch hard | hit someone with the fist"),
+        "punch | punch with the right hand | a person punches | punching | throw a punch | someone punches ahead | the "
+        "person throws a punch | a person punches with the right hand | box with the right fist | punch forward | "
+        "punch someone | punch hard | hit someone with the fist"),
     "box": (
         box, 4.0, ARMS,
         "box | a person boxes | boxing | shadow boxing | throw punches | fight with the fists | someone is boxing"),
     "throw": (
         throw, 2.6, "right arm,spine",
-        "throw a ball | throw | throw something | a person throws a ball | throwing a ball with the right hand | "
-        "throw a stone with the right hand | throw a stone | throw a ball with the right hand | toss something far "
-        "away | toss a ball | toss | a person throws something | throw something far away"),
+        "throw a ball | throw | throw something | a person throws a ball | throwing a ball with the right hand | throw "
+        "a stone with the right hand | throw a stone | throw a ball with the right hand | toss something far away | "
+        "toss a ball | toss | a person throws something | throw something far away"),
     "stretch": (
         stretch, 4.4, "left arm,right arm,spine",
         "stretch | stretch the arms | stretch both arms upward | a person stretches | stretching | stretch the whole "
@@ -707,7 +515,8 @@ GESTURES = {
         kick, 2.2, "legs",
         "kick | kick a ball | kick with the right foot | a person kicks a ball | a person kicks | kicking | give a "
         "kick | kick something | kick a door open | kick forward | kick high | kick hard | do a high kick | someone "
-        "kicks with the right leg"),
+        "kicks with the right leg | kick with the right leg | a person kicks with the right foot | do a kick with the "
+        "right foot | kick in the air"),
     "dance": (
         dance, 4.4, "left arm,right arm,legs,spine",
         "dance | dance around | dance with the whole body | a person dances | dancing | dance on the spot | someone "
@@ -715,66 +524,70 @@ GESTURES = {
     "squat": (
         squat, 3.4, "legs",
         "squat | do a squat | do squats | doing two squats | squat down and up | a person squats | squatting | squat "
-        "and come up again | do a knee bend"),
+        "and come up again | do a knee bend | bend the knees | go into the knees | a person does a squat"),
     "pick_up": (
         pick_up, 3.4, "right arm,spine,legs",
-        "pick something up | pick up | grab something from the floor | pick up an object | pick up something from "
-        "the floor | a person picks something up | picking up an object from the ground | lift something from the "
-        "floor"),
+        "pick something up | pick up | grab something from the floor | pick up an object | pick up something from the "
+        "floor | a person picks something up | picking up an object from the ground | lift something from the floor"),
     "jump_up_and_down": (
         jump_up_and_down, 3.0, "legs",
         "jump up and down | jump on the spot | a person jumps up and down | jumping up and down | jump twice"),
     "hop": (
         hop, 3.0, "legs",
-        "hop on one leg | hop | hop on the spot | hop up and down | hop on the left foot | a person hops on one leg "
-        "| hopping on one foot"),
+        "hop on one leg | hop | hop on the spot | hop up and down | hop on the left foot | a person hops on one leg | "
+        "hopping on one foot"),
     "jumping_jacks": (
         jumping_jacks, 3.7, "left arm,right arm,legs",
         "do jumping jacks | jumping jacks | jumping jack | a person does jumping jacks | doing jumping jacks"),
     "turn_around": (
         turn_around, 2.7, "legs",
         "turn around | turn round | turn 180 degrees | a person turns around | turning around | turn to look back | "
-        "turn halfway round"),
+        "turn halfway round | turn 180 degrees to the left | turn on the spot | a person turns on the spot | make a "
+        "half turn"),
     "spin": (
         spin, 3.6, "legs",
-        "spin around | spin | rotate | rotate all the way round | a person spins around | spinning around | turn in "
-        "a full circle | turn all the way round on the spot"),
+        "spin around | spin | rotate | rotate all the way round | a person spins around | spinning around | turn in a "
+        "full circle | turn all the way round on the spot"),
     "stand_still": (
         as_it_is, 4.4, "left arm,right arm,legs,spine,head",
-        "stand still | do not move | stand motionless | stay where you are | remain standing | a person stands still "
-        "| someone does not move"),
+        "stand still | do not move | stand motionless | stay where you are | remain standing | a person stands still | "
+        "someone does not move"),
     "lean_forward": (
         lean_forward, 3.2, "spine",
         "lean forward | a person leans forward | leaning forward | bend forward | bend over | bend the upper body "
-        "forward | bend forward at the hips | a person bends forward | someone bends down"),
+        "forward | bend forward at the hips | a person bends forward | someone bends down | a person bends down | bend "
+        "the upper body down | bow deeply"),
     "jump_forward": (
         jump_forward, 3.2, "legs",
-        "jump forward | jump ahead | leap forward | jump to the front | a person jumps forward | a person jumps "
-        "ahead | someone leaps ahead | someone leaps forward | do a long jump | jump far"),
+        "jump forward | jump ahead | leap forward | jump to the front | a person jumps forward | a person jumps ahead "
+        "| someone leaps ahead | someone leaps forward | do a long jump | jump far"),
     "turn_left": (
         turn_left, 2.6, "legs",
         "turn left | turn to the left | turning left | someone turns left | rotate to the left | a person rotates to "
-        "the left | make a left turn on the spot"),
+        "the left | make a left turn on the spot | turn 90 degrees to the left | make a turn to the left | do a left "
+        "turn | turn on the left foot | a person turns left | a person makes a left turn"),
     "raise_both_arms": (
         raise_both_arms, 2.2, ARMS,
-        "raise both arms | raise both hands | both hands up | put both hands up | arms up | lift both arms | a "
-        "person raises both arms | someone puts the hands up"),
+        "raise both arms | raise both hands | both hands up | put both hands up | arms up | lift both arms | a person "
+        "raises both arms | someone puts the hands up"),
     "hold_both_arms_up": (
         hold_both_arms_up, 3.0, ARMS, "keep both hands up | hold both arms up | hold both hands up"),
     "raise_right_arm": (
         raise_right_arm, 2.2, "right arm",
-        "raise the right arm | raise the right hand | right arm up | the right hand goes up | put the right hand up "
-        "| lift the right arm | lift the right hand | a person raises the right arm"),
+        "raise the right arm | raise the right hand | right arm up | the right hand goes up | put the right hand up | "
+        "lift the right arm | lift the right hand | a person raises the right arm"),
     "hold_right_arm_up": (
         hold_right_arm_up, 3.0, "right arm", "keep the right hand up | hold the right arm up | hold the right hand up"),
     "sit_on_a_chair": (
         sit, 2.0, "legs,spine",
-        "sit down on a chair | take a seat on the chair | seat yourself on a chair | a person sits on a chair"),
+        "sit down on a chair | sit on a chair | sit on the chair | sit on a stool | someone sits on a chair | take a "
+        "seat on the chair | seat yourself on a chair | a person sits on a chair"),
     "stay_seated": (
         stay_seated, 3.0, "legs,spine", "stay on the chair | remain on the chair | keep sitting on the chair"),
     "kneel": (
         kneel, 2.2, "legs",
-        "kneel down | kneel | kneel on one knee | a person kneels down | kneeling down | go down on one knee"),
+        "kneel down | kneel | kneel on one knee | a person kneels down | kneeling down | go down on one knee | kneel "
+        "down on the right knee | a person goes down on one knee"),
     "stay_kneeling": (
         stay_kneeling, 3.0, "legs", "stay on one knee | remain on one knee | keep kneeling on one knee"),
     "march": (
@@ -783,158 +596,4 @@ GESTURES = {
         "place | lift the knees in turn"),
 }
 
-
 HELD = {"raise_both_arms", "raise_right_arm", "sit_on_a_chair", "kneel"}  # gestures whose last pose may be held
-
-# The same over people who walk: also how fast their walk is played, and by how many degrees it turns to the left.
-def walk_on(p, t, s, n, r):
-    p.gaze(left=10)
-
-
-def sneak(p, t, s, n, r):
-    p.crouch(24)
-    p.hinge(12)
-    p.trunk(ahead=24)
-    for side, out in ((LEFT, 1), (RIGHT, -1)):
-        p.reach(side, (out * 0.20, -0.02 + 0.05 * out * np.sin(2 * np.pi * 0.5 * t), 0.30), (out, -0.8, -0.2), 1)
-    p.gaze(left=16 * np.sin(2 * np.pi * 0.35 * t), up=22)
-
-
-def skip(p, t, s, n, r):
-    air, beat = 0.28, 0.56
-    phase = (t - 0.2) % beat
-    if phase < air:
-        p.rise(GRAVITY / 2 * phase * (air - phase))
-        p.fold(int((t - 0.2) / beat) % 2, 30 * np.sin(np.pi * phase / air))
-    for side, out in ((LEFT, 1), (RIGHT, -1)):
-        p.turn(SHOULDER[side], X, 14 * out * np.sin(np.pi * (t - 0.2) / beat))
-
-
-WALKS = {
-    "walk_in_a_circle": (
-        walk_on, 5.2, "legs",
-        "walk in a circle | a person walks in a circle | walking in a circle | walk around in a circle | walk in "
-        "circles | walk a full circle", 1.0, 360),
-    "walk_backwards": (
-        as_it_is, 4.6, "legs",
-        "walk backwards | a person walks backwards | walking backwards | walk back | walk in reverse | step back | "
-        "step backward | go back | go some steps back | move backwards | move back | walk backward | back away | "
-        "someone goes backwards",
-        -0.8, 0),
-    "walk_slowly": (
-        as_it_is, 5.0, "legs",
-        "walk slowly | a person walks slowly | walking slowly | stroll | take a stroll | someone is strolling | "
-        "walk at a slow pace | a person walks at a slow pace | take a slow walk | someone walks very slowly | walk "
-        "really slowly | walk leisurely",
-        0.55, 0),
-    "skip": (
-        skip, 4.0, "legs",
-        "skip | skip along | a person skips | skipping | skip forward | someone skips ahead like a child", 0.9, 0),
-    "sneak": (
-        sneak, 5.0, "left arm,right arm,legs,spine,head",
-        "sneak | tiptoe | a person sneaks | sneaking | sneak forward | sneak along quietly | creep | tiptoe quietly "
-        "| walk stealthily", 0.6, 0),
-}
-
-
-def person_of(path, gestures):
-    """The arrays of a file. It is refused at another rate, or if a gesture is longer."""
-    with np.load(path) as file:
-        person = dict(file)
-    rate = float(person.get("mocap_frame_rate", person.get("mocap_framerate", 0)))
-    if rate != FPS:
-        sys.exit(f"{path}: {rate:g} frames per second, expected {FPS}")
-    frames, least = len(person["poses"]), max(int(seconds * FPS) for _, seconds, *_ in gestures.values())
-    if frames < least:
-        sys.exit(f"{path}: {frames} frames, the longest gesture has {least}")
-    return person
-
-
-def part_of(person, first, count):
-    """Every array with a row for each frame, cut to some of them."""
-    frames = len(person["poses"])
-    return {key: x[first : first + count] if x.shape[:1] == (frames,) else x for key, x in person.items()}
-
-
-def write(path, arrays):
-    """The file appears when it is whole."""
-    written = path.with_suffix(".tmp.npz")
-    np.savez_compressed(written, **arrays)
-    os.replace(written, path)
-
-
-def slower(person, speed, count):
-    """`count` frames of a clip that is played at a share of its speed, from its end if that is below 0."""
-    at = np.arange(count) * abs(speed)
-    at = at[::-1] if speed < 0 else at
-    before, share = at.astype(int), (at % 1.0)[:, None]
-    after = np.minimum(before + 1, len(person["poses"]) - 1)
-    poses, places = person["poses"], person["trans"]
-    mixed = poses[before].copy()
-    for f in range(count):
-        rows = [[from_vector(v) for v in poses[i, :72].reshape(24, 3)] for i in (before[f], after[f])]
-        mixed[f, :72] = np.array([to_vector(between(x, y, share[f, 0])) for x, y in zip(*rows)]).ravel()
-    return {**part_of(person, 0, count), "poses": mixed, "trans": (1 - share) * places[before] + share * places[after]}
-
-
-def bend(poses, places, degrees):
-    """Turns a path by so many degrees in all, evenly over time."""
-    ways, count = np.diff(places, axis=0), len(places)
-    for f in range(1, count):
-        turn = rotation(Z, np.radians(degrees * f / (count - 1)))
-        poses[f, :3] = to_vector(turn @ from_vector(poses[f, :3]))
-        places[f] = places[f - 1] + turn @ ways[f - 1]
-
-
-def lay(part, gesture, strength, rate):
-    """A gesture over a clip of its length."""
-    poses, places = part["poses"].copy(), part["trans"].copy()
-    for f in range(len(poses)):
-        pose = Pose(poses[f, :72].reshape(24, 3), places[f])
-        gesture(pose, f / FPS, len(poses) / FPS, strength, rate)
-        poses[f, :72] = pose.rows().ravel()
-    return {**part, "poses": poses, "trans": places}
-
-
-def main(arguments):
-    *clips, folder = arguments
-    standing, walking = (clips[: clips.index("--walking")], clips[clips.index("--walking") + 1 :]) \
-        if "--walking" in clips else (clips, [])
-    folder = Path(folder)
-    people = [person_of(path, GESTURES) for path in standing]
-    walkers = [person_of(path, WALKS) for path in walking]
-    folder.mkdir(parents=True, exist_ok=True)
-    for k, person in enumerate(people):
-        frames = len(person["poses"])
-        write(folder / f"stand_{k}.npz", part_of(person, 0, 4 * FPS))
-        for number, (name, (gesture, seconds, _, _)) in enumerate(GESTURES.items()):
-            rng = np.random.default_rng([k, number])
-            strength, rate = rng.uniform(0.85, 1.2), rng.uniform(0.85, 1.2)
-            count = int(seconds * FPS)
-            first = int(rng.integers(0, max(1, frames - count)))
-            write(folder / f"{name}_{k}.npz", lay(part_of(person, first, count), gesture, strength, rate))
-    for k, person in enumerate(walkers):
-        for name, (gesture, seconds, _, _, speed, degrees) in WALKS.items():
-            clip = lay(slower(person, speed, int(seconds * FPS)), gesture, 1.0, 1.0)
-            bend(clip["poses"], clip["trans"], degrees)
-            write(folder / f"{name}_{k}.npz", clip)
-
-
-def captions(people, walkers=0):
-    """The lines of captions.tsv for the gestures."""
-    for count, table in ((people, GESTURES), (walkers, WALKS)):
-        for name, (_, seconds, parts, texts, *_) in table.items():
-            for k in range(count):
-                then = "\thold" if name in HELD else f"\tthen gestures/stand_{k}"
-                if table is WALKS or name.startswith(("hold_", "stand_", "stay_")):
-                    then = ""  # it goes on
-                yield f"gestures/{name}_{k}\t0\t{seconds}\t{parts}\t{texts}{then}"
-
-
-if __name__ == "__main__":
-    if len(sys.argv) in (3, 4) and sys.argv[1] == "--captions":
-        print("\n".join(captions(*map(int, sys.argv[2:]))))
-    elif len(sys.argv) > 2:
-        main(sys.argv[1:])
-    else:
-        sys.exit(__doc__)
