@@ -26956,11 +26956,12 @@ struct NearText {
   Index row = 0;
   std::string text{};
   double likeness = 0;
+  double said = 0;  // the share of its own words that the other says, or words like them, by their rarity
 };
 
 namespace detail {
 
-/// True for words that say nothing about a motion: "the", "your", "person".
+/// True for words that say nothing about a motion: "the", "your", "person", "performs".
 bool is_function_word(const std::string& word);
 
 }  // namespace detail
@@ -27014,7 +27015,10 @@ class TextTable {
     std::shared_ptr<const Words> said{};  // in the texts
   };
   const Table& table() const;
-  std::vector<double> likeness(const std::string& text, std::span<const float> vector) const;
+  struct Likeness {
+    double likeness = 0, said = 0;
+  };
+  std::vector<Likeness> likeness(const std::string& text, std::span<const float> vector) const;
 
   std::shared_ptr<const Table> table_;
 };
@@ -27031,13 +27035,15 @@ namespace detail {
 
 MOTIONLANG_BODY bool is_function_word(const std::string& word) {
   static const std::set<std::string> words{
-      "a",      "an",      "and",      "are",     "as",      "at",     "be",     "been",  "being", "both",     "by",
-      "can",    "do",      "does",     "doing",   "for",     "from",   "he",     "her",   "hers",  "him",      "his",
-      "i",      "in",      "is",       "it",      "its",     "just",   "like",   "man",   "me",    "my",       "of",
-      "on",     "one",     "or",       "our",     "ourself", "person", "please", "she",   "so",    "some",     "that",
-      "the",    "their",   "them",     "there",   "these",   "they",   "this",   "those", "to",    "us",       "very",
-      "was",    "we",      "were",     "while",   "who",     "with",   "woman",  "you",   "your",  "yourself", "human",
-      "figure", "someone", "somebody", "himself", "herself", "itself"};
+      "a",      "an",      "and",        "are",      "as",    "at",      "be",       "been",       "being",   "both",
+      "by",     "can",     "do",         "does",     "doing", "for",     "from",     "he",         "her",     "hers",
+      "him",    "his",     "i",          "in",       "is",    "it",      "its",      "just",       "like",    "man",
+      "me",     "my",      "of",         "on",       "or",    "our",     "ourself",  "person",     "please",  "she",
+      "so",     "some",    "that",       "the",      "their", "them",    "there",    "these",      "they",    "this",
+      "those",  "to",      "us",         "very",     "was",   "we",      "were",     "while",      "who",     "with",
+      "woman",  "you",     "your",       "yourself", "human", "figure",  "someone",  "somebody",   "himself", "herself",
+      "itself", "subject", "individual", "people",   "guy",   "perform", "performs", "performing", "make",    "makes",
+      "making", "motion",  "movement",   "movements"};
   return words.contains(word);
 }
 
@@ -27172,12 +27178,14 @@ MOTIONLANG_BODY const TextTable::Table& TextTable::table() const {
   return table_ ? *table_ : none;
 }
 
-MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text, std::span<const float> vector) const {
+MOTIONLANG_BODY std::vector<TextTable::Likeness> TextTable::likeness(const std::string& text,
+                                                                     std::span<const float> vector) const {
   const Table& t = table();
   const std::size_t width = t.mean.size();
   // How alike each word of the text is to each word of the table, with the rarity as its weight.
   const Words& said = *t.said;
   std::vector<std::vector<double>> alike;
+  std::vector<double> said_now(said.words.size());  // how alike each word of the table is to one of the text
   double weights = 0;
   std::set<std::string> seen;
   for (const std::string& word : WordPiece::words(text)) {
@@ -27188,12 +27196,15 @@ MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text,
     const double weight = same ? said.rarity[*same] : said.rarest;
     auto& list = alike.emplace_back(said.words.size());
     for (std::size_t v = 0; v < said.words.size() && row; ++v) {
-      if (!said.vectors[v].empty()) list[v] = weight * std::max(0.0, word_likeness(of_word, said.vectors[v]));
+      if (said.vectors[v].empty()) continue;
+      const double like = std::max(0.0, word_likeness(of_word, said.vectors[v]));
+      list[v] = weight * like;
+      said_now[v] = std::max(said_now[v], like);
     }
-    if (same) list[*same] = weight;
+    if (same) list[*same] = weight, said_now[*same] = 1;
     weights += weight;
   }
-  std::vector<double> out(t.texts.size());
+  std::vector<Likeness> out(t.texts.size());
   double own = 0;
   for (std::size_t k = 0; k < width; ++k) own += std::pow(static_cast<double>(vector[k] - t.mean[k]), 2);
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -27208,7 +27219,13 @@ MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text,
       for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) best = std::max(best, list[said.said[w]]);
       words += best;
     }
-    out[i] = product / std::sqrt(own * length) * (0.01 + 0.99 * (weights > 0 ? words / weights : 1));
+    double of_own = 0, all_own = 0;
+    for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) {
+      const std::uint32_t word = said.said[w];
+      of_own += said.rarity[word] * said_now[word], all_own += said.rarity[word];
+    }
+    out[i] = {product / std::sqrt(own * length) * (0.01 + 0.99 * (weights > 0 ? words / weights : 1)),
+              all_own > 0 ? of_own / all_own : 1};
   }
   return out;
 }
@@ -27227,13 +27244,14 @@ MOTIONLANG_BODY std::vector<std::vector<NearText>> TextTable::nearest(
     for (Index row = 0; row < size(); ++row) {
       if (!wanted || wanted(static_cast<Index>(t), row)) rows.push_back(row);
     }
-    const auto of = [&](Index row) { return all[static_cast<std::size_t>(row)]; };
+    const auto of = [&](Index row) { return all[static_cast<std::size_t>(row)].likeness; };
     const auto most = std::clamp<Index>(count, 0, std::ssize(rows));
     std::partial_sort(rows.begin(), rows.begin() + most, rows.end(),
                       [&](Index a, Index b) { return of(a) > of(b) || (of(a) == of(b) && a < b); });
     for (Index i = 0; i < most; ++i) {
       const Index row = rows[static_cast<std::size_t>(i)];
-      out[t].push_back({row, this->texts()[static_cast<std::size_t>(row)], of(row)});
+      const auto at = static_cast<std::size_t>(row);
+      out[t].push_back({row, this->texts()[at], all[at].likeness, all[at].said});
     }
   }
   return out;
@@ -27295,9 +27313,10 @@ class KnownCaptions {
 
   /// At most `count` captions or mirror images of captions, the nearest first, each once.
   std::vector<NearText> nearest(const std::string& text, Index count) const;
-  /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. If all
-  /// are far (likeness below 0.7), those of its beginning, if that or its mirror image is a caption: "kick" for "he
-  /// kicks the xylophone".
+  /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. Captions
+  /// that say more than the text are less alike. If all are far (likeness below 0.7), those of its longest beginning
+  /// that is nearly a caption: "kick" for "he kicks the xylophone". Half of the text has to say it, unless the captions
+  /// are very far (0.5).
   std::vector<NearCaption> meant(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
@@ -27315,7 +27334,7 @@ class KnownCaptions {
   };
   /// In the rows from `first` to before `last`. A caption that is the mirror image of another is found twice.
   std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
-  /// The text, or its beginning if that is a caption and the text is far from all of them.
+  /// The text, or the caption of its beginning if the text is far from all of them.
   std::string known_beginning(const std::string& text) const;
   /// Each text once.
   static std::vector<Found> different(std::vector<Found> all, Index count);
@@ -27550,34 +27569,52 @@ MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& 
 }
 
 MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& text) const {
-  constexpr double near = 0.7;
+  constexpr double near = 0.7, half_near = 0.5, same = 0.9;
   std::string plain = detail::without_contractions(text);
   const auto best = nearest(plain, 1);
   if (best.empty() || best.front().likeness >= near) return plain;
   std::vector<std::string> words = WordPiece::words(plain);
-  const auto verb = std::find_if_not(words.begin(), words.end(), detail::is_function_word);
-  if (verb == words.end()) return plain;
-  words.erase(words.begin(), verb);
+  const auto says = [](const std::string& word) { return !detail::is_function_word(word); };
+  words.erase(words.begin(), std::find_if(words.begin(), words.end(), says));
+  const auto all = std::count_if(words.begin(), words.end(), says);
+  // A text that is not so far means its beginning only if that is half of it.
+  const auto least = best.front().likeness < half_near ? 1 : std::max<std::ptrdiff_t>(1, all / 2);
+  std::vector<std::string> beginnings;  // the longest first, each before its mirror image
+  for (; std::count_if(words.begin(), words.end(), says) >= least; words.pop_back()) {
+    if (!says(words.back())) continue;
+    std::string beginning;
+    for (const std::string& word : words) beginning += (beginning.empty() ? "" : " ") + word;
+    beginnings.push_back(beginning);
+    beginnings.push_back(mirror_caption(beginning));
+  }
   const auto& captions = table_.texts();
   const auto tried = captions.begin() + std::ssize(actions_);
   const auto has = [&](const std::string& caption) { return std::find(captions.begin(), tried, caption) != tried; };
-  const std::vector<std::string> forms = detail::plain_forms(words.front());
-  for (std::size_t count = words.size(); count > 0; --count) {
-    for (const std::string& form : forms) {
-      std::string start = form;
-      for (std::size_t i = 1; i < count; ++i) start += " " + words[i];
-      if (has(start) || has(mirror_caption(start))) return start;
+  const auto near_beginnings =
+      table_.nearest(beginnings, 1, [&](Index, Index row) { return row < std::ssize(actions_); });
+  for (std::size_t i = 0; i < beginnings.size(); ++i) {
+    const std::size_t end = std::min(beginnings[i].find(' '), beginnings[i].size());  // of its first word
+    for (std::string form : detail::plain_forms(beginnings[i].substr(0, end))) {
+      form += beginnings[i].substr(end);
+      if (has(form)) return i % 2 == 0 ? form : mirror_caption(form);
     }
+    const NearText& alike = near_beginnings[i].front();
+    if (alike.likeness * alike.said >= same) return i % 2 == 0 ? alike.text : mirror_caption(alike.text);
   }
   return plain;
 }
 
 MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string& text, Index count) const {
-  constexpr double nearly_as_alike = 0.96;
+  constexpr double nearly_as_alike = 0.88;
+  // A caption that says more than the text is less alike: "walk and get pushed" for "walk".
+  const auto rank = [](const Found& f) { return f.near.likeness * (2 + f.near.said) / 3; };
+  constexpr Index looked_at = 24;
+  auto all = found(known_beginning(text), std::max(count, looked_at), 0, std::ssize(actions_));
+  std::erase_if(all, [&](const Found& f) { return f.near.likeness < nearness_; });
+  std::stable_sort(all.begin(), all.end(), [&](const Found& a, const Found& b) { return rank(a) > rank(b); });
   std::vector<NearCaption> out;
-  for (const Found& f : found(known_beginning(text), count, 0, std::ssize(actions_))) {
-    const double least = std::max(nearness_, out.empty() ? 0 : nearly_as_alike * out.front().likeness);
-    if (f.near.likeness < least || std::ssize(out) == count) break;
+  for (const Found& f : all) {
+    if (rank(f) < nearly_as_alike * rank(all.front()) || std::ssize(out) == count) break;
     out.push_back({f.near.row, f.mirrored, f.near.likeness});
   }
   return out;
@@ -29080,6 +29117,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+class KnownCaptions;  // text/known_captions.hpp
+
 /// Finds motions for texts. datasets/motion_memory.hpp has one; any other may be written.
 class MotionRecall {
  public:
@@ -29091,6 +29130,8 @@ class MotionRecall {
   /// The features of a motion for the text, (frames, features), not normalised. Nothing if no motion is known.
   /// choice  in 0 ... 1: chooses one, if there are several. The same arguments give the same motion
   virtual std::vector<double> features(const std::string& text, Index frames, double choice) const = 0;
+  /// The captions by which it finds motions; null: it does not find them so.
+  virtual const KnownCaptions* known() const { return nullptr; }
   /// Digits that change with any motion or text.
   virtual std::string fingerprint() const = 0;
 };
@@ -30342,7 +30383,7 @@ MOTIONLANG_NAMESPACE_END
 ///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
 ///
 /// Source  lengths: the third quartile of the segments with such captions in examples/training/captions.tsv; of a jump,
-///         half of that, because the bundled model fills all of it with two jumps
+///         that of the jumps which the bundled weights remember
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -30391,10 +30432,10 @@ inline std::vector<std::string> lower_case_words(std::string_view text) {
 }
 
 /// Words of actions that continue, or that need another action.
-inline constexpr std::array continuing_words{"again",      "and",  "then",  "while",   "times",  "twice",
-                                             "repeatedly", "keep", "keeps", "circles", "circle", "continuously",
-                                             "several",    "many", "jacks", "rope",    "walk",   "walks",
-                                             "walking",    "run",  "runs",  "running"};
+inline constexpr std::array continuing_words{
+    "again",   "and",    "then",         "while",   "times", "twice", "repeatedly", "keep", "keeps",
+    "circles", "circle", "continuously", "several", "many",  "jacks", "rope",       "walk", "walks",
+    "walking", "run",    "runs",         "running", "u",     "wide",  "curve"};
 
 }  // namespace detail
 
@@ -30421,7 +30462,7 @@ MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view tex
   if (says({"sit", "sits", "sitting"}) && says({"down"})) return NaturalLength{2.8, "sit quietly"};
   if (says({"stand", "stands", "get", "gets"}) && says({"up"})) return NaturalLength{2.4, "stand still"};
   if (says({"jump", "jumps", "leap", "leaps"}) && !(says({"up"}) && says({"down"})))
-    return NaturalLength{1.4, "stand still"};
+    return NaturalLength{2.4, "stand still"};
   if (says({"bend", "bends", "bending", "bow", "bows", "bowing"}) && !says({"knees", "knee", "arm", "arms"}))
     return NaturalLength{2.2, "stand still", true};
   if (says({"kick", "kicks", "punch", "punches", "throw", "throws"})) return NaturalLength{2.4, "stand still"};
@@ -30768,6 +30809,10 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// A sentence of one action is returned unchanged.
 std::vector<std::string> actions_in_turn(std::string_view sentence);
 
+/// The same, and also cut at commas. If it has a comma, the last "and" after it cuts, too: "walk, turn and wave" has
+/// three parts. A part need not be an action: "slowly, on tiptoe".
+std::vector<std::string> listed_in_turn(std::string_view sentence);
+
 /// Replaces every text of several actions by one text for each. They follow each other and share its frames evenly.
 /// Throws config_error 101 if it has fewer frames than actions.
 Timeline in_turn(const Timeline& timeline);
@@ -30839,6 +30884,28 @@ MOTIONLANG_BODY std::vector<std::string> actions_in_turn(std::string_view senten
   }
   end_action();
   return actions.size() > 1 ? actions : std::vector<std::string>{std::string(sentence)};
+}
+
+MOTIONLANG_BODY std::vector<std::string> listed_in_turn(std::string_view sentence) {
+  std::vector<std::string> out;
+  for (const std::string& action : actions_in_turn(sentence)) {
+    std::vector<std::string> parts(1);
+    for (const detail::SentenceWord& word : detail::sentence_words(action)) {
+      if (parts.back().empty() && parts.size() > 1 && word.plain == "and") continue;
+      parts.back().append(parts.back().empty() ? "" : " ").append(word.written);
+      if (!word.written.ends_with(',')) continue;
+      parts.back().pop_back();
+      parts.emplace_back();
+    }
+    constexpr std::string_view last_and = " and ";
+    if (const auto at = parts.back().rfind(last_and); parts.size() > 1 && at != std::string::npos) {
+      parts.push_back(parts.back().substr(at + last_and.size()));
+      parts[parts.size() - 2].resize(at);
+    }
+    std::erase(parts, "");
+    out.insert(out.end(), parts.begin(), parts.end());
+  }
+  return out.size() > 1 ? out : std::vector<std::string>{std::string(sentence)};
 }
 
 MOTIONLANG_BODY Timeline in_turn(const Timeline& timeline) {
@@ -31723,9 +31790,15 @@ std::optional<KnownAction> usual_action(const std::string& text, const KnownCapt
 /// text_seconds if the action is not known, or no captions are.
 double usual_seconds(const std::string& text, const KnownCaptions& captions);
 
-/// The whole body does what the text says. If it has at least a second more than its action takes, and the action ends,
-/// the text of what follows takes the rest, unless no captions are known. Several actions are made in turn also if they
-/// last longer than longest_whole_text and actions end, because a text that is cut would start again.
+/// The actions of a text that no caption says as a whole (likeness below 0.85), if captions know each of them: "walk
+/// forward, wave and sit down". Commas separate actions if each has a caption nearly like it (0.75). Otherwise the
+/// text.
+std::vector<std::string> known_in_turn(const std::string& text, const KnownCaptions& captions);
+
+/// The whole body does what the text says. Actions that are known are made in turn (known_in_turn). All actions are, if
+/// they last longer than longest_whole_text, because a text that is cut would start again. If an action ends and has
+/// at least a second more than it takes, the text of what follows takes the rest, unless no captions are known. All of
+/// this is only done if actions end.
 Timeline text_timeline(const std::string& text, const KnownCaptions& captions, const TextTimelineOptions& options = {});
 
 /// True if the action of the text ends, and the interval is more than twice as long and more than two seconds longer.
@@ -31760,10 +31833,29 @@ MOTIONLANG_BODY double usual_seconds(const std::string& text, const KnownCaption
   return std::clamp(action->seconds, action->repeats ? shortest_repeated : shortest, longest_whole_text);
 }
 
+MOTIONLANG_BODY std::vector<std::string> known_in_turn(const std::string& text, const KnownCaptions& captions) {
+  constexpr double same = 0.85, nearly_same = 0.75;
+  const auto likeness = [&](const std::string& action) {
+    const auto near = captions.nearest(action, 1);
+    return near.empty() ? 0.0 : near.front().likeness;
+  };
+  const auto all_are = [&](const std::vector<std::string>& actions, double least) {
+    return actions.size() > 1 && std::all_of(actions.begin(), actions.end(),
+                                             [&](const std::string& action) { return likeness(action) >= least; });
+  };
+  const auto listed = listed_in_turn(text);
+  if (captions.empty() || listed.size() == 1 || likeness(text) >= same) return {text};
+  if (all_are(listed, nearly_same)) return listed;
+  const auto actions = actions_in_turn(text);
+  return all_are(actions, captions.nearness()) ? actions : std::vector<std::string>{text};
+}
+
 MOTIONLANG_BODY Timeline text_timeline(const std::string& text, const KnownCaptions& captions,
                                        const TextTimelineOptions& options) {
   const bool too_long = options.end_actions && options.seconds.value_or(0) > longest_whole_text;
-  const auto texts = options.in_turn || too_long ? actions_in_turn(text) : std::vector<std::string>{text};
+  const auto texts = options.in_turn || too_long ? actions_in_turn(text)
+                     : options.end_actions       ? known_in_turn(text, captions)
+                                                 : std::vector<std::string>{text};
   std::vector<Interval> intervals;
   if (options.seconds) {
     const Interval whole{text, 0, frame_at(*options.seconds, options.fps), BodyParts::all()};

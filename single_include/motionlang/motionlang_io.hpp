@@ -15862,6 +15862,7 @@ class MotionMemory final : public MotionRecall {
                std::string_view source = "MotionMemory");
 
   const KnownCaptions& captions() const { return captions_; }
+  const KnownCaptions* known() const override { return &captions_; }
   const std::vector<Motion>& motions() const { return motions_; }
   const std::vector<RememberedMotion>& remembered() const { return of_; }
   /// The number of captions that have a motion.
@@ -26882,7 +26883,7 @@ MOTIONLANG_BODY std::shared_ptr<const MotionMemory> stored_motion_memory(const S
         const auto angle = [&](std::size_t i) {
           return detail::radians_per_step * angles[(3 * j + i) * static_cast<std::size_t>(frames) + first];
         };
-        m.local.push_back(to_quaternion(exp_so3(Vec3<double>{angle(0), angle(1), angle(2)})));
+        m.local.push_back(to_quaternion(AxisAngle<double>{{angle(0), angle(1), angle(2)}}));
       }
       m.local.resize(m.root.size() * detail::all_rotations, Quaternion<double>::identity());
     }
@@ -27534,6 +27535,7 @@ StmcCheckpoint<B> load_stmc(const FilePath& path, const CheckpointOptions& optio
 /// The captions that a model of ours learned from, if its file has them. Throws what stored_known_captions throws.
 template <Backend B>
 KnownCaptions load_known_captions(const FilePath& path, const StmcCheckpoint<B>& stmc) {
+  if (stmc.memory && stmc.memory->known() != nullptr) return *stmc.memory->known();  // read with the memory
   const StmcPlace place = stmc_place(path);
   if (place.run || !stmc.text_encoder.captions) return {};
   return load_known_captions(FilePath(place.file), *stmc.text_encoder.captions);

@@ -8180,6 +8180,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+class KnownCaptions;  // text/known_captions.hpp
+
 /// Finds motions for texts. datasets/motion_memory.hpp has one; any other may be written.
 class MotionRecall {
  public:
@@ -8191,6 +8193,8 @@ class MotionRecall {
   /// The features of a motion for the text, (frames, features), not normalised. Nothing if no motion is known.
   /// choice  in 0 ... 1: chooses one, if there are several. The same arguments give the same motion
   virtual std::vector<double> features(const std::string& text, Index frames, double choice) const = 0;
+  /// The captions by which it finds motions; null: it does not find them so.
+  virtual const KnownCaptions* known() const { return nullptr; }
   /// Digits that change with any motion or text.
   virtual std::string fingerprint() const = 0;
 };
@@ -13122,7 +13126,7 @@ MOTIONLANG_NAMESPACE_END
 ///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
 ///
 /// Source  lengths: the third quartile of the segments with such captions in examples/training/captions.tsv; of a jump,
-///         half of that, because the bundled model fills all of it with two jumps
+///         that of the jumps which the bundled weights remember
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -13171,10 +13175,10 @@ inline std::vector<std::string> lower_case_words(std::string_view text) {
 }
 
 /// Words of actions that continue, or that need another action.
-inline constexpr std::array continuing_words{"again",      "and",  "then",  "while",   "times",  "twice",
-                                             "repeatedly", "keep", "keeps", "circles", "circle", "continuously",
-                                             "several",    "many", "jacks", "rope",    "walk",   "walks",
-                                             "walking",    "run",  "runs",  "running"};
+inline constexpr std::array continuing_words{
+    "again",   "and",    "then",         "while",   "times", "twice", "repeatedly", "keep", "keeps",
+    "circles", "circle", "continuously", "several", "many",  "jacks", "rope",       "walk", "walks",
+    "walking", "run",    "runs",         "running", "u",     "wide",  "curve"};
 
 }  // namespace detail
 
@@ -13201,7 +13205,7 @@ MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view tex
   if (says({"sit", "sits", "sitting"}) && says({"down"})) return NaturalLength{2.8, "sit quietly"};
   if (says({"stand", "stands", "get", "gets"}) && says({"up"})) return NaturalLength{2.4, "stand still"};
   if (says({"jump", "jumps", "leap", "leaps"}) && !(says({"up"}) && says({"down"})))
-    return NaturalLength{1.4, "stand still"};
+    return NaturalLength{2.4, "stand still"};
   if (says({"bend", "bends", "bending", "bow", "bows", "bowing"}) && !says({"knees", "knee", "arm", "arms"}))
     return NaturalLength{2.2, "stand still", true};
   if (says({"kick", "kicks", "punch", "punches", "throw", "throws"})) return NaturalLength{2.4, "stand still"};
@@ -20765,11 +20769,12 @@ struct NearText {
   Index row = 0;
   std::string text{};
   double likeness = 0;
+  double said = 0;  // the share of its own words that the other says, or words like them, by their rarity
 };
 
 namespace detail {
 
-/// True for words that say nothing about a motion: "the", "your", "person".
+/// True for words that say nothing about a motion: "the", "your", "person", "performs".
 bool is_function_word(const std::string& word);
 
 }  // namespace detail
@@ -20823,7 +20828,10 @@ class TextTable {
     std::shared_ptr<const Words> said{};  // in the texts
   };
   const Table& table() const;
-  std::vector<double> likeness(const std::string& text, std::span<const float> vector) const;
+  struct Likeness {
+    double likeness = 0, said = 0;
+  };
+  std::vector<Likeness> likeness(const std::string& text, std::span<const float> vector) const;
 
   std::shared_ptr<const Table> table_;
 };
@@ -20840,13 +20848,15 @@ namespace detail {
 
 MOTIONLANG_BODY bool is_function_word(const std::string& word) {
   static const std::set<std::string> words{
-      "a",      "an",      "and",      "are",     "as",      "at",     "be",     "been",  "being", "both",     "by",
-      "can",    "do",      "does",     "doing",   "for",     "from",   "he",     "her",   "hers",  "him",      "his",
-      "i",      "in",      "is",       "it",      "its",     "just",   "like",   "man",   "me",    "my",       "of",
-      "on",     "one",     "or",       "our",     "ourself", "person", "please", "she",   "so",    "some",     "that",
-      "the",    "their",   "them",     "there",   "these",   "they",   "this",   "those", "to",    "us",       "very",
-      "was",    "we",      "were",     "while",   "who",     "with",   "woman",  "you",   "your",  "yourself", "human",
-      "figure", "someone", "somebody", "himself", "herself", "itself"};
+      "a",      "an",      "and",        "are",      "as",    "at",      "be",       "been",       "being",   "both",
+      "by",     "can",     "do",         "does",     "doing", "for",     "from",     "he",         "her",     "hers",
+      "him",    "his",     "i",          "in",       "is",    "it",      "its",      "just",       "like",    "man",
+      "me",     "my",      "of",         "on",       "or",    "our",     "ourself",  "person",     "please",  "she",
+      "so",     "some",    "that",       "the",      "their", "them",    "there",    "these",      "they",    "this",
+      "those",  "to",      "us",         "very",     "was",   "we",      "were",     "while",      "who",     "with",
+      "woman",  "you",     "your",       "yourself", "human", "figure",  "someone",  "somebody",   "himself", "herself",
+      "itself", "subject", "individual", "people",   "guy",   "perform", "performs", "performing", "make",    "makes",
+      "making", "motion",  "movement",   "movements"};
   return words.contains(word);
 }
 
@@ -20981,12 +20991,14 @@ MOTIONLANG_BODY const TextTable::Table& TextTable::table() const {
   return table_ ? *table_ : none;
 }
 
-MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text, std::span<const float> vector) const {
+MOTIONLANG_BODY std::vector<TextTable::Likeness> TextTable::likeness(const std::string& text,
+                                                                     std::span<const float> vector) const {
   const Table& t = table();
   const std::size_t width = t.mean.size();
   // How alike each word of the text is to each word of the table, with the rarity as its weight.
   const Words& said = *t.said;
   std::vector<std::vector<double>> alike;
+  std::vector<double> said_now(said.words.size());  // how alike each word of the table is to one of the text
   double weights = 0;
   std::set<std::string> seen;
   for (const std::string& word : WordPiece::words(text)) {
@@ -20997,12 +21009,15 @@ MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text,
     const double weight = same ? said.rarity[*same] : said.rarest;
     auto& list = alike.emplace_back(said.words.size());
     for (std::size_t v = 0; v < said.words.size() && row; ++v) {
-      if (!said.vectors[v].empty()) list[v] = weight * std::max(0.0, word_likeness(of_word, said.vectors[v]));
+      if (said.vectors[v].empty()) continue;
+      const double like = std::max(0.0, word_likeness(of_word, said.vectors[v]));
+      list[v] = weight * like;
+      said_now[v] = std::max(said_now[v], like);
     }
-    if (same) list[*same] = weight;
+    if (same) list[*same] = weight, said_now[*same] = 1;
     weights += weight;
   }
-  std::vector<double> out(t.texts.size());
+  std::vector<Likeness> out(t.texts.size());
   double own = 0;
   for (std::size_t k = 0; k < width; ++k) own += std::pow(static_cast<double>(vector[k] - t.mean[k]), 2);
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -21017,7 +21032,13 @@ MOTIONLANG_BODY std::vector<double> TextTable::likeness(const std::string& text,
       for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) best = std::max(best, list[said.said[w]]);
       words += best;
     }
-    out[i] = product / std::sqrt(own * length) * (0.01 + 0.99 * (weights > 0 ? words / weights : 1));
+    double of_own = 0, all_own = 0;
+    for (std::uint32_t w = said.first[i]; w < said.first[i + 1]; ++w) {
+      const std::uint32_t word = said.said[w];
+      of_own += said.rarity[word] * said_now[word], all_own += said.rarity[word];
+    }
+    out[i] = {product / std::sqrt(own * length) * (0.01 + 0.99 * (weights > 0 ? words / weights : 1)),
+              all_own > 0 ? of_own / all_own : 1};
   }
   return out;
 }
@@ -21036,13 +21057,14 @@ MOTIONLANG_BODY std::vector<std::vector<NearText>> TextTable::nearest(
     for (Index row = 0; row < size(); ++row) {
       if (!wanted || wanted(static_cast<Index>(t), row)) rows.push_back(row);
     }
-    const auto of = [&](Index row) { return all[static_cast<std::size_t>(row)]; };
+    const auto of = [&](Index row) { return all[static_cast<std::size_t>(row)].likeness; };
     const auto most = std::clamp<Index>(count, 0, std::ssize(rows));
     std::partial_sort(rows.begin(), rows.begin() + most, rows.end(),
                       [&](Index a, Index b) { return of(a) > of(b) || (of(a) == of(b) && a < b); });
     for (Index i = 0; i < most; ++i) {
       const Index row = rows[static_cast<std::size_t>(i)];
-      out[t].push_back({row, this->texts()[static_cast<std::size_t>(row)], of(row)});
+      const auto at = static_cast<std::size_t>(row);
+      out[t].push_back({row, this->texts()[at], all[at].likeness, all[at].said});
     }
   }
   return out;
@@ -21104,9 +21126,10 @@ class KnownCaptions {
 
   /// At most `count` captions or mirror images of captions, the nearest first, each once.
   std::vector<NearText> nearest(const std::string& text, Index count) const;
-  /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. If all
-  /// are far (likeness below 0.7), those of its beginning, if that or its mirror image is a caption: "kick" for "he
-  /// kicks the xylophone".
+  /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. Captions
+  /// that say more than the text are less alike. If all are far (likeness below 0.7), those of its longest beginning
+  /// that is nearly a caption: "kick" for "he kicks the xylophone". Half of the text has to say it, unless the captions
+  /// are very far (0.5).
   std::vector<NearCaption> meant(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
@@ -21124,7 +21147,7 @@ class KnownCaptions {
   };
   /// In the rows from `first` to before `last`. A caption that is the mirror image of another is found twice.
   std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
-  /// The text, or its beginning if that is a caption and the text is far from all of them.
+  /// The text, or the caption of its beginning if the text is far from all of them.
   std::string known_beginning(const std::string& text) const;
   /// Each text once.
   static std::vector<Found> different(std::vector<Found> all, Index count);
@@ -21359,34 +21382,52 @@ MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& 
 }
 
 MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& text) const {
-  constexpr double near = 0.7;
+  constexpr double near = 0.7, half_near = 0.5, same = 0.9;
   std::string plain = detail::without_contractions(text);
   const auto best = nearest(plain, 1);
   if (best.empty() || best.front().likeness >= near) return plain;
   std::vector<std::string> words = WordPiece::words(plain);
-  const auto verb = std::find_if_not(words.begin(), words.end(), detail::is_function_word);
-  if (verb == words.end()) return plain;
-  words.erase(words.begin(), verb);
+  const auto says = [](const std::string& word) { return !detail::is_function_word(word); };
+  words.erase(words.begin(), std::find_if(words.begin(), words.end(), says));
+  const auto all = std::count_if(words.begin(), words.end(), says);
+  // A text that is not so far means its beginning only if that is half of it.
+  const auto least = best.front().likeness < half_near ? 1 : std::max<std::ptrdiff_t>(1, all / 2);
+  std::vector<std::string> beginnings;  // the longest first, each before its mirror image
+  for (; std::count_if(words.begin(), words.end(), says) >= least; words.pop_back()) {
+    if (!says(words.back())) continue;
+    std::string beginning;
+    for (const std::string& word : words) beginning += (beginning.empty() ? "" : " ") + word;
+    beginnings.push_back(beginning);
+    beginnings.push_back(mirror_caption(beginning));
+  }
   const auto& captions = table_.texts();
   const auto tried = captions.begin() + std::ssize(actions_);
   const auto has = [&](const std::string& caption) { return std::find(captions.begin(), tried, caption) != tried; };
-  const std::vector<std::string> forms = detail::plain_forms(words.front());
-  for (std::size_t count = words.size(); count > 0; --count) {
-    for (const std::string& form : forms) {
-      std::string start = form;
-      for (std::size_t i = 1; i < count; ++i) start += " " + words[i];
-      if (has(start) || has(mirror_caption(start))) return start;
+  const auto near_beginnings =
+      table_.nearest(beginnings, 1, [&](Index, Index row) { return row < std::ssize(actions_); });
+  for (std::size_t i = 0; i < beginnings.size(); ++i) {
+    const std::size_t end = std::min(beginnings[i].find(' '), beginnings[i].size());  // of its first word
+    for (std::string form : detail::plain_forms(beginnings[i].substr(0, end))) {
+      form += beginnings[i].substr(end);
+      if (has(form)) return i % 2 == 0 ? form : mirror_caption(form);
     }
+    const NearText& alike = near_beginnings[i].front();
+    if (alike.likeness * alike.said >= same) return i % 2 == 0 ? alike.text : mirror_caption(alike.text);
   }
   return plain;
 }
 
 MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string& text, Index count) const {
-  constexpr double nearly_as_alike = 0.96;
+  constexpr double nearly_as_alike = 0.88;
+  // A caption that says more than the text is less alike: "walk and get pushed" for "walk".
+  const auto rank = [](const Found& f) { return f.near.likeness * (2 + f.near.said) / 3; };
+  constexpr Index looked_at = 24;
+  auto all = found(known_beginning(text), std::max(count, looked_at), 0, std::ssize(actions_));
+  std::erase_if(all, [&](const Found& f) { return f.near.likeness < nearness_; });
+  std::stable_sort(all.begin(), all.end(), [&](const Found& a, const Found& b) { return rank(a) > rank(b); });
   std::vector<NearCaption> out;
-  for (const Found& f : found(known_beginning(text), count, 0, std::ssize(actions_))) {
-    const double least = std::max(nearness_, out.empty() ? 0 : nearly_as_alike * out.front().likeness);
-    if (f.near.likeness < least || std::ssize(out) == count) break;
+  for (const Found& f : all) {
+    if (rank(f) < nearly_as_alike * rank(all.front()) || std::ssize(out) == count) break;
     out.push_back({f.near.row, f.mirrored, f.near.likeness});
   }
   return out;
@@ -22197,6 +22238,7 @@ class MotionMemory final : public MotionRecall {
                std::string_view source = "MotionMemory");
 
   const KnownCaptions& captions() const { return captions_; }
+  const KnownCaptions* known() const override { return &captions_; }
   const std::vector<Motion>& motions() const { return motions_; }
   const std::vector<RememberedMotion>& remembered() const { return of_; }
   /// The number of captions that have a motion.
@@ -22448,7 +22490,7 @@ MOTIONLANG_BODY std::shared_ptr<const MotionMemory> stored_motion_memory(const S
         const auto angle = [&](std::size_t i) {
           return detail::radians_per_step * angles[(3 * j + i) * static_cast<std::size_t>(frames) + first];
         };
-        m.local.push_back(to_quaternion(exp_so3(Vec3<double>{angle(0), angle(1), angle(2)})));
+        m.local.push_back(to_quaternion(AxisAngle<double>{{angle(0), angle(1), angle(2)}}));
       }
       m.local.resize(m.root.size() * detail::all_rotations, Quaternion<double>::identity());
     }
