@@ -31843,7 +31843,7 @@ MOTIONLANG_BODY std::vector<std::string> known_in_turn(const std::string& text, 
     return actions.size() > 1 && std::all_of(actions.begin(), actions.end(),
                                              [&](const std::string& action) { return likeness(action) >= least; });
   };
-  const auto listed = listed_in_turn(text);
+  auto listed = listed_in_turn(text);
   if (captions.empty() || listed.size() == 1 || likeness(text) >= same) return {text};
   if (all_are(listed, nearly_same)) return listed;
   const auto actions = actions_in_turn(text);
