@@ -147,7 +147,7 @@ MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& te
 }
 
 MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string& text, Index count) const {
-  constexpr double nearly_as_alike = 0.88;
+  constexpr double same = 0.95, nearly_same = 0.96, nearly_as_alike = 0.88;
   // A caption that says more than the text is less alike: "walk and get pushed" for "walk".
   const auto rank = [](const Found& f) { return f.near.likeness * (2 + f.near.said) / 3; };
   constexpr Index looked_at = 24;
@@ -156,7 +156,9 @@ MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string&
   std::stable_sort(all.begin(), all.end(), [&](const Found& a, const Found& b) { return rank(a) > rank(b); });
   std::vector<NearCaption> out;
   for (const Found& f : all) {
-    if (rank(f) < nearly_as_alike * rank(all.front()) || std::ssize(out) == count) break;
+    // A text that is a caption means no other action: "walk forward" is not "walk forward quickly".
+    const double least = (rank(all.front()) < same ? nearly_as_alike : nearly_same) * rank(all.front());
+    if (rank(f) < least || std::ssize(out) == count) break;
     out.push_back({f.near.row, f.mirrored, f.near.likeness});
   }
   return out;
