@@ -9,7 +9,7 @@ import numpy as np
 
 from pose import (ANKLE, COLLAR, GRAVITY, HIP, KNEE, LEFT, LEG, RIGHT, SHOULDER, SHOULDER_AT, SPINE, X, Y, Z,
                   ease, held)
-from stepping import spin, turn_around, turn_left
+from stepping import leap, spin, turn_around, turn_left
 
 
 def as_it_is(p, t, s, n, r):
@@ -247,19 +247,6 @@ def pick_up(p, t, s, n, r):
     p.trunk(ahead=48 * w)
     p.reach(RIGHT, (-0.10, -0.38, 0.28), (-1, 0, -0.2), w)
     p.gaze(up=-10 * w)
-
-
-def leap(p, t, begin, air, degrees):
-    """A jump on the spot: down, up into the air for `air` seconds from `begin` on, and down again into the knees."""
-    into, flight = ease((t - begin + 0.45) / 0.3), (t - begin) / air
-    if flight < 0:
-        p.crouch(degrees * into * (1 - ease((t - begin + 0.15) / 0.15)))
-    elif flight < 1:
-        p.rise(GRAVITY / 2 * (t - begin) * (begin + air - t))
-    else:
-        after = t - begin - air
-        p.crouch(0.8 * degrees * ease(after / 0.12) * (1 - ease((after - 0.12) / 0.35)))
-    return into * (1 - ease((t - begin - air) / 0.4))
 
 
 def jump_up_and_down(p, t, s, n, r):

@@ -2,7 +2,7 @@
 """Gestures of people who stand, and then step, jump or crawl: turns on the spot, side steps, pushes, a waltz."""
 import numpy as np
 
-from pose import ANKLE, GRAVITY, HIP, KNEE, LEFT, LEG, RIGHT, X, Y, Z, ease, held, rotation
+from pose import ANKLE, GRAVITY, HIP, KNEE, LEFT, LEG, RIGHT, X, Y, Z, ease, held
 
 
 def steps_round(p, t, s, degrees, step):
@@ -120,27 +120,30 @@ def waltz(p, t, s, n, r):
     p.trunk(tilt=6 * np.sin(np.pi * (t - begin) / step) * w)
 
 
-def flight(p, t, begin, air, degrees):
-    """A jump: down, up into the air for `air` seconds from `begin` on, and down again. The share that is flown."""
-    into, flown = ease((t - begin + 0.5) / 0.35), (t - begin) / air
+def leap(p, t, begin, air, degrees, dip=0.3, rise=0.35, calm=0.4):
+    """A jump on the spot: down in `dip` seconds, up into the air for `air` seconds from `begin` on, down again into the
+    knees, and up in `rise` seconds. The share of the arms, which calm down in `calm` seconds."""
+    into, flown = ease((t - begin + dip + 0.15) / dip), (t - begin) / air
     if flown < 0:
         p.crouch(degrees * into * (1 - ease((t - begin + 0.15) / 0.15)))
     elif flown < 1:
         p.rise(GRAVITY / 2 * (t - begin) * (begin + air - t))
     else:
         after = t - begin - air
-        p.crouch(0.8 * degrees * ease(after / 0.12) * (1 - ease((after - 0.12) / 0.4)))
-    arms = into * (1 - ease((t - begin - air) / 0.5))
-    for side, out in ((LEFT, 1), (RIGHT, -1)):
-        p.reach(side, (out * 0.30, 0.02 + 0.3 * ease((t - begin + 0.2) / 0.3), 0.28), (out, -0.6, -0.4), 0.8 * arms)
-    return np.clip(flown, 0, 1)
+        p.crouch(0.8 * degrees * ease(after / 0.12) * (1 - ease((after - 0.12) / rise)))
+    return into * (1 - ease((t - begin - air) / calm))
 
 
 def jumping(left=0.0, ahead=0.0, degrees=0.0):
     """One jump, to a place and turned by some degrees to the left."""
 
     def gesture(p, t, s, n, r):
-        flown = flight(p, t, 0.9, 0.44, 44)
+        begin, air = 0.9, 0.44
+        arms = leap(p, t, begin, air, 44, dip=0.35, rise=0.4, calm=0.5)
+        for side, out in ((LEFT, 1), (RIGHT, -1)):
+            up = 0.02 + 0.3 * ease((t - begin + 0.2) / 0.3)
+            p.reach(side, (out * 0.30, up, 0.28), (out, -0.6, -0.4), 0.8 * arms)
+        flown = np.clip((t - begin) / air, 0, 1)
         p.place[:2] += flown * (left * p.left() + ahead * p.ahead())
         p.yaw(degrees * flown)
         for side in (LEFT, RIGHT):
@@ -154,15 +157,14 @@ def crawl(p, t, s, n, r):
     cycle, swing = 1.2, 0.13
     p.place[:2] += 4 * swing / cycle * t * p.ahead()
     p.place[2] += 0.06 - 2 * LEG + 0.30
-    pitch = 80
-    p.local[0] = rotation(np.append(p.left(), 0), np.radians(pitch)) @ p.local[0]
+    p.hinge(80)
     for side, out in ((LEFT, 1), (RIGHT, -1)):
         turn = (t / cycle + (0.0 if side == LEFT else 0.5)) % 1.0
         standing = turn < 0.5  # of the hand; the knee of this side moves then
         hand = swing * (1 - 4 * turn) if standing else swing * (4 * turn - 3)
         knee = -hand
         lift = 0.0 if standing else 0.07 * np.sin(2 * np.pi * (turn - 0.5))
-        p.turn(HIP[side], X, -pitch - np.degrees(knee / LEG))
+        p.turn(HIP[side], X, -np.degrees(knee / LEG))
         p.turn(KNEE[side], X, 90 + np.degrees(knee / LEG) + (8 * np.sin(2 * np.pi * turn) if standing else 0))
         p.turn(ANKLE[side], X, 55)
         p.reach(side, (out * 0.20, 0.14 + hand, 0.47 - lift), (out, 0.0, -0.3), 1)

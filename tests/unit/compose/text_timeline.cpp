@@ -50,6 +50,8 @@ TEST_CASE("actions in turn share the time, or take their own") {
   // Without being asked, if captions know each action, and none says both.
   CHECK(ml::text_timeline("sit, then walk", captions) == ml::Timeline{{{"sit", 0, 40, all}, {"walk", 40, 120, all}}});
   CHECK(ml::text_timeline("walk, sit and walk", captions).intervals.size() == 3);
+  CHECK(ml::text_timeline("walk, then sit", captions, {.seconds = 7.9}) ==
+        ml::Timeline{{{"walk", 0, 79, all}, {"sit", 79, 119, all}, {"sit quietly", 119, 158, all}}});
   CHECK(ml::known_in_turn("walk, then blorp", captions).size() == 1);
   CHECK(ml::known_in_turn("walk, slowly", captions).size() == 1);
   CHECK(ml::known_in_turn("walk", captions).size() == 1);

@@ -92,7 +92,7 @@ TEST_CASE("a text that is far from all captions means its beginning, if that is 
   CHECK(still.meant("don't sit", 1)[0].row == 6);
 }
 
-TEST_CASE("of captions that are as alike, the one that says no more is meant") {
+TEST_CASE("the caption that says no more than the text is meant") {
   const Texts texts{"walk and get pushed", "kick"};  // the encoder hears "walk" and "kick"
   const ml::KnownCaptions captions(ml::TextTable::encoded(texts, counted::vectors), {{}, {}}, 0.5);
   const auto meant = captions.meant("walk", 9);
