@@ -26918,6 +26918,7 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto action = captions.action("have a seat");                     // 2.4 s, then "sit quietly"
 ///
 /// The captions of mirrored motions are known as well, but not stored: a text and its mirror image are looked up.
+/// Misspelled words are mended first.
 /// Texts that were tried with the model can be added, so that it also tells at what it often fails.
 
 #ifndef MOTIONLANG_HAS_TEXT_TEXT_TABLE_HPP  // <motionlang/text/text_table.hpp>
@@ -26962,7 +26963,8 @@ struct NearText {
 namespace detail {
 
 /// True for words that say nothing about a motion: "the", "your", "person", "performs".
-bool is_function_word(const std::string& word);
+const std::set<std::string>& function_words();
+inline bool is_function_word(const std::string& word) { return function_words().contains(word); }
 
 }  // namespace detail
 
@@ -26995,6 +26997,12 @@ class TextTable {
   std::span<const std::int8_t> codes() const { return table().codes; }
   std::span<const float> mean() const { return table().mean; }
   const WordVectors& words() const { return table().words; }
+  /// The words of the texts, without those that say nothing, in alphabetical order.
+  const std::vector<std::string>& said_words() const;
+  /// The word for a misspelled one: "forward" for "foreward". The texts do not say the misspelled word, and it has no
+  /// vector. Both words begin alike, and one step turns one into the other (edit_distance), or two if it has more than
+  /// seven letters. "" if there is no such word, or if the table has no vectors, which tell what words exist.
+  std::string mended(const std::string& word) const;
 
   /// At most `count` texts, the nearest first.
   /// wanted  rows that may be found; none: all
@@ -27029,11 +27037,105 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_TEXT_TEXT_TABLE_IPP
 // Bodies of text_table.hpp.
 
+#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_HPP  // <motionlang/file/key_report.hpp>
+#define MOTIONLANG_HAS_FILE_KEY_REPORT_HPP
+/// Names of tensors that do not match between a file and a model, as a list that tells a person what to do.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Names that a file lacks, and names that the model does not use.
+struct KeyReport {
+  std::vector<std::string> missing, unexpected;
+};
+
+/// The number of steps that turn a into b, but at most `limit`. A step inserts, removes or exchanges a character, or
+/// swaps two neighbours, as in "rigth" (optimal string alignment).
+std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
+
+/// The name that is most similar to `name`; empty if none shares half of it. Only the first 2,000 names of a long list
+/// are compared.
+std::string nearest_name(std::string_view name, const std::vector<std::string>& among);
+
+/// A line for each name, with the most similar name of the other list.
+std::string to_string(const KeyReport& report);
+
+namespace detail {
+
+[[noreturn]] void raise_key_mismatch(std::string_view file, const KeyReport& report);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_IPP  // <motionlang/file/key_report.ipp>
+#define MOTIONLANG_HAS_FILE_KEY_REPORT_IPP
+// Bodies of key_report.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
+  std::vector<std::size_t> row(b.size() + 1), above(row), second(row);  // the row of a prefix of a, and those before it
+  for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::swap(second, above);
+    std::swap(above, row);
+    row[0] = i + 1;
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      row[k + 1] = std::min(above[k] + (a[i] == b[k] ? 0 : 1), std::min(above[k + 1], row[k]) + 1);
+      if (i > 0 && k > 0 && a[i] == b[k - 1] && a[i - 1] == b[k]) row[k + 1] = std::min(row[k + 1], second[k - 1] + 1);
+    }
+  }
+  return std::min(row.back(), limit);
+}
+
+MOTIONLANG_BODY std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
+  constexpr std::size_t longest = 256;
+  std::string_view best;
+  std::size_t distance = std::min(name.size(), longest) / 2 + 1;
+  for (const std::string& candidate : std::span(among).first(std::min<std::size_t>(among.size(), 2000))) {
+    if (name.size() > longest || candidate.size() > longest) continue;
+    const std::size_t d = edit_distance(name, candidate, distance);
+    if (d < distance) distance = d, best = candidate;
+  }
+  return std::string(best);
+}
+
+MOTIONLANG_BODY std::string to_string(const KeyReport& report) {
+  constexpr std::size_t most = 20;  // lines of a list
+  std::string text;
+  const auto list = [&](const char* what, const std::vector<std::string>& names, const std::vector<std::string>& others,
+                        const char* has) {
+    for (std::size_t i = 0; i < names.size() && i < most; ++i) {
+      const std::string like = nearest_name(names[i], others);
+      text += concat_text("\n  ", what, " ", names[i]);
+      if (!like.empty()) text += concat_text("  (", has, " ", like, ")");
+    }
+    if (names.size() > most) text += concat_text("\n  ", what, " ", names.size() - most, " more");
+  };
+  list("missing   ", report.missing, report.unexpected, "the file has");
+  list("unexpected", report.unexpected, report.missing, "the model has");
+  return text;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY void raise_key_mismatch(std::string_view file, const KeyReport& report) {
+  raise<io_error>(406, file, ": ", counted(report.missing.size(), "tensor is missing", "tensors are missing"), ", ",
+                  counted(report.unexpected.size(), "is", "are"), " not expected:", report);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-MOTIONLANG_BODY bool is_function_word(const std::string& word) {
+MOTIONLANG_BODY const std::set<std::string>& function_words() {
   static const std::set<std::string> words{
       "a",      "an",      "and",        "are",      "as",    "at",      "be",       "been",       "being",   "both",
       "by",     "can",     "do",         "does",     "doing", "for",     "from",     "he",         "her",     "hers",
@@ -27044,7 +27146,7 @@ MOTIONLANG_BODY bool is_function_word(const std::string& word) {
       "woman",  "you",     "your",       "yourself", "human", "figure",  "someone",  "somebody",   "himself", "herself",
       "itself", "subject", "individual", "people",   "guy",   "perform", "performs", "performing", "make",    "makes",
       "making", "motion",  "movement",   "movements"};
-  return words.contains(word);
+  return words;
 }
 
 }  // namespace detail
@@ -27178,6 +27280,27 @@ MOTIONLANG_BODY const TextTable::Table& TextTable::table() const {
   return table_ ? *table_ : none;
 }
 
+MOTIONLANG_BODY const std::vector<std::string>& TextTable::said_words() const { return table().said->words; }
+
+MOTIONLANG_BODY std::string TextTable::mended(const std::string& word) const {
+  const Table& t = table();
+  const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+  if (t.words.empty() || word.size() < 3 || !std::all_of(word.begin(), word.end(), is_letter) ||
+      detail::is_function_word(word) || t.said->find(word) || t.words.find(word))
+    return "";
+  std::size_t most = word.size() > 7 ? 3 : 2;  // steps, which are too many
+  std::string out;
+  const auto try_all = [&](const auto& candidates) {
+    for (const std::string& candidate : candidates) {
+      if (candidate.front() != word.front()) continue;
+      if (const auto steps = edit_distance(word, candidate, most); steps < most) most = steps, out = candidate;
+    }
+  };
+  try_all(t.said->words);
+  try_all(detail::function_words());
+  return out;
+}
+
 MOTIONLANG_BODY std::vector<TextTable::Likeness> TextTable::likeness(const std::string& text,
                                                                      std::span<const float> vector) const {
   const Table& t = table();
@@ -27284,6 +27407,11 @@ struct NearCaption {
   double likeness = 0;
 };
 
+/// A misspelled word, and the word that is read instead.
+struct MisspelledWord {
+  std::string word{}, read{};
+};
+
 class KnownCaptions {
  public:
   /// No captions.
@@ -27311,6 +27439,8 @@ class KnownCaptions {
   /// The shares of the texts that were tried, which follow the captions in the table.
   const std::vector<double>& done() const { return done_; }
 
+  /// The misspelled words of a text (TextTable::mended).
+  std::vector<MisspelledWord> misspelled(const std::string& text) const;
   /// At most `count` captions or mirror images of captions, the nearest first, each once.
   std::vector<NearText> nearest(const std::string& text, Index count) const;
   /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. Captions
@@ -27318,6 +27448,8 @@ class KnownCaptions {
   /// that is nearly a caption: "kick" for "he kicks the xylophone". Half of the text has to say it, unless the captions
   /// are very far (0.5).
   std::vector<NearCaption> meant(const std::string& text, Index count) const;
+  /// The same as texts. Throws what the encoder of the table throws.
+  std::vector<std::string> meant_texts(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
   /// The action of a text, or of its beginning (as in `meant`), by the captions near it. Their majority decides if it
@@ -27334,6 +27466,10 @@ class KnownCaptions {
   };
   /// In the rows from `first` to before `last`. A caption that is the mirror image of another is found twice.
   std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
+  /// "do not" for "don't", and words for misspelled ones.
+  std::string plain(const std::string& text) const;
+  /// `nearest` for a plain text.
+  std::vector<NearText> nearest_of_plain(const std::string& plain, Index count) const;
   /// The text, or the caption of its beginning if the text is far from all of them.
   std::string known_beginning(const std::string& text) const;
   /// Each text once.
@@ -27562,16 +27698,37 @@ MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::different(std::
 }
 
 MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& text, Index count) const {
+  return nearest_of_plain(plain(text), count);
+}
+
+MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest_of_plain(const std::string& plain, Index count) const {
   std::vector<NearText> out;
-  auto all = found(detail::without_contractions(text), count, 0, std::ssize(actions_));
+  auto all = found(plain, count, 0, std::ssize(actions_));
   for (Found& f : different(std::move(all), count)) out.push_back(std::move(f.near));
   return out;
 }
 
+MOTIONLANG_BODY std::vector<MisspelledWord> KnownCaptions::misspelled(const std::string& text) const {
+  std::vector<MisspelledWord> out;
+  for (const std::string& word : WordPiece::words(detail::without_contractions(text))) {
+    if (std::string read = table_.mended(word); !read.empty()) out.push_back({word, std::move(read)});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string KnownCaptions::plain(const std::string& text) const {
+  std::string out = detail::without_contractions(text);
+  const auto mistakes = misspelled(out);
+  if (mistakes.empty()) return out;
+  std::vector<std::string> words = WordPiece::words(out);
+  for (const MisspelledWord& m : mistakes) std::replace(words.begin(), words.end(), m.word, m.read);
+  return join_text(words, " ");
+}
+
 MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& text) const {
   constexpr double near = 0.7, half_near = 0.5, same = 0.9;
-  std::string plain = detail::without_contractions(text);
-  const auto best = nearest(plain, 1);
+  std::string plain = this->plain(text);
+  const auto best = nearest_of_plain(plain, 1);
   if (best.empty() || best.front().likeness >= near) return plain;
   std::vector<std::string> words = WordPiece::words(plain);
   const auto says = [](const std::string& word) { return !detail::is_function_word(word); };
@@ -27618,6 +27775,15 @@ MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string&
     const double least = (rank(all.front()) < same ? nearly_as_alike : nearly_same) * rank(all.front());
     if (rank(f) < least || std::ssize(out) == count) break;
     out.push_back({f.near.row, f.mirrored, f.near.likeness});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> KnownCaptions::meant_texts(const std::string& text, Index count) const {
+  std::vector<std::string> out;
+  for (const NearCaption& near : meant(text, count)) {
+    const std::string& caption = table_.texts()[static_cast<std::size_t>(near.row)];
+    out.push_back(near.mirrored ? mirror_caption(caption) : caption);
   }
   return out;
 }
@@ -27752,98 +27918,6 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_TEXT_KNOWN_WORDS_IPP  // <motionlang/text/known_words.ipp>
 #define MOTIONLANG_HAS_TEXT_KNOWN_WORDS_IPP
 // Bodies of known_words.hpp.
-
-#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_HPP  // <motionlang/file/key_report.hpp>
-#define MOTIONLANG_HAS_FILE_KEY_REPORT_HPP
-/// Names of tensors that do not match between a file and a model, as a list that tells a person what to do.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Names that a file lacks, and names that the model does not use.
-struct KeyReport {
-  std::vector<std::string> missing, unexpected;
-};
-
-/// The number of characters to insert, remove or exchange to turn a into b (Levenshtein), but at most `limit`.
-std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
-
-/// The name that is most similar to `name`; empty if none shares half of it. Only the first 2,000 names of a long list
-/// are compared.
-std::string nearest_name(std::string_view name, const std::vector<std::string>& among);
-
-/// A line for each name, with the most similar name of the other list.
-std::string to_string(const KeyReport& report);
-
-namespace detail {
-
-[[noreturn]] void raise_key_mismatch(std::string_view file, const KeyReport& report);
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_IPP  // <motionlang/file/key_report.ipp>
-#define MOTIONLANG_HAS_FILE_KEY_REPORT_IPP
-// Bodies of key_report.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
-  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t k = 0; k < b.size(); ++k) {
-      const std::size_t exchanged = diagonal + (a[i] == b[k] ? 0 : 1);
-      diagonal = row[k + 1];
-      row[k + 1] = std::min(exchanged, std::min(diagonal, row[k]) + 1);
-    }
-  }
-  return std::min(row.back(), limit);
-}
-
-MOTIONLANG_BODY std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
-  constexpr std::size_t longest = 256;
-  std::string_view best;
-  std::size_t distance = std::min(name.size(), longest) / 2 + 1;
-  for (const std::string& candidate : std::span(among).first(std::min<std::size_t>(among.size(), 2000))) {
-    if (name.size() > longest || candidate.size() > longest) continue;
-    const std::size_t d = edit_distance(name, candidate, distance);
-    if (d < distance) distance = d, best = candidate;
-  }
-  return std::string(best);
-}
-
-MOTIONLANG_BODY std::string to_string(const KeyReport& report) {
-  constexpr std::size_t most = 20;  // lines of a list
-  std::string text;
-  const auto list = [&](const char* what, const std::vector<std::string>& names, const std::vector<std::string>& others,
-                        const char* has) {
-    for (std::size_t i = 0; i < names.size() && i < most; ++i) {
-      const std::string like = nearest_name(names[i], others);
-      text += concat_text("\n  ", what, " ", names[i]);
-      if (!like.empty()) text += concat_text("  (", has, " ", like, ")");
-    }
-    if (names.size() > most) text += concat_text("\n  ", what, " ", names.size() - most, " more");
-  };
-  list("missing   ", report.missing, report.unexpected, "the file has");
-  list("unexpected", report.unexpected, report.missing, "the model has");
-  return text;
-}
-
-namespace detail {
-
-MOTIONLANG_BODY void raise_key_mismatch(std::string_view file, const KeyReport& report) {
-  raise<io_error>(406, file, ": ", counted(report.missing.size(), "tensor is missing", "tensors are missing"), ", ",
-                  counted(report.unexpected.size(), "is", "are"), " not expected:", report);
-}
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -38530,6 +38604,9 @@ Index whole_rows(std::string_view function, std::size_t values, Index width);
 /// length 0.
 std::vector<float> unit_rows(std::span<const float> rows, Index width);
 
+/// (width): the mean of the rows' directions, which is not of length 1. Throws what unit_rows throws.
+std::vector<float> mean_direction(std::span<const float> rows, Index width);
+
 /// Throws shape_error 205, and numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not
 /// finite.
 void require_unit_rows(std::string_view where, std::span<const float> rows, Index width);
@@ -38566,6 +38643,15 @@ MOTIONLANG_BODY std::vector<float> unit_rows(std::span<const float> rows, Index 
     for (Index i = 0; i < width; ++i) row[i] = static_cast<float>(row[i] * scale);
   }
   return out;
+}
+
+MOTIONLANG_BODY std::vector<float> mean_direction(std::span<const float> rows, Index width) {
+  const auto directions = unit_rows(rows, width);
+  const Index count = std::ssize(directions) / width;
+  std::vector<float> mean(static_cast<std::size_t>(width));
+  for (std::size_t i = 0; i < directions.size(); ++i)
+    mean[i % mean.size()] += directions[i] / static_cast<float>(count);
+  return mean;
 }
 
 MOTIONLANG_BODY void require_unit_rows(std::string_view where, std::span<const float> rows, Index width) {
@@ -43695,6 +43781,9 @@ class SearchEncoder {
 
   /// The meaning of the cosines of texts and motions; empty if it was not measured.
   virtual const SimilarityScale& similarity() const;
+  /// The texts that the model learned from and that a query means; the query itself if the model cannot tell. None if
+  /// the model learned from nothing like it. Throws what the encoder of these texts throws.
+  virtual std::vector<std::string> meant(const std::string& query) const { return {query}; }
   /// The words that the model knows; empty if it cannot tell.
   virtual KnownWords known_words() const { return {}; }
 
@@ -43707,6 +43796,9 @@ class SearchEncoder {
 /// (width): a whole clip. A clip of more than ten seconds is longer than the training clips of such models. It is cut
 /// into equal parts and gets the mean of their directions.
 std::vector<float> encode_clip(const SearchEncoder& encoder, std::span<const float> rows);
+/// (width): the mean direction of one text or more, or the vector of a single one. Throws what
+/// SearchEncoder::encode_texts throws, and shape_error 203 for no texts.
+std::vector<float> encode_together(const SearchEncoder& encoder, std::span<const std::string> texts);
 /// The vector of a motion as a query or as a clip of an index. Throws what SearchEncoder::rows_of throws.
 std::vector<float> encode_motion(const SearchEncoder& encoder, const Motion& motion);
 
@@ -43733,11 +43825,13 @@ MOTIONLANG_BODY std::vector<float> encode_clip(const SearchEncoder& encoder, std
     stretches.push_back({first, all * (i + 1) / count - first});
   }
   auto vectors = encoder.encode_windows(rows, stretches);
-  if (count == 1) return vectors;
-  vectors = unit_rows(vectors, width);
-  std::vector<float> mean(static_cast<std::size_t>(width));
-  for (std::size_t i = 0; i < vectors.size(); ++i) mean[i % mean.size()] += vectors[i] / static_cast<float>(count);
-  return mean;
+  return count == 1 ? vectors : mean_direction(vectors, width);
+}
+
+MOTIONLANG_BODY std::vector<float> encode_together(const SearchEncoder& encoder, std::span<const std::string> texts) {
+  if (texts.empty()) raise<shape_error>(203, "encode_together: no texts");
+  auto vectors = encoder.encode_texts(texts);
+  return texts.size() == 1 ? vectors : mean_direction(vectors, encoder.model().width);
 }
 
 MOTIONLANG_BODY std::vector<float> encode_motion(const SearchEncoder& encoder, const Motion& motion) {
@@ -43757,12 +43851,13 @@ struct TextAnswer {
   std::vector<double> scores{};
   bool calibrated = false;             // true if the scores are such shares
   std::vector<UnknownWord> unheard{};  // words that the model knows nothing about
-  /// False if no clip shows the text: no clip reaches the cosine from which a motion shows a text, or the model knows
-  /// no word of the text. Always true for captions, and for models that cannot tell unless no word is known.
+  /// False if no clip shows the text: no clip reaches the cosine from which a motion shows a text, the model learned
+  /// from nothing like it, or it knows no word of the text. Always true for captions, and for models that cannot tell
+  /// unless no word is known.
   bool shown = true;
 };
 
-/// Throws what search and SearchEncoder::encode_texts throw.
+/// Throws what search, SearchEncoder::meant and SearchEncoder::encode_texts throw.
 TextAnswer answer_text(const MotionSearch& found, const SearchEncoder& encoder, const std::string& text,
                        const SearchOptions& options = {});
 
@@ -43790,7 +43885,12 @@ inline bool is_unheard(const std::string& text, const std::vector<UnknownWord>& 
 MOTIONLANG_BODY TextAnswer answer_text(const MotionSearch& found, const SearchEncoder& encoder, const std::string& text,
                                        const SearchOptions& options) {
   TextAnswer out;
-  out.hits = search(found, encoder.encode_texts(std::span(&text, 1)), options);
+  std::vector<std::string> meant{text};
+  if (options.what != SearchFor::captions) meant = encoder.meant(text);
+  const bool learned = !meant.empty();
+  if (!learned) meant = {text};
+  const bool reworded = meant.size() > 1 || meant.front() != text;
+  out.hits = search(found, encode_together(encoder, meant), options);
   if (const KnownWords known = encoder.known_words(); !known.empty()) {
     out.unheard = unknown_words(text, known);
     for (std::string& word : unreadable_words(text)) out.unheard.push_back({std::move(word), ""});
@@ -43800,7 +43900,7 @@ MOTIONLANG_BODY TextAnswer answer_text(const MotionSearch& found, const SearchEn
   for (const MotionHit& hit : out.hits)
     out.scores.push_back(out.calibrated ? share_below(scale, static_cast<double>(hit.score)) : score_of(hit));
   if (options.what == SearchFor::captions) return out;
-  out.shown = !detail::is_unheard(text, out.unheard);
+  out.shown = learned && (reworded || !detail::is_unheard(text, out.unheard));
   if (out.calibrated && (out.hits.empty() || !is_shown(scale, static_cast<double>(out.hits.front().score))))
     out.shown = false;
   return out;

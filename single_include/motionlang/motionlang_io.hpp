@@ -19167,7 +19167,954 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto text = tmr.encode_text("a person jumps");                                       // (1, 256)
 ///
 /// Texts   the model that comes with motionlang has its own word pieces; others read the states of DistilBERT
+/// Queries the model that comes with motionlang has no vectors of words. The captions of the bundled STMC tell what a
+///         query means
 /// Source  Petrovich et al. (ICCV 2023); thesis, chapter 5
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_CAPTION_ENCODER_FILE_HPP  // <motionlang/weights/caption_encoder_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_CAPTION_ENCODER_FILE_HPP
+/// The text encoder of an STMC file (weights/stmc_file.hpp), and the captions that it learned from, without the rest of
+/// the model.
+///
+///     const auto captions = load_known_captions<B>("examples/models/stmc_free.safetensors");
+///     for (const NearText& near : captions.nearest("have a seat", 3)) use(near.text);
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_HPP  // <motionlang/weights/known_caption_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_HPP
+/// The captions of a training in the file of its weights (text/known_captions.hpp).
+///
+///     const auto stmc = load_stmc<B>(path);
+///     const KnownCaptions captions = load_known_captions(path, stmc.text_encoder);
+///
+/// Tensors    captions.codes (captions, width) I8, captions.mean (width) F32, captions.seconds (captions) F32,
+///            captions.then (captions) I16: -1 for an action that repeats, else a line of captions.then; if texts were
+///            tried, captions.done (texts) F32, and codes has their rows behind those of the captions
+/// Metadata   captions: one on each line, and texts that were tried; captions.then: texts for what follows, one on each
+///            line; captions.nearness
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The prefix of the names of their tensors, which are constants.
+inline constexpr const char* caption_tensors = "captions.";
+/// That of the motions of captions (weights/motion_memory_file.hpp), which name captions by their lines.
+inline constexpr const char* memory_tensors = "memory.";
+
+/// None if the file lists no captions. encode: by the text encoder of the file; words: its vectors of words. Throws
+/// io_error 406, 407, config_error 107.
+KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors encode, const WordVectors& words = {});
+
+/// Known captions as tensors and metadata, for a file that is about to be written. Views point into it.
+class StoredCaptions {
+ public:
+  /// Throws config_error 101 for more than 32,767 different texts of what follows, and for a text that is not a line.
+  explicit StoredCaptions(KnownCaptions captions);
+  void add_to(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata) const;
+
+ private:
+  KnownCaptions captions_;
+  std::vector<float> seconds_{};
+  std::vector<std::int16_t> then_{};
+  std::vector<float> done_{};
+  std::vector<std::string> following_{};
+};
+
+namespace detail {
+
+/// The tensors and the metadata of a file without its captions.
+struct FileWithoutCaptions {
+  explicit FileWithoutCaptions(const SafetensorsFile& file);
+
+  std::vector<TensorView> tensors;
+  std::map<std::string, std::string> metadata;
+};
+
+}  // namespace detail
+
+/// Writes the file again with these captions instead of its own. Texts that were tried may differ. Throws io_error 401,
+/// and config_error 102 for other captions if the file has motions for its own.
+void replace_known_captions(const FilePath& path, const KnownCaptions& captions);
+
+/// The captions of a file of ours. encoder: of the same file, with its vectors of words.
+template <class Encoder>
+KnownCaptions load_known_captions(const FilePath& path, const Encoder& encoder) {
+  return stored_known_captions(SafetensorsFile::open(path), text_vectors(encoder), encoder.vectors);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_IPP  // <motionlang/weights/known_caption_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_IPP
+// Bodies of known_caption_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr const char *captions_entry = "captions", *following_entry = "captions.then",
+                            *nearness_entry = "captions.nearness";
+
+inline std::vector<std::string> lines_of_entry(const SafetensorsFile& file, const char* entry) {
+  const auto found = file.metadata().find(entry);
+  if (found == file.metadata().end()) raise<config_error>(107, file.name(), ": metadata '", entry, "' is missing");
+  std::vector<std::string> lines;
+  for_each_line(found->second, [&](std::string_view line, Index) { lines.emplace_back(line); });
+  return lines;
+}
+
+inline double nearness_of(const SafetensorsFile& file) {
+  const std::string text = join_text(lines_of_entry(file, nearness_entry), " ");
+  double value = 0;
+  const auto [end, error] = from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0 && value <= 1))
+    raise<config_error>(107, file.name(), ": metadata '", nearness_entry, "' = '", text, "' is not in 0 ... 1");
+  return value;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors encode,
+                                                    const WordVectors& words) {
+  if (!file.metadata().contains(detail::captions_entry)) return {};
+  auto texts = detail::lines_of_entry(file, detail::captions_entry);
+  const auto following = detail::lines_of_entry(file, detail::following_entry);
+  const std::string prefix = caption_tensors;
+  const TensorView &codes = file.tensor(prefix + "codes"), &mean = file.tensor(prefix + "mean"),
+                   &seconds = file.tensor(prefix + "seconds"), &then = file.tensor(prefix + "then");
+  const auto require = [&](const TensorView& view, DType dtype, const FileShape& shape) {
+    if (view.dtype != dtype || view.shape != shape)
+      raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.dtype, " ", view.shape, ", not ", dtype,
+                      " ", shape);
+  };
+  const auto* tried = file.find(prefix + "done");
+  const Index all = std::ssize(texts), last = tried == nullptr ? 0 : tried->shape.count();
+  const Index count = all - last;
+  if (count < 1)
+    raise<io_error>(407, file.name(), ": tensor '", prefix, "done' has ", counted(last, "share"), " for ",
+                    counted(all, "text"));
+  if (tried != nullptr) require(*tried, DType::F32, {last});
+  if (mean.shape.rank() != 1) raise<io_error>(407, file.name(), ": tensor '", mean.name, "' is ", mean.shape);
+  require(mean, DType::F32, {mean.shape[0]});
+  require(codes, DType::I8, {all, mean.shape[0]});
+  require(seconds, DType::F32, {count});
+  require(then, DType::I16, {count});
+  const auto require_range = [&](const TensorView& view, double least, double most) {
+    for (const double x : values_of<double>(view)) {
+      if (!(x >= least && x <= most))
+        raise<config_error>(107, file.name(), ": tensor '", view.name, "' has a ", x, "; ", least, " ... ", most,
+                            " are allowed");
+    }
+  };
+  require_range(mean, std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max());
+  require_range(seconds, 0, 3600);
+  if (tried != nullptr) require_range(*tried, 0, 1);
+  const auto lengths = values_of<float>(seconds);
+  const auto numbers = values_of<std::int16_t>(then);
+  std::vector<KnownAction> actions;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    if (numbers[i] >= std::ssize(following))
+      raise<config_error>(107, file.name(), ": caption ", i, " is followed by text ", numbers[i], " of ",
+                          following.size());
+    actions.push_back({.seconds = static_cast<double>(lengths[i]), .repeats = numbers[i] < 0});
+    if (numbers[i] >= 0) actions.back().then = following[static_cast<std::size_t>(numbers[i])];
+  }
+  std::vector<double> done;
+  if (tried != nullptr) done = values_of<double>(*tried);
+  return {TextTable(std::move(texts), values_of<std::int8_t>(codes), values_of<float>(mean), std::move(encode), words,
+                    file.name()),
+          std::move(actions), detail::nearness_of(file), std::move(done), file.name()};
+}
+
+MOTIONLANG_BODY StoredCaptions::StoredCaptions(KnownCaptions captions) : captions_(std::move(captions)) {
+  const auto require_line = [](const std::string& text) {
+    if (text.empty() || text.find_first_of("\r\n") != text.npos)
+      raise<config_error>(101, "known captions: '", text,
+                          "' cannot be stored; a text is one line with at least a letter");
+  };
+  for (const std::string& text : captions_.table().texts()) require_line(text);
+  for (const KnownAction& action : captions_.actions()) {
+    seconds_.push_back(static_cast<float>(action.seconds));
+    if (action.repeats) {
+      then_.push_back(-1);
+      continue;
+    }
+    require_line(action.then);
+    auto found = std::find(following_.begin(), following_.end(), action.then);
+    if (found == following_.end()) found = following_.insert(found, action.then);
+    if (std::ssize(following_) > std::numeric_limits<std::int16_t>::max())
+      raise<config_error>(101, "known captions: ", following_.size(), " different texts follow actions");
+    then_.push_back(static_cast<std::int16_t>(found - following_.begin()));
+  }
+  for (const double share : captions_.done()) done_.push_back(static_cast<float>(share));
+}
+
+MOTIONLANG_BODY void StoredCaptions::add_to(std::vector<TensorView>& tensors,
+                                            std::map<std::string, std::string>& metadata) const {
+  if (captions_.empty()) return;
+  const TextTable& table = captions_.table();
+  const Index all = table.size(), count = std::ssize(seconds_), width = std::ssize(table.mean());
+  const std::string prefix = caption_tensors;
+  metadata[detail::captions_entry] = join_text(table.texts(), "\n");
+  metadata[detail::following_entry] = join_text(following_, "\n");
+  metadata[detail::nearness_entry] = concat_text(captions_.nearness());
+  tensors.push_back(tensor_view(prefix + "codes", {all, width}, table.codes()));
+  tensors.push_back(tensor_view(prefix + "mean", {width}, table.mean()));
+  tensors.push_back(tensor_view(prefix + "seconds", {count}, std::span<const float>(seconds_)));
+  tensors.push_back(tensor_view(prefix + "then", {count}, std::span<const std::int16_t>(then_)));
+  if (!done_.empty())
+    tensors.push_back(tensor_view(prefix + "done", {std::ssize(done_)}, std::span<const float>(done_)));
+}
+
+MOTIONLANG_BODY detail::FileWithoutCaptions::FileWithoutCaptions(const SafetensorsFile& file)
+    : metadata(file.metadata()) {
+  for (const TensorView& t : file.tensors()) {
+    if (!t.name.starts_with(caption_tensors)) tensors.push_back(t);
+  }
+  for (const char* entry : {captions_entry, following_entry, nearness_entry}) metadata.erase(entry);
+}
+
+MOTIONLANG_BODY void replace_known_captions(const FilePath& path, const KnownCaptions& captions) {
+  const auto file = SafetensorsFile::open(path);
+  detail::FileWithoutCaptions rest(file);
+  const bool has_motions = std::any_of(rest.tensors.begin(), rest.tensors.end(),
+                                       [](const TensorView& t) { return t.name.starts_with(memory_tensors); });
+  if (has_motions) {
+    const auto own = detail::lines_of_entry(file, detail::captions_entry);
+    const auto count = captions.actions().size();
+    if (static_cast<std::size_t>(file.tensor(std::string(caption_tensors) + "seconds").shape.count()) != count ||
+        !std::equal(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(count), captions.table().texts().begin()))
+      raise<config_error>(102, file.name(), ": it has motions for its captions, which would belong to others then");
+  }
+  const StoredCaptions stored(captions);
+  stored.add_to(rest.tensors, rest.metadata);
+  write_safetensors(path, rest.tensors, rest.metadata);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_METADATA_NUMBER_HPP  // <motionlang/weights/metadata_number.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_METADATA_NUMBER_HPP
+/// Numbers in the metadata of a file of weights.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+using Metadata = std::map<std::string, std::string>;
+
+/// Throws config_error 107, with the key and the file, if the text is not a number.
+template <class N>
+N number_in_metadata(std::string_view text, const std::string& key, const std::string& file) {
+  N value{};
+  const auto [end, error] = detail::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    raise<config_error>(107, file, ": metadata '", key, "' = '", text, "' is not a number");
+  }
+  return value;
+}
+/// The same of an entry. Throws config_error 107 also if it is missing.
+template <class N>
+N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
+  return number_in_metadata<N>(found->second, key, file);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP  // <motionlang/weights/module_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP
+/// Parameters of modules in files of weights: the path of a field is the name of its tensor.
+///
+///     save_module("model.safetensors", model);
+///     load_module(model, "model.safetensors");                          // into a model of the same sizes
+///     load_module(model, open_weights("logs/last.ckpt"), "denoiser.");   // any TensorSet (weights/weight_file.hpp)
+///
+/// Matrices in whole numbers of 8 bits (weights/int8_matrix.hpp) are read like other weights.
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_HPP  // <motionlang/weights/int8_matrix.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_HPP
+/// Matrices of weights as whole numbers of 8 bits: half of the place of F16. write_safetensors_copy writes them, and
+/// load_module reads them like other weights.
+///
+///     X[row, column] = codes[row, column] * scales[row, column / 64]
+///
+/// Tensors    X (rows, columns) I8, -127 to 127; X.scales (rows, groups of 64 columns) F16, the last group may be
+///            shorter
+/// Rounding   a scale is the least normal half that brings the largest value of its group to at most 127, or 0; ties to
+///            even. So a value is at most half a scale away from its original, or 2^-15 if that is more. A copy of a
+///            copy has the same bits
+/// Notation   X, the name of the tensor -> codes and X.scales
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+inline constexpr Index int8_group = 64;                // columns with one scale
+inline constexpr const char* int8_scales = ".scales";  // behind the name of the matrix
+
+/// A matrix in that form, with its own memory.
+struct Int8Matrix {
+  std::vector<std::int8_t> codes{};
+  std::vector<std::uint16_t> scales{};  // halves
+  Index rows = 0, columns = 0;
+};
+
+/// The number of groups of a row.
+constexpr Index int8_groups(Index columns) { return (columns + int8_group - 1) / int8_group; }
+
+/// Values (rows, columns). Throws numeric_error 301 for NaN, infinity, and a value that is too large for a scale.
+Int8Matrix int8_matrix(std::span<const float> values, Index rows, Index columns, const std::string& name);
+
+/// The scales of a tensor, or NULL if it is not a matrix in that form. Throws io_error 407 for scales of another type
+/// or shape.
+const TensorView* int8_scales_of(const TensorSet& file, const TensorView& tensor);
+/// True for the scales of such a matrix in the same file.
+bool is_int8_scales(const TensorSet& file, const TensorView& tensor);
+
+/// The values of such a matrix. Throws shape_error 205 if `out` has another size.
+template <class S>
+void copy_int8_values(const TensorView& codes, const TensorView& scales, std::span<S> out) {
+  const auto code = values_of<std::int8_t>(codes);
+  const auto scale = values_of<float>(scales);
+  if (code.size() != out.size())
+    raise<shape_error>(205, "tensor '", codes.name, "' of shape ", codes.shape, " does not have ",
+                       counted(out.size(), "value"));
+  const auto columns = static_cast<std::size_t>(codes.shape[1]);
+  const auto groups = static_cast<std::size_t>(scales.shape[1]);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::size_t row = i / columns, group = i % columns / static_cast<std::size_t>(int8_group);
+    out[i] = static_cast<S>(static_cast<float>(code[i]) * scale[row * groups + group]);
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_IPP  // <motionlang/weights/int8_matrix.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_IPP
+// Bodies of int8_matrix.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// A scale: the least normal half that is not below a number, or 0 if all codes are 0 with the least normal half.
+/// Halves below that are coarser, and the codes of a copy of a copy would differ.
+inline std::uint16_t half_at_least(float x) {
+  constexpr float least = 6.103515625e-5F;  // 2^-14
+  if (127 * x <= least / 2) return 0;       // all codes are 0
+  if (x < least) return float_to_half(least);
+  const std::uint16_t nearest = float_to_half(x);
+  return half_to_float(nearest) < x ? static_cast<std::uint16_t>(nearest + 1) : nearest;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Int8Matrix int8_matrix(std::span<const float> values, Index rows, Index columns,
+                                       const std::string& name) {
+  if (std::ssize(values) != rows * columns)
+    raise<shape_error>(205, "int8_matrix: ", counted(values.size(), "value"), " for '", name, "' of ", rows,
+                       " rows of ", columns);
+  constexpr float largest_code = 127, largest_half = 65504;
+  Int8Matrix out{.codes = {}, .scales = {}, .rows = rows, .columns = columns};
+  out.codes.reserve(values.size());
+  for (Index row = 0; row < rows; ++row) {
+    for (Index first = 0; first < columns; first += int8_group) {
+      const auto group = values.subspan(static_cast<std::size_t>(row * columns + first),
+                                        static_cast<std::size_t>(std::min(int8_group, columns - first)));
+      float most = 0;
+      for (const float x : group) {
+        if (!(std::abs(x) <= largest_code * largest_half))
+          raise<numeric_error>(301, "int8_matrix: '", name, "' has ", x, " in row ", row, ", too large for a scale");
+        most = std::max(most, std::abs(x));
+      }
+      out.scales.push_back(detail::half_at_least(most / largest_code));
+      const float scale = half_to_float(out.scales.back());
+      for (const float x : group) {
+        const float code = scale == 0 ? 0 : std::nearbyint(x / scale);
+        out.codes.push_back(static_cast<std::int8_t>(std::max(-largest_code, std::min(code, largest_code))));
+      }
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY const TensorView* int8_scales_of(const TensorSet& file, const TensorView& tensor) {
+  if (tensor.dtype != DType::I8 || tensor.shape.rank() != 2) return nullptr;
+  const TensorView* const scales = file.find(tensor.name + int8_scales);
+  if (scales == nullptr) return nullptr;
+  const FileShape expected{tensor.shape[0], int8_groups(tensor.shape[1])};
+  if (scales->dtype != DType::F16 || scales->shape != expected)
+    raise<io_error>(407, file.name(), ": tensor '", scales->name, "' is ", scales->dtype, " ", scales->shape,
+                    ", the scales of '", tensor.name, "' are ", DType::F16, " ", expected);
+  return scales;
+}
+
+MOTIONLANG_BODY bool is_int8_scales(const TensorSet& file, const TensorView& tensor) {
+  const std::string_view name = tensor.name, end = int8_scales;
+  if (!name.ends_with(end)) return false;
+  const TensorView* const codes = file.find(name.substr(0, name.size() - end.size()));
+  return codes != nullptr && int8_scales_of(file, *codes) == &tensor;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The name of a module's tensor in files: its path, unless the module translates (`official_key`).
+template <Module M>
+std::string tensor_key(const std::string& prefix, const std::string& path) {
+  if constexpr (requires { M::official_key(path); })
+    return prefix + M::official_key(path);
+  else
+    return prefix + path;
+}
+
+namespace detail {
+/// Checks the bits of the exponent, which are all set in NaN and infinity, because compilers vectorise such a loop.
+template <Scalar S>
+bool all_finite(std::span<const S> numbers) {
+  using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
+  constexpr Bits exponent = detail::bit_cast<Bits>(std::numeric_limits<S>::infinity());
+  std::atomic<bool> finite{true};
+  parallel_ranges(std::ssize(numbers), 1, [&](Index first, Index last) {
+    Bits wrong = 0;
+    for (const S x : numbers.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first)))
+      wrong |= static_cast<Bits>((detail::bit_cast<Bits>(x) & exponent) == exponent);
+    if (wrong != 0) finite.store(false, std::memory_order_relaxed);
+  });
+  return finite;
+}
+}  // namespace detail
+
+/// Gives a tensor the values of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
+/// A variable stays the same variable. NaN is accepted. A matrix in whole numbers of 8 bits needs `scales`
+/// (int8_scales_of). Throws io_error 407 for another shape.
+template <Backend B>
+void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
+                   const std::string& where, const TensorView* scales = nullptr) {
+  if constexpr (AutodiffBackend<B>) {
+    assign_tensor<typename B::inner>(B::mutable_value(tensor), view, owner, where, scales);
+  } else {
+    using S = typename B::scalar;
+    const Shape shape = B::shape(tensor);
+    if (view.shape != shape)
+      raise<io_error>(407, where, ": tensor '", view.name, "' is ", view.shape, ", the model has ", shape);
+    if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
+      const auto numbers = direct<S>(view);
+      if (numbers && owner != nullptr && scales == nullptr) {
+        tensor = typename B::tensor(numbers->data(), view.shape, owner);
+        return;
+      }
+    }
+    tensor = written_tensor<B>(shape, [&](S* to) {
+      const std::span<S> values(to, static_cast<std::size_t>(shape.count()));
+      if (scales != nullptr)
+        copy_int8_values(view, *scales, values);
+      else
+        copy_values(view, values);
+    });
+  }
+}
+/// The purpose of loading a module. For inference, prepare_loaded makes it ready in the same pass over the file: all
+/// its matrices are weights, and it is not trained or changed afterwards.
+enum class LoadFor { any_use, inference };
+
+namespace detail {
+
+/// Throws numeric_error 301 if a value is NaN or infinite.
+template <Scalar S>
+void require_finite(std::span<const S> numbers, const TensorView& view, const std::string& where) {
+  if (all_finite(numbers)) return;
+  const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](auto x) { return !std::isfinite(x); });
+  raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
+}
+
+/// Fills tensors from a file by their names. For inference, their values are checked later.
+struct TensorLoader {
+  const TensorSet& file;
+  const std::string& prefix;
+  std::string (*key)(const std::string& prefix, const std::string& path);
+  LoadFor use;
+  KeyReport& report;
+  std::set<std::string>& known;
+
+  template <Backend B>
+  void fill(const ModuleTensor<B>& tensor) const {
+    const std::string& name = *known.insert(key(prefix, tensor.path)).first;
+    const TensorView* view = file.find(name);
+    if (view == nullptr) {
+      report.missing.push_back(name);
+      return;
+    }
+    assign_tensor<B>(*tensor.data, *view, file.owner(), file.name(), int8_scales_of(file, *view));
+    if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
+    MappedFile::forget_if_mapped(view->bytes);  // read again when needed
+  }
+};
+
+/// True if the tensor repeats one of the module under another name. Throws io_error 407 if it should but differs.
+template <class M>
+bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, const TensorView& t) {
+  if constexpr (requires { module.copy_of(t.name); }) {
+    const std::string path = module.copy_of(t.name.substr(prefix.size()));
+    const TensorView* original = path.empty() ? nullptr : file.find(prefix + path);
+    if (original == nullptr) return false;
+    if (values_of<double>(*original) != values_of<double>(t))
+      raise<io_error>(407, file.name(), ": tensor '", t.name, "' should repeat '", original->name, "' but differs");
+    return true;
+  }
+  return false;
+}
+
+}  // namespace detail
+
+/// Tensors for a file to write, with their own memory.
+class TensorStore {
+ public:
+  /// Copies the values, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another dtype,
+  /// numeric_error 301 for a value that would become infinite; for F16 also for NaN and infinity.
+  template <Scalar S>
+  void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
+    switch (dtype) {
+      case DType::F32:
+        require_held(name, values, dtype, std::numeric_limits<float>::infinity());
+        return put<float>(std::move(name), shape, values, dtype, [](S x) { return static_cast<float>(x); });
+      case DType::F64:
+        return put<double>(std::move(name), shape, values, dtype, [](S x) { return static_cast<double>(x); });
+      case DType::F16:
+        require_held(name, values, dtype, 65520);
+        return put<std::uint16_t>(std::move(name), shape, values, dtype,
+                                  [](S x) { return float_to_half(static_cast<float>(x)); });
+      case DType::BF16:
+        require_held(name, values, dtype, 0x1.FFp127F);
+        return put<std::uint16_t>(std::move(name), shape, values, dtype,
+                                  [](S x) { return float_to_bfloat16(static_cast<float>(x)); });
+      default:
+        raise<config_error>(101, "TensorStore: '", name, "' cannot be stored as ", dtype);
+    }
+  }
+  /// All tensors of a module.
+  template <Module M>
+  void add_module(const M& module, const std::string& prefix = "", DType dtype = DType::F32) {
+    for (const auto& t : tensors_of(module)) add(tensor_key<M>(prefix, t.path), t.shape(), t.span(), dtype);
+  }
+  std::vector<TensorView> views() const {
+    std::vector<TensorView> out;
+    for (const Entry& e : entries_) out.push_back({e.name, e.dtype, e.shape, e.bytes});
+    return out;
+  }
+
+ private:
+  struct Entry {
+    std::string name;
+    DType dtype;
+    FileShape shape;
+    std::vector<std::byte> bytes;
+  };
+  /// end   the smallest value that rounds to infinity
+  template <Scalar S>
+  static void require_held(const std::string& name, std::span<const S> values, DType dtype, float end) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (std::abs(static_cast<float>(values[i])) < end) continue;
+      if (std::isfinite(values[i]) || dtype == DType::F16)
+        raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i], ", too large for ",
+                             dtype);
+    }
+  }
+  template <class Stored, Scalar S, class F>
+  void put(std::string name, const FileShape& shape, std::span<const S> values, DType dtype, F convert) {
+    Entry e{std::move(name), dtype, shape, std::vector<std::byte>(values.size() * sizeof(Stored))};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const Stored v = convert(values[i]);
+      std::memcpy(e.bytes.data() + i * sizeof(Stored), &v, sizeof(Stored));
+    }
+    entries_.push_back(std::move(e));
+  }
+  std::vector<Entry> entries_;
+};
+
+namespace detail {
+/// Packs a weight. If it lies in a mapped file, its memory there is released; a later reader loads it from the file
+/// again. Returns true if all values are finite.
+template <PackingBackend B>
+bool pack_loaded(const typename B::tensor& weight) {
+  const bool finite = pack_weight<B>(weight);
+  MappedFile::forget_if_mapped(std::as_bytes(B::to_span(weight)));
+  return finite;
+}
+
+/// Moves the values of a converted weight into an unnamed file, if there is a place for one.
+template <PackingBackend B>
+void put_aside(typename B::tensor& weight) {
+  const auto bytes = std::as_bytes(B::to_span(weight));
+  if (MappedFile::that_holds(bytes) != nullptr || !weight.unique()) return;
+  const auto aside = MappedFile::put_aside(bytes);
+  if (aside == nullptr) return;
+  const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
+  weight = typename B::tensor(numbers, B::shape(weight), aside);
+  BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it frees
+}
+
+/// A small tensor in a mapped file becomes a copy: otherwise the system may keep two megabytes of the file for a bias.
+template <Backend B>
+void copy_small(typename B::tensor& t) {
+  if constexpr (requires { t.attached(); }) {
+    constexpr std::size_t small = 1 << 14;
+    const auto numbers = B::to_span(t);
+    const auto bytes = std::as_bytes(numbers);
+    const MappedFile* const file = MappedFile::that_holds(bytes);
+    if (file == nullptr || t.attached() != nullptr || numbers.size() >= small) return;
+    auto copy = B::from_span(numbers, B::shape(t));
+    file->forget(bytes);  // before the tensor, which may be the last owner of the file
+    t = std::move(copy);
+  }
+}
+
+/// Makes a tensor ready; if `looked_at`, returns true if its values are finite.
+template <Backend B>
+bool prepare_loaded_tensor(const ModuleTensor<B>& t, bool looked_at) {
+  bool finite = true;
+  if constexpr (PackingBackend<B>) {
+    if (has_panels<B>(t.rank)) {
+      finite = pack_loaded<B>(*t.data);
+      looked_at = false;
+    }
+  }
+  if (looked_at) finite = all_finite(t.span());
+  copy_small<B>(*t.data);
+  return finite;
+}
+/// For large networks: a converted weight is moved to a file, so that it is not in memory twice. If it cannot be moved,
+/// it is not packed.
+template <Backend B>
+void prepare_loaded_once(const ModuleTensor<B>& t) {
+  if constexpr (PackingBackend<B>) {
+    if (has_panels<B>(t.rank)) {
+      put_aside<B>(*t.data);
+      if (MappedFile::that_holds(std::as_bytes(t.span())) != nullptr) pack_loaded<B>(*t.data);
+    }
+  }
+  copy_small<B>(*t.data);
+}
+/// Every thread takes some tensors, because new memory is slow to arrive and each thread gets its own. `finite` (null:
+/// not checked) becomes false if a value is not finite.
+template <Backend B>
+void prepare_in_shares(const std::vector<ModuleTensor<B>>& tensors, std::atomic<bool>* finite) {
+  const Index count = std::ssize(tensors), shares = parallel_width();
+  parallel_for(shares, [&](Index share) {
+    for (Index i = 0; i < count; ++i) {
+      if (i * shares / count != share) continue;
+      const bool good = prepare_loaded_tensor(tensors[static_cast<std::size_t>(i)], finite != nullptr);
+      if (finite != nullptr && !good) finite->store(false);
+    }
+  });
+}
+}  // namespace detail
+
+/// `prepare` for networks all of whose matrices are weights, straight from a file. The memory of a mapped file is
+/// released as soon as a weight is packed, so that none is in memory twice. Small tensors become copies. A later reader
+/// of the file loads it from the disk. Converted weights are packed beside their values.
+template <Module M>
+void prepare_loaded(M& model) {
+  detail::prepare_in_shares(tensors_of(model), nullptr);
+}
+
+/// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
+/// Returns the names that did not match (then the module is not made ready). Throws io_error 407 for a tensor of
+/// another shape, numeric_error 301 for NaN and infinity. A module may declare (`copy_of`) further names for one of its
+/// tensors;
+/// io_error 407 if such a tensor differs.
+template <Module M>
+KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
+                             LoadFor use = LoadFor::any_use) {
+  const auto tensors = tensors_of(module);
+  KeyReport report;
+  std::set<std::string> known;
+  const auto fill = [&](LoadFor how) {
+    report = {};
+    known.clear();
+    const detail::TensorLoader loader{file, prefix, &tensor_key<M>, how, report, known};
+    for (const auto& t : tensors) loader.fill(t);
+  };
+  fill(use);
+  if (use == LoadFor::inference) {
+    std::atomic<bool> finite{report.missing.empty()};
+    if (finite) detail::prepare_in_shares(tensors, &finite);
+    if (!finite) fill(LoadFor::any_use);  // reports which value is not finite
+  }
+  for (const TensorView& t : file.tensors()) {
+    if (!t.name.starts_with(prefix) || known.contains(t.name) || is_int8_scales(file, t)) continue;
+    if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
+  }
+  return report;
+}
+/// The same, but every name must match. Throws io_error 406 with both lists and with similar names.
+template <Module M>
+void load_module(M& module, const TensorSet& file, const std::string& prefix = "", LoadFor use = LoadFor::any_use) {
+  const KeyReport report = load_module_partly(module, file, prefix, use);
+  if (report.missing.empty() && report.unexpected.empty()) return;
+  detail::raise_key_mismatch(file.name(), report);
+}
+/// The same from a safetensors file, as save_module writes it.
+template <Module M>
+void load_module(M& module, const FilePath& path, LoadFor use = LoadFor::any_use) {
+  load_module(module, SafetensorsFile::open(path), "", use);
+}
+
+/// Writes all tensors of a module into a safetensors file, without its sizes and options: the caller makes the module,
+/// and load_module fills it. `dtype` is that of the module's values unless given. Throws io_error 401, and what
+/// TensorStore::add throws.
+template <Module M>
+void save_module(const FilePath& path, const M& module, std::optional<DType> dtype = {},
+                 const std::map<std::string, std::string>& metadata = {{"format", "pt"}}) {
+  constexpr bool is_double = std::is_same_v<typename module_backend<M>::scalar, double>;
+  TensorStore store;
+  store.add_module(module, "", dtype.value_or(is_double ? DType::F64 : DType::F32));
+  write_safetensors(path, store.views(), metadata);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP  // <motionlang/weights/word_vector_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP
+/// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
+///
+///     write_word_vectors("words.safetensors", table, {{"license", "PDDL 1.0"}});
+///     const WordVectors vectors = read_word_vectors("words.safetensors");
+///
+/// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
+/// Metadata   vector_words: a word on each line, sorted; for people: license, provenance
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The entry of the words in the metadata.
+inline constexpr const char* vector_words_entry = "vector_words";
+
+/// The vectors of a file whose tensors begin with `prefix`; none if it has no list of words. Throws io_error 406, 407,
+/// config_error 107.
+WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix = "");
+/// The same from any file of weights. `list`: the entry vector_words of its metadata.
+WordVectors listed_word_vectors(const TensorSet& file, std::string_view list, const std::string& prefix = "");
+/// Adds them to what is about to be written. The views are of `vectors`, which has to outlive them.
+void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
+                        const WordVectors& vectors, const std::string& prefix = "");
+
+/// Throws config_error 103 if the file has no word vectors, and what stored_word_vectors throws.
+WordVectors read_word_vectors(const FilePath& path);
+/// Throws io_error 401.
+void write_word_vectors(const FilePath& path, const WordVectors& vectors,
+                        const std::map<std::string, std::string>& about = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP  // <motionlang/weights/word_vector_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP
+// Bodies of word_vector_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY WordVectors listed_word_vectors(const TensorSet& file, std::string_view list,
+                                                const std::string& prefix) {
+  const TensorView &codes = file.tensor(prefix + "codes"), &scales = file.tensor(prefix + "scales");
+  std::vector<std::string> words;
+  detail::for_each_line(list, [&](std::string_view word, Index) { words.emplace_back(word); });
+  if (scales.shape.rank() != 1 || codes.dtype != DType::I8 ||
+      codes.shape != FileShape{std::ssize(words), scales.shape[0]})
+    raise<io_error>(407, file.name(), ": tensors '", codes.name, "' (", codes.dtype, ", ", codes.shape, ") and '",
+                    scales.name, "' ", scales.shape, " are not vectors of ", counted(words.size(), "word"));
+  return {std::move(words), values_of<std::int8_t>(codes), values_of<float>(scales), file.name()};
+}
+
+MOTIONLANG_BODY WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix) {
+  const auto found = file.metadata().find(vector_words_entry);
+  return found == file.metadata().end() ? WordVectors() : listed_word_vectors(file, found->second, prefix);
+}
+
+MOTIONLANG_BODY void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
+                                        const WordVectors& vectors, const std::string& prefix) {
+  if (vectors.empty()) return;
+  metadata[vector_words_entry] = join_text(vectors.words(), "\n");
+  tensors.push_back(tensor_view(prefix + "codes", {vectors.size(), vectors.width()}, vectors.codes()));
+  tensors.push_back(tensor_view(prefix + "scales", {vectors.width()}, vectors.scales()));
+}
+
+MOTIONLANG_BODY WordVectors read_word_vectors(const FilePath& path) {
+  const auto file = SafetensorsFile::open(path);
+  WordVectors out = stored_word_vectors(file);
+  if (out.empty()) raise<config_error>(103, file.name(), ": metadata '", vector_words_entry, "' is missing");
+  return out;
+}
+
+MOTIONLANG_BODY void write_word_vectors(const FilePath& path, const WordVectors& vectors,
+                                        const std::map<std::string, std::string>& about) {
+  std::vector<TensorView> tensors;
+  auto metadata = about;
+  store_word_vectors(tensors, metadata, vectors);
+  write_safetensors(path, tensors, metadata);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise);
+/// A size from a file. It is limited, so that a hostile file cannot make us allocate too much memory.
+Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,
+                    Index smallest = 1);
+/// The number of heads of a transformer of this width. Throws config_error 101 unless it divides an even width.
+Index metadata_heads(const Metadata& metadata, const std::string& key, Index width, const std::string& file);
+
+WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
+/// Throws io_error 407 if a tensor has another shape than the sizes of the model say.
+void check_shape(const SafetensorsFile& file, const std::string& name, const Shape& shape);
+/// The same for the layers of a transformer.
+void check_layers(const SafetensorsFile& file, const std::string& prefix, Index layers, Index width, Index d_ff);
+
+/// The names of the tensors of the text encoder, and of its word vectors, begin like this. The latter are constants.
+inline constexpr const char *encoder_tensors = "text_encoder.", *vector_tensors = "text_encoder.vectors.";
+
+}  // namespace detail
+
+/// The sizes of the text encoder that a file declares. Throws config_error 101, 107.
+CaptionEncoderConfig caption_encoder_config(const SafetensorsFile& file);
+
+/// Compares the tensors that decide the size of the text encoder with its declared sizes, before memory is allocated
+/// for them. Throws io_error 406, 407.
+void check_sizes(const SafetensorsFile& file, const CaptionEncoderConfig& c, Index vocabulary, Index vector_width = 0);
+
+/// Throws config_error 103 unless it is an STMC file of format 1.
+void require_stmc_file(const SafetensorsFile& file);
+
+/// Reads the text encoder alone. Throws io_error 403 ... 407, config_error 101, 103, 107, numeric_error 301.
+template <Backend B>
+CaptionEncoder<B> load_caption_encoder(const SafetensorsFile& file) {
+  require_stmc_file(file);
+  const CaptionEncoderConfig c = caption_encoder_config(file);
+  WordPiece tokenizer = detail::metadata_vocabulary(file.metadata(), file.name());
+  WordVectors vectors = stored_word_vectors(file, detail::vector_tensors);
+  check_sizes(file, c, tokenizer.size(), vectors.width());
+  NoInit zeros;
+  CaptionEncoder<B> encoder(c, std::move(tokenizer), zeros, std::move(vectors));
+  KeyReport report = load_module_partly(encoder, file, detail::encoder_tensors, LoadFor::inference);
+  std::erase_if(report.unexpected, [](const std::string& name) { return name.starts_with(detail::vector_tensors); });
+  if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);
+  return encoder;
+}
+
+/// The captions of an STMC file, encoded by its text encoder. None if the file lists no captions. Throws what
+/// load_caption_encoder and stored_known_captions throw.
+template <Backend B>
+KnownCaptions load_known_captions(const SafetensorsFile& file) {
+  auto encoder = load_caption_encoder<B>(file);
+  const WordVectors words = encoder.vectors;
+  return stored_known_captions(file, text_vectors(std::move(encoder)), words);
+}
+/// The same from a file. Throws io_error 401, too.
+template <Backend B>
+KnownCaptions load_known_captions(const FilePath& path) {
+  return load_known_captions<B>(SafetensorsFile::open(path));
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_CAPTION_ENCODER_FILE_IPP  // <motionlang/weights/caption_encoder_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_CAPTION_ENCODER_FILE_IPP
+// Bodies of caption_encoder_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::string metadata_text(const Metadata& metadata, const std::string& key,
+                                          const std::string& otherwise) {
+  const auto found = metadata.find(key);
+  return found == metadata.end() ? otherwise : found->second;
+}
+
+MOTIONLANG_BODY Index metadata_size(const Metadata& metadata, const std::string& key, Index largest,
+                                    const std::string& file, Index smallest) {
+  const auto n = metadata_number<Index>(metadata, key, file);
+  if (n < smallest || n > largest)
+    raise<config_error>(101, file, ": metadata '", key, "' = ", n, " is not in ", smallest, " ... ", largest);
+  return n;
+}
+
+MOTIONLANG_BODY Index metadata_heads(const Metadata& metadata, const std::string& key, Index width,
+                                     const std::string& file) {
+  const Index n = metadata_size(metadata, key, 256, file);
+  if (width % n != 0 || width % 2 != 0)
+    raise<config_error>(101, file, ": ", key, " = ", n, " does not divide the even width ", width);
+  return n;
+}
+
+MOTIONLANG_BODY WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file) {
+  const auto found = metadata.find("text.vocabulary");
+  if (found == metadata.end()) raise<config_error>(107, file, ": metadata 'text.vocabulary' is missing");
+  std::vector<std::string> pieces;
+  for (std::size_t at = 0; at <= found->second.size();) {
+    const std::size_t end = std::min(found->second.find('\n', at), found->second.size());
+    pieces.push_back(found->second.substr(at, end - at));
+    at = end + 1;
+  }
+  return WordPiece(std::move(pieces), file + ": metadata 'text.vocabulary'");
+}
+
+MOTIONLANG_BODY void check_shape(const SafetensorsFile& file, const std::string& name, const Shape& shape) {
+  if (const FileShape& found = file.tensor(name).shape; found != shape)
+    raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
+}
+
+MOTIONLANG_BODY void check_layers(const SafetensorsFile& file, const std::string& prefix, Index layers, Index width,
+                                  Index d_ff) {
+  for (Index i = 0; i < layers; ++i) {
+    const std::string layer = concat_text(prefix, ".layers.", i);
+    check_shape(file, layer + ".self_attn.in_proj_weight", {3 * width, width});
+    check_shape(file, layer + ".linear1.weight", {d_ff, width});
+  }
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void require_stmc_file(const SafetensorsFile& file) {
+  const auto& m = file.metadata();
+  if (detail::metadata_text(m, "model", "") != "stmc" || detail::metadata_text(m, "format", "") != "1")
+    raise<config_error>(103, file.name(), ": not an STMC model of format 1 (metadata 'model' and 'format')");
+}
+
+MOTIONLANG_BODY CaptionEncoderConfig caption_encoder_config(const SafetensorsFile& file) {
+  const auto& m = file.metadata();
+  const auto size = [&](const char* key, Index largest) { return detail::metadata_size(m, key, largest, file.name()); };
+  CaptionEncoderConfig c;
+  c.width = size("text.width", 8192);
+  c.heads = detail::metadata_heads(m, "text.heads", c.width, file.name());
+  c.d_ff = size("text.d_ff", 32768);
+  c.layers = size("text.layers", 256);
+  c.out = size("text.out", 8192);
+  if (m.contains("text.longest")) c.longest = size("text.longest", 8192);
+  return c;
+}
+
+MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const CaptionEncoderConfig& c, Index vocabulary,
+                                 Index vector_width) {
+  detail::check_shape(file, "text_encoder.embedding.weight", {vocabulary, c.width});
+  detail::check_shape(file, "text_encoder.projection.weight", {c.out, c.width});
+  if (vector_width > 0) detail::check_shape(file, "text_encoder.vector_projection.weight", {c.width, vector_width});
+  detail::check_layers(file, "text_encoder.encoder", c.layers, c.width, c.d_ff);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TEXT_MOTION_CHECKPOINT_HPP  // <motionlang/weights/text_motion_checkpoint.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TEXT_MOTION_CHECKPOINT_HPP
@@ -19259,6 +20206,8 @@ struct TextTokensConfig {
   bool finetune = false;      // DistilBERT is also trained
   double hidden_words = 0.3;  // training: probability that only the vector of a word is used, if it has one
   double strange_words = 0;   // training of TMR with word pieces: probability that a text gets words of other subjects
+  std::string known_captions{};  // an STMC file whose captions tell what a query means, from the folder that holds
+                                 // config.json; only for TMR, "": none
 
   void require_sound() const {
     require_value("width", width, width >= 1 && width <= 65'536, "1 to 65536");
@@ -19268,7 +20217,8 @@ struct TextTokensConfig {
   static constexpr auto fields() {
     using C = TextTokensConfig;
     return motionlang::fields("encoder", &C::encoder, "width", &C::width, "vocabulary", &C::vocabulary, "finetune",
-                              &C::finetune, "hidden_words", &C::hidden_words, "strange_words", &C::strange_words);
+                              &C::finetune, "hidden_words", &C::hidden_words, "strange_words", &C::strange_words,
+                              "known_captions", &C::known_captions);
   }
 };
 
@@ -19746,461 +20696,6 @@ MOTIONLANG_NAMESPACE_END
 ///          102 for sizes far above those of the file; io_error 406, 407 if names or shapes do not match
 /// Source   huggingface/transformers, modeling_distilbert.py, modeling_bert.py, modeling_roberta.py, modeling_mpnet.py,
 ///          modeling_clip.py; openai/CLIP clip/model.py
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP  // <motionlang/weights/module_file.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP
-/// Parameters of modules in files of weights: the path of a field is the name of its tensor.
-///
-///     save_module("model.safetensors", model);
-///     load_module(model, "model.safetensors");                          // into a model of the same sizes
-///     load_module(model, open_weights("logs/last.ckpt"), "denoiser.");   // any TensorSet (weights/weight_file.hpp)
-///
-/// Matrices in whole numbers of 8 bits (weights/int8_matrix.hpp) are read like other weights.
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_HPP  // <motionlang/weights/int8_matrix.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_HPP
-/// Matrices of weights as whole numbers of 8 bits: half of the place of F16. write_safetensors_copy writes them, and
-/// load_module reads them like other weights.
-///
-///     X[row, column] = codes[row, column] * scales[row, column / 64]
-///
-/// Tensors    X (rows, columns) I8, -127 to 127; X.scales (rows, groups of 64 columns) F16, the last group may be
-///            shorter
-/// Rounding   a scale is the least normal half that brings the largest value of its group to at most 127, or 0; ties to
-///            even. So a value is at most half a scale away from its original, or 2^-15 if that is more. A copy of a
-///            copy has the same bits
-/// Notation   X, the name of the tensor -> codes and X.scales
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-inline constexpr Index int8_group = 64;                // columns with one scale
-inline constexpr const char* int8_scales = ".scales";  // behind the name of the matrix
-
-/// A matrix in that form, with its own memory.
-struct Int8Matrix {
-  std::vector<std::int8_t> codes{};
-  std::vector<std::uint16_t> scales{};  // halves
-  Index rows = 0, columns = 0;
-};
-
-/// The number of groups of a row.
-constexpr Index int8_groups(Index columns) { return (columns + int8_group - 1) / int8_group; }
-
-/// Values (rows, columns). Throws numeric_error 301 for NaN, infinity, and a value that is too large for a scale.
-Int8Matrix int8_matrix(std::span<const float> values, Index rows, Index columns, const std::string& name);
-
-/// The scales of a tensor, or NULL if it is not a matrix in that form. Throws io_error 407 for scales of another type
-/// or shape.
-const TensorView* int8_scales_of(const TensorSet& file, const TensorView& tensor);
-/// True for the scales of such a matrix in the same file.
-bool is_int8_scales(const TensorSet& file, const TensorView& tensor);
-
-/// The values of such a matrix. Throws shape_error 205 if `out` has another size.
-template <class S>
-void copy_int8_values(const TensorView& codes, const TensorView& scales, std::span<S> out) {
-  const auto code = values_of<std::int8_t>(codes);
-  const auto scale = values_of<float>(scales);
-  if (code.size() != out.size())
-    raise<shape_error>(205, "tensor '", codes.name, "' of shape ", codes.shape, " does not have ",
-                       counted(out.size(), "value"));
-  const auto columns = static_cast<std::size_t>(codes.shape[1]);
-  const auto groups = static_cast<std::size_t>(scales.shape[1]);
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const std::size_t row = i / columns, group = i % columns / static_cast<std::size_t>(int8_group);
-    out[i] = static_cast<S>(static_cast<float>(code[i]) * scale[row * groups + group]);
-  }
-}
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_IPP  // <motionlang/weights/int8_matrix.ipp>
-#define MOTIONLANG_HAS_WEIGHTS_INT8_MATRIX_IPP
-// Bodies of int8_matrix.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-/// A scale: the least normal half that is not below a number, or 0 if all codes are 0 with the least normal half.
-/// Halves below that are coarser, and the codes of a copy of a copy would differ.
-inline std::uint16_t half_at_least(float x) {
-  constexpr float least = 6.103515625e-5F;  // 2^-14
-  if (127 * x <= least / 2) return 0;       // all codes are 0
-  if (x < least) return float_to_half(least);
-  const std::uint16_t nearest = float_to_half(x);
-  return half_to_float(nearest) < x ? static_cast<std::uint16_t>(nearest + 1) : nearest;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY Int8Matrix int8_matrix(std::span<const float> values, Index rows, Index columns,
-                                       const std::string& name) {
-  if (std::ssize(values) != rows * columns)
-    raise<shape_error>(205, "int8_matrix: ", counted(values.size(), "value"), " for '", name, "' of ", rows,
-                       " rows of ", columns);
-  constexpr float largest_code = 127, largest_half = 65504;
-  Int8Matrix out{.codes = {}, .scales = {}, .rows = rows, .columns = columns};
-  out.codes.reserve(values.size());
-  for (Index row = 0; row < rows; ++row) {
-    for (Index first = 0; first < columns; first += int8_group) {
-      const auto group = values.subspan(static_cast<std::size_t>(row * columns + first),
-                                        static_cast<std::size_t>(std::min(int8_group, columns - first)));
-      float most = 0;
-      for (const float x : group) {
-        if (!(std::abs(x) <= largest_code * largest_half))
-          raise<numeric_error>(301, "int8_matrix: '", name, "' has ", x, " in row ", row, ", too large for a scale");
-        most = std::max(most, std::abs(x));
-      }
-      out.scales.push_back(detail::half_at_least(most / largest_code));
-      const float scale = half_to_float(out.scales.back());
-      for (const float x : group) {
-        const float code = scale == 0 ? 0 : std::nearbyint(x / scale);
-        out.codes.push_back(static_cast<std::int8_t>(std::max(-largest_code, std::min(code, largest_code))));
-      }
-    }
-  }
-  return out;
-}
-
-MOTIONLANG_BODY const TensorView* int8_scales_of(const TensorSet& file, const TensorView& tensor) {
-  if (tensor.dtype != DType::I8 || tensor.shape.rank() != 2) return nullptr;
-  const TensorView* const scales = file.find(tensor.name + int8_scales);
-  if (scales == nullptr) return nullptr;
-  const FileShape expected{tensor.shape[0], int8_groups(tensor.shape[1])};
-  if (scales->dtype != DType::F16 || scales->shape != expected)
-    raise<io_error>(407, file.name(), ": tensor '", scales->name, "' is ", scales->dtype, " ", scales->shape,
-                    ", the scales of '", tensor.name, "' are ", DType::F16, " ", expected);
-  return scales;
-}
-
-MOTIONLANG_BODY bool is_int8_scales(const TensorSet& file, const TensorView& tensor) {
-  const std::string_view name = tensor.name, end = int8_scales;
-  if (!name.ends_with(end)) return false;
-  const TensorView* const codes = file.find(name.substr(0, name.size() - end.size()));
-  return codes != nullptr && int8_scales_of(file, *codes) == &tensor;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The name of a module's tensor in files: its path, unless the module translates (`official_key`).
-template <Module M>
-std::string tensor_key(const std::string& prefix, const std::string& path) {
-  if constexpr (requires { M::official_key(path); })
-    return prefix + M::official_key(path);
-  else
-    return prefix + path;
-}
-
-namespace detail {
-/// Checks the bits of the exponent, which are all set in NaN and infinity, because compilers vectorise such a loop.
-template <Scalar S>
-bool all_finite(std::span<const S> numbers) {
-  using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
-  constexpr Bits exponent = detail::bit_cast<Bits>(std::numeric_limits<S>::infinity());
-  std::atomic<bool> finite{true};
-  parallel_ranges(std::ssize(numbers), 1, [&](Index first, Index last) {
-    Bits wrong = 0;
-    for (const S x : numbers.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first)))
-      wrong |= static_cast<Bits>((detail::bit_cast<Bits>(x) & exponent) == exponent);
-    if (wrong != 0) finite.store(false, std::memory_order_relaxed);
-  });
-  return finite;
-}
-}  // namespace detail
-
-/// Gives a tensor the values of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A variable stays the same variable. NaN is accepted. A matrix in whole numbers of 8 bits needs `scales`
-/// (int8_scales_of). Throws io_error 407 for another shape.
-template <Backend B>
-void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
-                   const std::string& where, const TensorView* scales = nullptr) {
-  if constexpr (AutodiffBackend<B>) {
-    assign_tensor<typename B::inner>(B::mutable_value(tensor), view, owner, where, scales);
-  } else {
-    using S = typename B::scalar;
-    const Shape shape = B::shape(tensor);
-    if (view.shape != shape)
-      raise<io_error>(407, where, ": tensor '", view.name, "' is ", view.shape, ", the model has ", shape);
-    if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
-      const auto numbers = direct<S>(view);
-      if (numbers && owner != nullptr && scales == nullptr) {
-        tensor = typename B::tensor(numbers->data(), view.shape, owner);
-        return;
-      }
-    }
-    tensor = written_tensor<B>(shape, [&](S* to) {
-      const std::span<S> values(to, static_cast<std::size_t>(shape.count()));
-      if (scales != nullptr)
-        copy_int8_values(view, *scales, values);
-      else
-        copy_values(view, values);
-    });
-  }
-}
-/// The purpose of loading a module. For inference, prepare_loaded makes it ready in the same pass over the file: all
-/// its matrices are weights, and it is not trained or changed afterwards.
-enum class LoadFor { any_use, inference };
-
-namespace detail {
-
-/// Throws numeric_error 301 if a value is NaN or infinite.
-template <Scalar S>
-void require_finite(std::span<const S> numbers, const TensorView& view, const std::string& where) {
-  if (all_finite(numbers)) return;
-  const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](auto x) { return !std::isfinite(x); });
-  raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
-}
-
-/// Fills tensors from a file by their names. For inference, their values are checked later.
-struct TensorLoader {
-  const TensorSet& file;
-  const std::string& prefix;
-  std::string (*key)(const std::string& prefix, const std::string& path);
-  LoadFor use;
-  KeyReport& report;
-  std::set<std::string>& known;
-
-  template <Backend B>
-  void fill(const ModuleTensor<B>& tensor) const {
-    const std::string& name = *known.insert(key(prefix, tensor.path)).first;
-    const TensorView* view = file.find(name);
-    if (view == nullptr) {
-      report.missing.push_back(name);
-      return;
-    }
-    assign_tensor<B>(*tensor.data, *view, file.owner(), file.name(), int8_scales_of(file, *view));
-    if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
-    MappedFile::forget_if_mapped(view->bytes);  // read again when needed
-  }
-};
-
-/// True if the tensor repeats one of the module under another name. Throws io_error 407 if it should but differs.
-template <class M>
-bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, const TensorView& t) {
-  if constexpr (requires { module.copy_of(t.name); }) {
-    const std::string path = module.copy_of(t.name.substr(prefix.size()));
-    const TensorView* original = path.empty() ? nullptr : file.find(prefix + path);
-    if (original == nullptr) return false;
-    if (values_of<double>(*original) != values_of<double>(t))
-      raise<io_error>(407, file.name(), ": tensor '", t.name, "' should repeat '", original->name, "' but differs");
-    return true;
-  }
-  return false;
-}
-
-}  // namespace detail
-
-/// Tensors for a file to write, with their own memory.
-class TensorStore {
- public:
-  /// Copies the values, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another dtype,
-  /// numeric_error 301 for a value that would become infinite; for F16 also for NaN and infinity.
-  template <Scalar S>
-  void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
-    switch (dtype) {
-      case DType::F32:
-        require_held(name, values, dtype, std::numeric_limits<float>::infinity());
-        return put<float>(std::move(name), shape, values, dtype, [](S x) { return static_cast<float>(x); });
-      case DType::F64:
-        return put<double>(std::move(name), shape, values, dtype, [](S x) { return static_cast<double>(x); });
-      case DType::F16:
-        require_held(name, values, dtype, 65520);
-        return put<std::uint16_t>(std::move(name), shape, values, dtype,
-                                  [](S x) { return float_to_half(static_cast<float>(x)); });
-      case DType::BF16:
-        require_held(name, values, dtype, 0x1.FFp127F);
-        return put<std::uint16_t>(std::move(name), shape, values, dtype,
-                                  [](S x) { return float_to_bfloat16(static_cast<float>(x)); });
-      default:
-        raise<config_error>(101, "TensorStore: '", name, "' cannot be stored as ", dtype);
-    }
-  }
-  /// All tensors of a module.
-  template <Module M>
-  void add_module(const M& module, const std::string& prefix = "", DType dtype = DType::F32) {
-    for (const auto& t : tensors_of(module)) add(tensor_key<M>(prefix, t.path), t.shape(), t.span(), dtype);
-  }
-  std::vector<TensorView> views() const {
-    std::vector<TensorView> out;
-    for (const Entry& e : entries_) out.push_back({e.name, e.dtype, e.shape, e.bytes});
-    return out;
-  }
-
- private:
-  struct Entry {
-    std::string name;
-    DType dtype;
-    FileShape shape;
-    std::vector<std::byte> bytes;
-  };
-  /// end   the smallest value that rounds to infinity
-  template <Scalar S>
-  static void require_held(const std::string& name, std::span<const S> values, DType dtype, float end) {
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (std::abs(static_cast<float>(values[i])) < end) continue;
-      if (std::isfinite(values[i]) || dtype == DType::F16)
-        raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i], ", too large for ",
-                             dtype);
-    }
-  }
-  template <class Stored, Scalar S, class F>
-  void put(std::string name, const FileShape& shape, std::span<const S> values, DType dtype, F convert) {
-    Entry e{std::move(name), dtype, shape, std::vector<std::byte>(values.size() * sizeof(Stored))};
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const Stored v = convert(values[i]);
-      std::memcpy(e.bytes.data() + i * sizeof(Stored), &v, sizeof(Stored));
-    }
-    entries_.push_back(std::move(e));
-  }
-  std::vector<Entry> entries_;
-};
-
-namespace detail {
-/// Packs a weight. If it lies in a mapped file, its memory there is released; a later reader loads it from the file
-/// again. Returns true if all values are finite.
-template <PackingBackend B>
-bool pack_loaded(const typename B::tensor& weight) {
-  const bool finite = pack_weight<B>(weight);
-  MappedFile::forget_if_mapped(std::as_bytes(B::to_span(weight)));
-  return finite;
-}
-
-/// Moves the values of a converted weight into an unnamed file, if there is a place for one.
-template <PackingBackend B>
-void put_aside(typename B::tensor& weight) {
-  const auto bytes = std::as_bytes(B::to_span(weight));
-  if (MappedFile::that_holds(bytes) != nullptr || !weight.unique()) return;
-  const auto aside = MappedFile::put_aside(bytes);
-  if (aside == nullptr) return;
-  const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
-  weight = typename B::tensor(numbers, B::shape(weight), aside);
-  BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it frees
-}
-
-/// A small tensor in a mapped file becomes a copy: otherwise the system may keep two megabytes of the file for a bias.
-template <Backend B>
-void copy_small(typename B::tensor& t) {
-  if constexpr (requires { t.attached(); }) {
-    constexpr std::size_t small = 1 << 14;
-    const auto numbers = B::to_span(t);
-    const auto bytes = std::as_bytes(numbers);
-    const MappedFile* const file = MappedFile::that_holds(bytes);
-    if (file == nullptr || t.attached() != nullptr || numbers.size() >= small) return;
-    auto copy = B::from_span(numbers, B::shape(t));
-    file->forget(bytes);  // before the tensor, which may be the last owner of the file
-    t = std::move(copy);
-  }
-}
-
-/// Makes a tensor ready; if `looked_at`, returns true if its values are finite.
-template <Backend B>
-bool prepare_loaded_tensor(const ModuleTensor<B>& t, bool looked_at) {
-  bool finite = true;
-  if constexpr (PackingBackend<B>) {
-    if (has_panels<B>(t.rank)) {
-      finite = pack_loaded<B>(*t.data);
-      looked_at = false;
-    }
-  }
-  if (looked_at) finite = all_finite(t.span());
-  copy_small<B>(*t.data);
-  return finite;
-}
-/// For large networks: a converted weight is moved to a file, so that it is not in memory twice. If it cannot be moved,
-/// it is not packed.
-template <Backend B>
-void prepare_loaded_once(const ModuleTensor<B>& t) {
-  if constexpr (PackingBackend<B>) {
-    if (has_panels<B>(t.rank)) {
-      put_aside<B>(*t.data);
-      if (MappedFile::that_holds(std::as_bytes(t.span())) != nullptr) pack_loaded<B>(*t.data);
-    }
-  }
-  copy_small<B>(*t.data);
-}
-/// Every thread takes some tensors, because new memory is slow to arrive and each thread gets its own. `finite` (null:
-/// not checked) becomes false if a value is not finite.
-template <Backend B>
-void prepare_in_shares(const std::vector<ModuleTensor<B>>& tensors, std::atomic<bool>* finite) {
-  const Index count = std::ssize(tensors), shares = parallel_width();
-  parallel_for(shares, [&](Index share) {
-    for (Index i = 0; i < count; ++i) {
-      if (i * shares / count != share) continue;
-      const bool good = prepare_loaded_tensor(tensors[static_cast<std::size_t>(i)], finite != nullptr);
-      if (finite != nullptr && !good) finite->store(false);
-    }
-  });
-}
-}  // namespace detail
-
-/// `prepare` for networks all of whose matrices are weights, straight from a file. The memory of a mapped file is
-/// released as soon as a weight is packed, so that none is in memory twice. Small tensors become copies. A later reader
-/// of the file loads it from the disk. Converted weights are packed beside their values.
-template <Module M>
-void prepare_loaded(M& model) {
-  detail::prepare_in_shares(tensors_of(model), nullptr);
-}
-
-/// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns the names that did not match (then the module is not made ready). Throws io_error 407 for a tensor of
-/// another shape, numeric_error 301 for NaN and infinity. A module may declare (`copy_of`) further names for one of its
-/// tensors;
-/// io_error 407 if such a tensor differs.
-template <Module M>
-KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
-                             LoadFor use = LoadFor::any_use) {
-  const auto tensors = tensors_of(module);
-  KeyReport report;
-  std::set<std::string> known;
-  const auto fill = [&](LoadFor how) {
-    report = {};
-    known.clear();
-    const detail::TensorLoader loader{file, prefix, &tensor_key<M>, how, report, known};
-    for (const auto& t : tensors) loader.fill(t);
-  };
-  fill(use);
-  if (use == LoadFor::inference) {
-    std::atomic<bool> finite{report.missing.empty()};
-    if (finite) detail::prepare_in_shares(tensors, &finite);
-    if (!finite) fill(LoadFor::any_use);  // reports which value is not finite
-  }
-  for (const TensorView& t : file.tensors()) {
-    if (!t.name.starts_with(prefix) || known.contains(t.name) || is_int8_scales(file, t)) continue;
-    if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
-  }
-  return report;
-}
-/// The same, but every name must match. Throws io_error 406 with both lists and with similar names.
-template <Module M>
-void load_module(M& module, const TensorSet& file, const std::string& prefix = "", LoadFor use = LoadFor::any_use) {
-  const KeyReport report = load_module_partly(module, file, prefix, use);
-  if (report.missing.empty() && report.unexpected.empty()) return;
-  detail::raise_key_mismatch(file.name(), report);
-}
-/// The same from a safetensors file, as save_module writes it.
-template <Module M>
-void load_module(M& module, const FilePath& path, LoadFor use = LoadFor::any_use) {
-  load_module(module, SafetensorsFile::open(path), "", use);
-}
-
-/// Writes all tensors of a module into a safetensors file, without its sizes and options: the caller makes the module,
-/// and load_module fills it. `dtype` is that of the module's values unless given. Throws io_error 401, and what
-/// TensorStore::add throws.
-template <Module M>
-void save_module(const FilePath& path, const M& module, std::optional<DType> dtype = {},
-                 const std::map<std::string, std::string>& metadata = {{"format", "pt"}}) {
-  constexpr bool is_double = std::is_same_v<typename module_backend<M>::scalar, double>;
-  TensorStore store;
-  store.add_module(module, "", dtype.value_or(is_double ? DType::F64 : DType::F32));
-  write_safetensors(path, store.views(), metadata);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -22569,88 +23064,6 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_WEIGHTS_TRAINED_MODEL_IPP
 // Bodies of trained_model.hpp.
 
-#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP  // <motionlang/weights/word_vector_file.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP
-/// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
-///
-///     write_word_vectors("words.safetensors", table, {{"license", "PDDL 1.0"}});
-///     const WordVectors vectors = read_word_vectors("words.safetensors");
-///
-/// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
-/// Metadata   vector_words: a word on each line, sorted; for people: license, provenance
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The entry of the words in the metadata.
-inline constexpr const char* vector_words_entry = "vector_words";
-
-/// The vectors of a file whose tensors begin with `prefix`; none if it has no list of words. Throws io_error 406, 407,
-/// config_error 107.
-WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix = "");
-/// The same from any file of weights. `list`: the entry vector_words of its metadata.
-WordVectors listed_word_vectors(const TensorSet& file, std::string_view list, const std::string& prefix = "");
-/// Adds them to what is about to be written. The views are of `vectors`, which has to outlive them.
-void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
-                        const WordVectors& vectors, const std::string& prefix = "");
-
-/// Throws config_error 103 if the file has no word vectors, and what stored_word_vectors throws.
-WordVectors read_word_vectors(const FilePath& path);
-/// Throws io_error 401.
-void write_word_vectors(const FilePath& path, const WordVectors& vectors,
-                        const std::map<std::string, std::string>& about = {});
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP  // <motionlang/weights/word_vector_file.ipp>
-#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP
-// Bodies of word_vector_file.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY WordVectors listed_word_vectors(const TensorSet& file, std::string_view list,
-                                                const std::string& prefix) {
-  const TensorView &codes = file.tensor(prefix + "codes"), &scales = file.tensor(prefix + "scales");
-  std::vector<std::string> words;
-  detail::for_each_line(list, [&](std::string_view word, Index) { words.emplace_back(word); });
-  if (scales.shape.rank() != 1 || codes.dtype != DType::I8 ||
-      codes.shape != FileShape{std::ssize(words), scales.shape[0]})
-    raise<io_error>(407, file.name(), ": tensors '", codes.name, "' (", codes.dtype, ", ", codes.shape, ") and '",
-                    scales.name, "' ", scales.shape, " are not vectors of ", counted(words.size(), "word"));
-  return {std::move(words), values_of<std::int8_t>(codes), values_of<float>(scales), file.name()};
-}
-
-MOTIONLANG_BODY WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix) {
-  const auto found = file.metadata().find(vector_words_entry);
-  return found == file.metadata().end() ? WordVectors() : listed_word_vectors(file, found->second, prefix);
-}
-
-MOTIONLANG_BODY void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
-                                        const WordVectors& vectors, const std::string& prefix) {
-  if (vectors.empty()) return;
-  metadata[vector_words_entry] = join_text(vectors.words(), "\n");
-  tensors.push_back(tensor_view(prefix + "codes", {vectors.size(), vectors.width()}, vectors.codes()));
-  tensors.push_back(tensor_view(prefix + "scales", {vectors.width()}, vectors.scales()));
-}
-
-MOTIONLANG_BODY WordVectors read_word_vectors(const FilePath& path) {
-  const auto file = SafetensorsFile::open(path);
-  WordVectors out = stored_word_vectors(file);
-  if (out.empty()) raise<config_error>(103, file.name(), ": metadata '", vector_words_entry, "' is missing");
-  return out;
-}
-
-MOTIONLANG_BODY void write_word_vectors(const FilePath& path, const WordVectors& vectors,
-                                        const std::map<std::string, std::string>& about) {
-  std::vector<TensorView> tensors;
-  auto metadata = about;
-  store_word_vectors(tensors, metadata, vectors);
-  write_safetensors(path, tensors, metadata);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY ModelFolder described_model(const std::string& system, std::map<std::string, std::string> about) {
@@ -24426,7 +24839,8 @@ struct TextMotionCheckpoint {
   std::string folder{}, text_encoder{};  // where it was loaded from
   std::string id{};                      // of the weights (tensors_checksum); only for TMR
   SimilarityScale similarity{};          // of texts and motions; empty if the model has none
-  KnownWords known_words{};              // of a model with vectors of words; empty for others, which cannot tell
+  KnownWords known_words{};              // of a model with vectors of words or known captions; others cannot tell
+  KnownCaptions captions{};              // that tell what a query means (text.known_captions); only for TMR
 
   /// The means of the latents, (texts, latent).
   Tensor<B, 2> encode_text(std::span<const std::string> texts) const { return model.encode_text(tokens(texts)).mu; }
@@ -24561,8 +24975,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 template <Backend B>
 using TmrCheckpoint = TextMotionCheckpoint<B, Tmr<B>>;
 
-/// Throws  io_error 401 for a missing file, 403 to 407 for files and tensors; config_error 102 for a model of another
-///         system and if options and tensors differ, 103 for a folder of an unknown kind, 101, 107
+/// Throws  io_error 401 for a missing file, 403 to 407 for files and tensors; numeric_error 301; config_error 102 for a
+///         model of another system, if options and tensors differ, and if the file of known captions has none, 103 for
+///         a folder of an unknown kind, 101, 107
 template <Backend B>
 TmrCheckpoint<B> load_tmr(const FilePath& path, const CheckpointOptions& options = {}) {
   const std::filesystem::path folder = found_model_folder(path);
@@ -24571,6 +24986,19 @@ TmrCheckpoint<B> load_tmr(const FilePath& path, const CheckpointOptions& options
   auto out = detail::checkpoint_of<B>(load_text_motion<Tmr, B>(weights, file), file, file.config.data.max_seconds,
                                       folder, options);
   out.id = tensors_checksum(weights.tensors());
+  if (const std::string& known = file.config.text.known_captions; !known.empty()) {
+    if (!std::filesystem::exists(folder / known))
+      raise<io_error>(401, folder.string(), ": text.known_captions names ", (folder / known).string(),
+                      ", which does not exist");
+    const auto motions = SafetensorsFile::open(folder / known);
+    out.captions = load_known_captions<B>(motions);
+    if (out.captions.empty())
+      raise<config_error>(102, motions.name(), ": text.known_captions of ", folder.string(),
+                          " names this file, which lists no captions");
+    auto words = known_words(motions.metadata());
+    words.insert(words.end(), out.captions.table().said_words().begin(), out.captions.table().said_words().end());
+    out.known_words = KnownWords(std::move(words), out.captions.table().words());
+  }
   return out;
 }
 
@@ -24639,6 +25067,11 @@ class TmrSearchEncoder final : public SearchEncoder {
   }
 
   const SimilarityScale& similarity() const override { return tmr_.similarity; }
+  /// The captions nearest to the query, if the model has a list of its captions (TextTokensConfig::known_captions).
+  std::vector<std::string> meant(const std::string& query) const override {
+    constexpr Index most = 3;
+    return tmr_.captions.empty() ? std::vector{query} : tmr_.captions.meant_texts(query, most);
+  }
   KnownWords known_words() const override { return tmr_.known_words; }
 
  private:
@@ -26500,253 +26933,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_HPP  // <motionlang/weights/known_caption_file.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_HPP
-/// The captions of a training in the file of its weights (text/known_captions.hpp).
-///
-///     const auto stmc = load_stmc<B>(path);
-///     const KnownCaptions captions = load_known_captions(path, stmc.text_encoder);
-///
-/// Tensors    captions.codes (captions, width) I8, captions.mean (width) F32, captions.seconds (captions) F32,
-///            captions.then (captions) I16: -1 for an action that repeats, else a line of captions.then; if texts were
-///            tried, captions.done (texts) F32, and codes has their rows behind those of the captions
-/// Metadata   captions: one on each line, and texts that were tried; captions.then: texts for what follows, one on each
-///            line; captions.nearness
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The prefix of the names of their tensors, which are constants.
-inline constexpr const char* caption_tensors = "captions.";
-/// That of the motions of captions (weights/motion_memory_file.hpp), which name captions by their lines.
-inline constexpr const char* memory_tensors = "memory.";
-
-/// None if the file lists no captions. encode: by the text encoder of the file; words: its vectors of words. Throws
-/// io_error 406, 407, config_error 107.
-KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors encode, const WordVectors& words = {});
-
-/// Known captions as tensors and metadata, for a file that is about to be written. Views point into it.
-class StoredCaptions {
- public:
-  /// Throws config_error 101 for more than 32,767 different texts of what follows, and for a text that is not a line.
-  explicit StoredCaptions(KnownCaptions captions);
-  void add_to(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata) const;
-
- private:
-  KnownCaptions captions_;
-  std::vector<float> seconds_{};
-  std::vector<std::int16_t> then_{};
-  std::vector<float> done_{};
-  std::vector<std::string> following_{};
-};
-
-namespace detail {
-
-/// The tensors and the metadata of a file without its captions.
-struct FileWithoutCaptions {
-  explicit FileWithoutCaptions(const SafetensorsFile& file);
-
-  std::vector<TensorView> tensors;
-  std::map<std::string, std::string> metadata;
-};
-
-}  // namespace detail
-
-/// Writes the file again with these captions instead of its own. Texts that were tried may differ. Throws io_error 401,
-/// and config_error 102 for other captions if the file has motions for its own.
-void replace_known_captions(const FilePath& path, const KnownCaptions& captions);
-
-/// The captions of a file of ours. encoder: of the same file, with its vectors of words.
-template <class Encoder>
-KnownCaptions load_known_captions(const FilePath& path, const Encoder& encoder) {
-  return stored_known_captions(SafetensorsFile::open(path), text_vectors(encoder), encoder.vectors);
-}
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_IPP  // <motionlang/weights/known_caption_file.ipp>
-#define MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_IPP
-// Bodies of known_caption_file.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-inline constexpr const char *captions_entry = "captions", *following_entry = "captions.then",
-                            *nearness_entry = "captions.nearness";
-
-inline std::vector<std::string> lines_of_entry(const SafetensorsFile& file, const char* entry) {
-  const auto found = file.metadata().find(entry);
-  if (found == file.metadata().end()) raise<config_error>(107, file.name(), ": metadata '", entry, "' is missing");
-  std::vector<std::string> lines;
-  for_each_line(found->second, [&](std::string_view line, Index) { lines.emplace_back(line); });
-  return lines;
-}
-
-inline double nearness_of(const SafetensorsFile& file) {
-  const std::string text = join_text(lines_of_entry(file, nearness_entry), " ");
-  double value = 0;
-  const auto [end, error] = from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0 && value <= 1))
-    raise<config_error>(107, file.name(), ": metadata '", nearness_entry, "' = '", text, "' is not in 0 ... 1");
-  return value;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY KnownCaptions stored_known_captions(const SafetensorsFile& file, TextVectors encode,
-                                                    const WordVectors& words) {
-  if (!file.metadata().contains(detail::captions_entry)) return {};
-  auto texts = detail::lines_of_entry(file, detail::captions_entry);
-  const auto following = detail::lines_of_entry(file, detail::following_entry);
-  const std::string prefix = caption_tensors;
-  const TensorView &codes = file.tensor(prefix + "codes"), &mean = file.tensor(prefix + "mean"),
-                   &seconds = file.tensor(prefix + "seconds"), &then = file.tensor(prefix + "then");
-  const auto require = [&](const TensorView& view, DType dtype, const FileShape& shape) {
-    if (view.dtype != dtype || view.shape != shape)
-      raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.dtype, " ", view.shape, ", not ", dtype,
-                      " ", shape);
-  };
-  const auto* tried = file.find(prefix + "done");
-  const Index all = std::ssize(texts), last = tried == nullptr ? 0 : tried->shape.count();
-  const Index count = all - last;
-  if (count < 1)
-    raise<io_error>(407, file.name(), ": tensor '", prefix, "done' has ", counted(last, "share"), " for ",
-                    counted(all, "text"));
-  if (tried != nullptr) require(*tried, DType::F32, {last});
-  if (mean.shape.rank() != 1) raise<io_error>(407, file.name(), ": tensor '", mean.name, "' is ", mean.shape);
-  require(mean, DType::F32, {mean.shape[0]});
-  require(codes, DType::I8, {all, mean.shape[0]});
-  require(seconds, DType::F32, {count});
-  require(then, DType::I16, {count});
-  const auto require_range = [&](const TensorView& view, double least, double most) {
-    for (const double x : values_of<double>(view)) {
-      if (!(x >= least && x <= most))
-        raise<config_error>(107, file.name(), ": tensor '", view.name, "' has a ", x, "; ", least, " ... ", most,
-                            " are allowed");
-    }
-  };
-  require_range(mean, std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max());
-  require_range(seconds, 0, 3600);
-  if (tried != nullptr) require_range(*tried, 0, 1);
-  const auto lengths = values_of<float>(seconds);
-  const auto numbers = values_of<std::int16_t>(then);
-  std::vector<KnownAction> actions;
-  for (std::size_t i = 0; i < lengths.size(); ++i) {
-    if (numbers[i] >= std::ssize(following))
-      raise<config_error>(107, file.name(), ": caption ", i, " is followed by text ", numbers[i], " of ",
-                          following.size());
-    actions.push_back({.seconds = static_cast<double>(lengths[i]), .repeats = numbers[i] < 0});
-    if (numbers[i] >= 0) actions.back().then = following[static_cast<std::size_t>(numbers[i])];
-  }
-  std::vector<double> done;
-  if (tried != nullptr) done = values_of<double>(*tried);
-  return {TextTable(std::move(texts), values_of<std::int8_t>(codes), values_of<float>(mean), std::move(encode), words,
-                    file.name()),
-          std::move(actions), detail::nearness_of(file), std::move(done), file.name()};
-}
-
-MOTIONLANG_BODY StoredCaptions::StoredCaptions(KnownCaptions captions) : captions_(std::move(captions)) {
-  const auto require_line = [](const std::string& text) {
-    if (text.empty() || text.find_first_of("\r\n") != text.npos)
-      raise<config_error>(101, "known captions: '", text,
-                          "' cannot be stored; a text is one line with at least a letter");
-  };
-  for (const std::string& text : captions_.table().texts()) require_line(text);
-  for (const KnownAction& action : captions_.actions()) {
-    seconds_.push_back(static_cast<float>(action.seconds));
-    if (action.repeats) {
-      then_.push_back(-1);
-      continue;
-    }
-    require_line(action.then);
-    auto found = std::find(following_.begin(), following_.end(), action.then);
-    if (found == following_.end()) found = following_.insert(found, action.then);
-    if (std::ssize(following_) > std::numeric_limits<std::int16_t>::max())
-      raise<config_error>(101, "known captions: ", following_.size(), " different texts follow actions");
-    then_.push_back(static_cast<std::int16_t>(found - following_.begin()));
-  }
-  for (const double share : captions_.done()) done_.push_back(static_cast<float>(share));
-}
-
-MOTIONLANG_BODY void StoredCaptions::add_to(std::vector<TensorView>& tensors,
-                                            std::map<std::string, std::string>& metadata) const {
-  if (captions_.empty()) return;
-  const TextTable& table = captions_.table();
-  const Index all = table.size(), count = std::ssize(seconds_), width = std::ssize(table.mean());
-  const std::string prefix = caption_tensors;
-  metadata[detail::captions_entry] = join_text(table.texts(), "\n");
-  metadata[detail::following_entry] = join_text(following_, "\n");
-  metadata[detail::nearness_entry] = concat_text(captions_.nearness());
-  tensors.push_back(tensor_view(prefix + "codes", {all, width}, table.codes()));
-  tensors.push_back(tensor_view(prefix + "mean", {width}, table.mean()));
-  tensors.push_back(tensor_view(prefix + "seconds", {count}, std::span<const float>(seconds_)));
-  tensors.push_back(tensor_view(prefix + "then", {count}, std::span<const std::int16_t>(then_)));
-  if (!done_.empty())
-    tensors.push_back(tensor_view(prefix + "done", {std::ssize(done_)}, std::span<const float>(done_)));
-}
-
-MOTIONLANG_BODY detail::FileWithoutCaptions::FileWithoutCaptions(const SafetensorsFile& file)
-    : metadata(file.metadata()) {
-  for (const TensorView& t : file.tensors()) {
-    if (!t.name.starts_with(caption_tensors)) tensors.push_back(t);
-  }
-  for (const char* entry : {captions_entry, following_entry, nearness_entry}) metadata.erase(entry);
-}
-
-MOTIONLANG_BODY void replace_known_captions(const FilePath& path, const KnownCaptions& captions) {
-  const auto file = SafetensorsFile::open(path);
-  detail::FileWithoutCaptions rest(file);
-  const bool has_motions = std::any_of(rest.tensors.begin(), rest.tensors.end(),
-                                       [](const TensorView& t) { return t.name.starts_with(memory_tensors); });
-  if (has_motions) {
-    const auto own = detail::lines_of_entry(file, detail::captions_entry);
-    const auto count = captions.actions().size();
-    if (static_cast<std::size_t>(file.tensor(std::string(caption_tensors) + "seconds").shape.count()) != count ||
-        !std::equal(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(count), captions.table().texts().begin()))
-      raise<config_error>(102, file.name(), ": it has motions for its captions, which would belong to others then");
-  }
-  const StoredCaptions stored(captions);
-  stored.add_to(rest.tensors, rest.metadata);
-  write_safetensors(path, rest.tensors, rest.metadata);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_METADATA_NUMBER_HPP  // <motionlang/weights/metadata_number.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_METADATA_NUMBER_HPP
-/// Numbers in the metadata of a file of weights.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-using Metadata = std::map<std::string, std::string>;
-
-/// Throws config_error 107, with the key and the file, if the text is not a number.
-template <class N>
-N number_in_metadata(std::string_view text, const std::string& key, const std::string& file) {
-  N value{};
-  const auto [end, error] = detail::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) {
-    raise<config_error>(107, file, ": metadata '", key, "' = '", text, "' is not a number");
-  }
-  return value;
-}
-/// The same of an entry. Throws config_error 107 also if it is missing.
-template <class N>
-N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
-  const auto found = metadata.find(key);
-  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
-  return number_in_metadata<N>(found->second, key, file);
-}
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
 #ifndef MOTIONLANG_HAS_WEIGHTS_MODEL_SYSTEM_HPP  // <motionlang/weights/model_system.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_MODEL_SYSTEM_HPP
 /// The system of a model: of a folder or a file that was trained here, or of a published folder.
@@ -27203,14 +27389,6 @@ struct StmcModelConfig {
 
 namespace detail {
 
-std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise);
-/// A size from a file. It is limited, so that a hostile file cannot make us allocate too much memory.
-Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,
-                    Index smallest = 1);
-
-WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
-/// The prefix of the names of word vector tensors, which are constants.
-inline constexpr const char* vector_tensors = "text_encoder.vectors.";
 /// The users' entries about a model or a record. Throws config_error 102 for a key that exists already.
 void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 
@@ -27299,20 +27477,6 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-MOTIONLANG_BODY std::string metadata_text(const Metadata& metadata, const std::string& key,
-                                          const std::string& otherwise) {
-  const auto found = metadata.find(key);
-  return found == metadata.end() ? otherwise : found->second;
-}
-
-MOTIONLANG_BODY Index metadata_size(const Metadata& metadata, const std::string& key, Index largest,
-                                    const std::string& file, Index smallest) {
-  const auto n = metadata_number<Index>(metadata, key, file);
-  if (n < smallest || n > largest)
-    raise<config_error>(101, file, ": metadata '", key, "' = ", n, " is not in ", smallest, " ... ", largest);
-  return n;
-}
-
 inline double metadata_real(const Metadata& metadata, const std::string& key, double least, double largest,
                             const std::string& file) {
   const auto x = metadata_number<double>(metadata, key, file);
@@ -27340,18 +27504,6 @@ inline void read_sampling(const Metadata& metadata, StmcModelConfig& c, const st
   if (space == wanted.size()) return;
   c.sampling_steps = number_in_metadata<Index>(std::string_view(wanted).substr(space + 1), "sampling", file);
   check_sampling_steps(c, file);
-}
-
-MOTIONLANG_BODY WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file) {
-  const auto found = metadata.find("text.vocabulary");
-  if (found == metadata.end()) raise<config_error>(107, file, ": metadata 'text.vocabulary' is missing");
-  std::vector<std::string> pieces;
-  for (std::size_t at = 0; at <= found->second.size();) {
-    const std::size_t end = std::min(found->second.find('\n', at), found->second.size());
-    pieces.push_back(found->second.substr(at, end - at));
-    at = end + 1;
-  }
-  return WordPiece(std::move(pieces), file + ": metadata 'text.vocabulary'");
 }
 
 MOTIONLANG_BODY void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose,
@@ -27399,9 +27551,7 @@ MOTIONLANG_BODY std::map<std::string, std::string> stmc_metadata(const StmcModel
 MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
   const auto& m = file.metadata();
   const std::string& name = file.name();
-  if (detail::metadata_text(m, "model", "") != "stmc" || detail::metadata_text(m, "format", "") != "1") {
-    raise<config_error>(103, name, ": not an STMC model of format 1 (metadata 'model' and 'format')");
-  }
+  require_stmc_file(file);
   if (detail::metadata_text(m, "features", "") != "smplrifke" ||
       detail::metadata_text(m, "diffusion.schedule", "") != "cosine") {
     raise<config_error>(103, name, ": features '", detail::metadata_text(m, "features", ""), "' or schedule '",
@@ -27412,15 +27562,6 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
     raise<config_error>(103, name, ": diffusion.noise_scale '", scale,
                         "' is neither posterior_std nor posterior_variance");
   auto size = [&](const std::string& key, Index largest) { return detail::metadata_size(m, key, largest, name); };
-  auto size_or = [&](const std::string& key, Index largest, Index otherwise) {
-    return m.contains(key) ? size(key, largest) : otherwise;
-  };
-  auto heads = [&](const std::string& key, Index width) {
-    const Index n = size(key, 256);
-    if (width % n != 0 || width % 2 != 0)
-      raise<config_error>(101, name, ": ", key, " = ", n, " does not divide the even width ", width);
-    return n;
-  };
   StmcModelConfig c;
   c.denoiser.nfeats = size("denoiser.nfeats", 4096);
   if (const Index features = smplrifke_layout().size; c.denoiser.nfeats != features)
@@ -27429,19 +27570,15 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
   c.denoiser.latent_dim = size("denoiser.latent_dim", 8192);
   c.denoiser.ff_size = size("denoiser.ff_size", 32768);
   c.denoiser.num_layers = size("denoiser.num_layers", 256);
-  c.denoiser.num_heads = heads("denoiser.num_heads", c.denoiser.latent_dim);
+  c.denoiser.num_heads = detail::metadata_heads(m, "denoiser.num_heads", c.denoiser.latent_dim, name);
   c.denoiser.nb_registers = detail::metadata_size(m, "denoiser.nb_registers", 256, name, 0);
-  c.text.width = size("text.width", 8192);
-  c.text.heads = heads("text.heads", c.text.width);
-  c.text.d_ff = size("text.d_ff", 32768);
-  c.text.layers = size("text.layers", 256);
-  c.text.out = c.denoiser.tx_dim = size("text.out", 8192);
+  c.text = caption_encoder_config(file);
+  c.denoiser.tx_dim = c.text.out;
   const std::string activation = detail::metadata_text(m, "denoiser.activation", "gelu");
   if (activation != "gelu" && activation != "relu")
     raise<config_error>(103, name, ": denoiser.activation '", activation, "' is neither gelu nor relu");
   c.denoiser.activation = parse_activation(activation);
-  c.denoiser.max_len = size_or("denoiser.max_len", 8192, c.denoiser.max_len);
-  c.text.longest = size_or("text.longest", 8192, c.text.longest);
+  if (m.contains("denoiser.max_len")) c.denoiser.max_len = size("denoiser.max_len", 8192);
   c.diffusion_steps = size("diffusion.steps", c.denoiser.max_len);  // a row of the table of positions tells the step
   c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
   c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
@@ -27452,26 +27589,12 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
 
 MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary,
                                  Index vector_width) {
-  auto expect = [&](const std::string& name, const Shape& shape) {
-    if (const FileShape& found = file.tensor(name).shape; found != shape)
-      raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
-  };
-  auto transformer = [&](const std::string& prefix, Index layers, Index width, Index d_ff) {
-    for (Index i = 0; i < layers; ++i) {
-      const std::string layer = concat_text(prefix, ".layers.", i);
-      expect(layer + ".self_attn.in_proj_weight", {3 * width, width});
-      expect(layer + ".linear1.weight", {d_ff, width});
-    }
-  };
   const MdmSmplConfig& d = c.denoiser;
-  if (d.nb_registers > 0) expect("denoiser.registers", {d.nb_registers, d.latent_dim});
-  expect("denoiser.skel_embedding.weight", {d.latent_dim, d.nfeats});
-  expect("denoiser.tx_embedding.0.weight", {2 * d.latent_dim, d.tx_dim});
-  transformer("denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);
-  expect("text_encoder.embedding.weight", {vocabulary, c.text.width});
-  expect("text_encoder.projection.weight", {c.text.out, c.text.width});
-  if (vector_width > 0) expect("text_encoder.vector_projection.weight", {c.text.width, vector_width});
-  transformer("text_encoder.encoder", c.text.layers, c.text.width, c.text.d_ff);
+  if (d.nb_registers > 0) detail::check_shape(file, "denoiser.registers", {d.nb_registers, d.latent_dim});
+  detail::check_shape(file, "denoiser.skel_embedding.weight", {d.latent_dim, d.nfeats});
+  detail::check_shape(file, "denoiser.tx_embedding.0.weight", {2 * d.latent_dim, d.tx_dim});
+  detail::check_layers(file, "denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);
+  check_sizes(file, c.text, vocabulary, vector_width);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -32729,7 +32852,7 @@ struct StudioParts {
   std::span<const std::byte> code;   // motionlang_wasm.wasm, packed by gzip
   std::span<const std::byte> model;  // weights of STMC, .safetensors, packed by gzip
   // TMR, with which the page searches: config.json and weights.safetensors of its folder, packed by gzip; empty: it
-  // does not search
+  // does not search. Its text.known_captions is "" or "../stmc_free.safetensors", which is `model`
   std::span<const std::byte> search_config{}, search_weights{};
   std::vector<StudioPrompt> prompts{};
   std::string title = "motionlang studio";
@@ -33799,9 +33922,10 @@ const answers = {
         postMessage({ done, total, kind: doing });
         return true;
       } });
-    wasm.FS.writeFile("/model.safetensors", new Uint8Array(await unpacked(model)));
+    const weights = "/stmc_free.safetensors";  // the search model reads captions from this file
+    wasm.FS.writeFile(weights, new Uint8Array(await unpacked(model)));
     wasm._motionlang_set_threads(1);
-    loaded = withText("/model.safetensors", (file) => result((place) => wasm._motionlang_load_model(file, place)));
+    loaded = withText(weights, (file) => result((place) => wasm._motionlang_load_model(file, place)));
     searches.packed = search;
     return { fps: wasm._motionlang_model_fps(loaded) };
   },

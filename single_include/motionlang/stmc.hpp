@@ -19420,6 +19420,14 @@ MOTIONLANG_NAMESPACE_END
 ///             weights/word_vector_file.hpp, with the prefix text_encoder.vectors; the captions of the training as in
 ///             weights/known_caption_file.hpp
 
+#ifndef MOTIONLANG_HAS_WEIGHTS_CAPTION_ENCODER_FILE_HPP  // <motionlang/weights/caption_encoder_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_CAPTION_ENCODER_FILE_HPP
+/// The text encoder of an STMC file (weights/stmc_file.hpp), and the captions that it learned from, without the rest of
+/// the model.
+///
+///     const auto captions = load_known_captions<B>("examples/models/stmc_free.safetensors");
+///     for (const NearText& near : captions.nearest("have a seat", 3)) use(near.text);
+
 #ifndef MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_HPP  // <motionlang/weights/known_caption_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_KNOWN_CAPTION_FILE_HPP
 /// The captions of a training in the file of its weights (text/known_captions.hpp).
@@ -19836,7 +19844,8 @@ struct KeyReport {
   std::vector<std::string> missing, unexpected;
 };
 
-/// The number of characters to insert, remove or exchange to turn a into b (Levenshtein), but at most `limit`.
+/// The number of steps that turn a into b, but at most `limit`. A step inserts, removes or exchanges a character, or
+/// swaps two neighbours, as in "rigth" (optimal string alignment).
 std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
 
 /// The name that is most similar to `name`; empty if none shares half of it. Only the first 2,000 names of a long list
@@ -19862,14 +19871,15 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
   if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
-  std::vector<std::size_t> row(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1), above(row), second(row);  // the row of a prefix of a, and those before it
   for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
+    std::swap(second, above);
+    std::swap(above, row);
+    row[0] = i + 1;
     for (std::size_t k = 0; k < b.size(); ++k) {
-      const std::size_t exchanged = diagonal + (a[i] == b[k] ? 0 : 1);
-      diagonal = row[k + 1];
-      row[k + 1] = std::min(exchanged, std::min(diagonal, row[k]) + 1);
+      row[k + 1] = std::min(above[k] + (a[i] == b[k] ? 0 : 1), std::min(above[k + 1], row[k]) + 1);
+      if (i > 0 && k > 0 && a[i] == b[k - 1] && a[i - 1] == b[k]) row[k + 1] = std::min(row[k + 1], second[k - 1] + 1);
     }
   }
   return std::min(row.back(), limit);
@@ -20731,6 +20741,7 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto action = captions.action("have a seat");                     // 2.4 s, then "sit quietly"
 ///
 /// The captions of mirrored motions are known as well, but not stored: a text and its mirror image are looked up.
+/// Misspelled words are mended first.
 /// Texts that were tried with the model can be added, so that it also tells at what it often fails.
 
 #ifndef MOTIONLANG_HAS_TEXT_TEXT_TABLE_HPP  // <motionlang/text/text_table.hpp>
@@ -20775,7 +20786,8 @@ struct NearText {
 namespace detail {
 
 /// True for words that say nothing about a motion: "the", "your", "person", "performs".
-bool is_function_word(const std::string& word);
+const std::set<std::string>& function_words();
+inline bool is_function_word(const std::string& word) { return function_words().contains(word); }
 
 }  // namespace detail
 
@@ -20808,6 +20820,12 @@ class TextTable {
   std::span<const std::int8_t> codes() const { return table().codes; }
   std::span<const float> mean() const { return table().mean; }
   const WordVectors& words() const { return table().words; }
+  /// The words of the texts, without those that say nothing, in alphabetical order.
+  const std::vector<std::string>& said_words() const;
+  /// The word for a misspelled one: "forward" for "foreward". The texts do not say the misspelled word, and it has no
+  /// vector. Both words begin alike, and one step turns one into the other (edit_distance), or two if it has more than
+  /// seven letters. "" if there is no such word, or if the table has no vectors, which tell what words exist.
+  std::string mended(const std::string& word) const;
 
   /// At most `count` texts, the nearest first.
   /// wanted  rows that may be found; none: all
@@ -20846,7 +20864,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-MOTIONLANG_BODY bool is_function_word(const std::string& word) {
+MOTIONLANG_BODY const std::set<std::string>& function_words() {
   static const std::set<std::string> words{
       "a",      "an",      "and",        "are",      "as",    "at",      "be",       "been",       "being",   "both",
       "by",     "can",     "do",         "does",     "doing", "for",     "from",     "he",         "her",     "hers",
@@ -20857,7 +20875,7 @@ MOTIONLANG_BODY bool is_function_word(const std::string& word) {
       "woman",  "you",     "your",       "yourself", "human", "figure",  "someone",  "somebody",   "himself", "herself",
       "itself", "subject", "individual", "people",   "guy",   "perform", "performs", "performing", "make",    "makes",
       "making", "motion",  "movement",   "movements"};
-  return words.contains(word);
+  return words;
 }
 
 }  // namespace detail
@@ -20991,6 +21009,27 @@ MOTIONLANG_BODY const TextTable::Table& TextTable::table() const {
   return table_ ? *table_ : none;
 }
 
+MOTIONLANG_BODY const std::vector<std::string>& TextTable::said_words() const { return table().said->words; }
+
+MOTIONLANG_BODY std::string TextTable::mended(const std::string& word) const {
+  const Table& t = table();
+  const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+  if (t.words.empty() || word.size() < 3 || !std::all_of(word.begin(), word.end(), is_letter) ||
+      detail::is_function_word(word) || t.said->find(word) || t.words.find(word))
+    return "";
+  std::size_t most = word.size() > 7 ? 3 : 2;  // steps, which are too many
+  std::string out;
+  const auto try_all = [&](const auto& candidates) {
+    for (const std::string& candidate : candidates) {
+      if (candidate.front() != word.front()) continue;
+      if (const auto steps = edit_distance(word, candidate, most); steps < most) most = steps, out = candidate;
+    }
+  };
+  try_all(t.said->words);
+  try_all(detail::function_words());
+  return out;
+}
+
 MOTIONLANG_BODY std::vector<TextTable::Likeness> TextTable::likeness(const std::string& text,
                                                                      std::span<const float> vector) const {
   const Table& t = table();
@@ -21097,6 +21136,11 @@ struct NearCaption {
   double likeness = 0;
 };
 
+/// A misspelled word, and the word that is read instead.
+struct MisspelledWord {
+  std::string word{}, read{};
+};
+
 class KnownCaptions {
  public:
   /// No captions.
@@ -21124,6 +21168,8 @@ class KnownCaptions {
   /// The shares of the texts that were tried, which follow the captions in the table.
   const std::vector<double>& done() const { return done_; }
 
+  /// The misspelled words of a text (TextTable::mended).
+  std::vector<MisspelledWord> misspelled(const std::string& text) const;
   /// At most `count` captions or mirror images of captions, the nearest first, each once.
   std::vector<NearText> nearest(const std::string& text, Index count) const;
   /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. Captions
@@ -21131,6 +21177,8 @@ class KnownCaptions {
   /// that is nearly a caption: "kick" for "he kicks the xylophone". Half of the text has to say it, unless the captions
   /// are very far (0.5).
   std::vector<NearCaption> meant(const std::string& text, Index count) const;
+  /// The same as texts. Throws what the encoder of the table throws.
+  std::vector<std::string> meant_texts(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
   /// The action of a text, or of its beginning (as in `meant`), by the captions near it. Their majority decides if it
@@ -21147,6 +21195,10 @@ class KnownCaptions {
   };
   /// In the rows from `first` to before `last`. A caption that is the mirror image of another is found twice.
   std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
+  /// "do not" for "don't", and words for misspelled ones.
+  std::string plain(const std::string& text) const;
+  /// `nearest` for a plain text.
+  std::vector<NearText> nearest_of_plain(const std::string& plain, Index count) const;
   /// The text, or the caption of its beginning if the text is far from all of them.
   std::string known_beginning(const std::string& text) const;
   /// Each text once.
@@ -21375,16 +21427,37 @@ MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::different(std::
 }
 
 MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& text, Index count) const {
+  return nearest_of_plain(plain(text), count);
+}
+
+MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest_of_plain(const std::string& plain, Index count) const {
   std::vector<NearText> out;
-  auto all = found(detail::without_contractions(text), count, 0, std::ssize(actions_));
+  auto all = found(plain, count, 0, std::ssize(actions_));
   for (Found& f : different(std::move(all), count)) out.push_back(std::move(f.near));
   return out;
 }
 
+MOTIONLANG_BODY std::vector<MisspelledWord> KnownCaptions::misspelled(const std::string& text) const {
+  std::vector<MisspelledWord> out;
+  for (const std::string& word : WordPiece::words(detail::without_contractions(text))) {
+    if (std::string read = table_.mended(word); !read.empty()) out.push_back({word, std::move(read)});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string KnownCaptions::plain(const std::string& text) const {
+  std::string out = detail::without_contractions(text);
+  const auto mistakes = misspelled(out);
+  if (mistakes.empty()) return out;
+  std::vector<std::string> words = WordPiece::words(out);
+  for (const MisspelledWord& m : mistakes) std::replace(words.begin(), words.end(), m.word, m.read);
+  return join_text(words, " ");
+}
+
 MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& text) const {
   constexpr double near = 0.7, half_near = 0.5, same = 0.9;
-  std::string plain = detail::without_contractions(text);
-  const auto best = nearest(plain, 1);
+  std::string plain = this->plain(text);
+  const auto best = nearest_of_plain(plain, 1);
   if (best.empty() || best.front().likeness >= near) return plain;
   std::vector<std::string> words = WordPiece::words(plain);
   const auto says = [](const std::string& word) { return !detail::is_function_word(word); };
@@ -21431,6 +21504,15 @@ MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string&
     const double least = (rank(all.front()) < same ? nearly_as_alike : nearly_same) * rank(all.front());
     if (rank(f) < least || std::ssize(out) == count) break;
     out.push_back({f.near.row, f.mirrored, f.near.likeness});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> KnownCaptions::meant_texts(const std::string& text, Index count) const {
+  std::vector<std::string> out;
+  for (const NearCaption& near : meant(text, count)) {
+    const std::string& caption = table_.texts()[static_cast<std::size_t>(near.row)];
+    out.push_back(near.mirrored ? mirror_caption(caption) : caption);
   }
   return out;
 }
@@ -22200,6 +22282,241 @@ void save_module(const FilePath& path, const M& module, std::optional<DType> dty
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP  // <motionlang/weights/word_vector_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP
+/// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
+///
+///     write_word_vectors("words.safetensors", table, {{"license", "PDDL 1.0"}});
+///     const WordVectors vectors = read_word_vectors("words.safetensors");
+///
+/// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
+/// Metadata   vector_words: a word on each line, sorted; for people: license, provenance
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The entry of the words in the metadata.
+inline constexpr const char* vector_words_entry = "vector_words";
+
+/// The vectors of a file whose tensors begin with `prefix`; none if it has no list of words. Throws io_error 406, 407,
+/// config_error 107.
+WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix = "");
+/// The same from any file of weights. `list`: the entry vector_words of its metadata.
+WordVectors listed_word_vectors(const TensorSet& file, std::string_view list, const std::string& prefix = "");
+/// Adds them to what is about to be written. The views are of `vectors`, which has to outlive them.
+void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
+                        const WordVectors& vectors, const std::string& prefix = "");
+
+/// Throws config_error 103 if the file has no word vectors, and what stored_word_vectors throws.
+WordVectors read_word_vectors(const FilePath& path);
+/// Throws io_error 401.
+void write_word_vectors(const FilePath& path, const WordVectors& vectors,
+                        const std::map<std::string, std::string>& about = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP  // <motionlang/weights/word_vector_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP
+// Bodies of word_vector_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY WordVectors listed_word_vectors(const TensorSet& file, std::string_view list,
+                                                const std::string& prefix) {
+  const TensorView &codes = file.tensor(prefix + "codes"), &scales = file.tensor(prefix + "scales");
+  std::vector<std::string> words;
+  detail::for_each_line(list, [&](std::string_view word, Index) { words.emplace_back(word); });
+  if (scales.shape.rank() != 1 || codes.dtype != DType::I8 ||
+      codes.shape != FileShape{std::ssize(words), scales.shape[0]})
+    raise<io_error>(407, file.name(), ": tensors '", codes.name, "' (", codes.dtype, ", ", codes.shape, ") and '",
+                    scales.name, "' ", scales.shape, " are not vectors of ", counted(words.size(), "word"));
+  return {std::move(words), values_of<std::int8_t>(codes), values_of<float>(scales), file.name()};
+}
+
+MOTIONLANG_BODY WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix) {
+  const auto found = file.metadata().find(vector_words_entry);
+  return found == file.metadata().end() ? WordVectors() : listed_word_vectors(file, found->second, prefix);
+}
+
+MOTIONLANG_BODY void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
+                                        const WordVectors& vectors, const std::string& prefix) {
+  if (vectors.empty()) return;
+  metadata[vector_words_entry] = join_text(vectors.words(), "\n");
+  tensors.push_back(tensor_view(prefix + "codes", {vectors.size(), vectors.width()}, vectors.codes()));
+  tensors.push_back(tensor_view(prefix + "scales", {vectors.width()}, vectors.scales()));
+}
+
+MOTIONLANG_BODY WordVectors read_word_vectors(const FilePath& path) {
+  const auto file = SafetensorsFile::open(path);
+  WordVectors out = stored_word_vectors(file);
+  if (out.empty()) raise<config_error>(103, file.name(), ": metadata '", vector_words_entry, "' is missing");
+  return out;
+}
+
+MOTIONLANG_BODY void write_word_vectors(const FilePath& path, const WordVectors& vectors,
+                                        const std::map<std::string, std::string>& about) {
+  std::vector<TensorView> tensors;
+  auto metadata = about;
+  store_word_vectors(tensors, metadata, vectors);
+  write_safetensors(path, tensors, metadata);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise);
+/// A size from a file. It is limited, so that a hostile file cannot make us allocate too much memory.
+Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,
+                    Index smallest = 1);
+/// The number of heads of a transformer of this width. Throws config_error 101 unless it divides an even width.
+Index metadata_heads(const Metadata& metadata, const std::string& key, Index width, const std::string& file);
+
+WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
+/// Throws io_error 407 if a tensor has another shape than the sizes of the model say.
+void check_shape(const SafetensorsFile& file, const std::string& name, const Shape& shape);
+/// The same for the layers of a transformer.
+void check_layers(const SafetensorsFile& file, const std::string& prefix, Index layers, Index width, Index d_ff);
+
+/// The names of the tensors of the text encoder, and of its word vectors, begin like this. The latter are constants.
+inline constexpr const char *encoder_tensors = "text_encoder.", *vector_tensors = "text_encoder.vectors.";
+
+}  // namespace detail
+
+/// The sizes of the text encoder that a file declares. Throws config_error 101, 107.
+CaptionEncoderConfig caption_encoder_config(const SafetensorsFile& file);
+
+/// Compares the tensors that decide the size of the text encoder with its declared sizes, before memory is allocated
+/// for them. Throws io_error 406, 407.
+void check_sizes(const SafetensorsFile& file, const CaptionEncoderConfig& c, Index vocabulary, Index vector_width = 0);
+
+/// Throws config_error 103 unless it is an STMC file of format 1.
+void require_stmc_file(const SafetensorsFile& file);
+
+/// Reads the text encoder alone. Throws io_error 403 ... 407, config_error 101, 103, 107, numeric_error 301.
+template <Backend B>
+CaptionEncoder<B> load_caption_encoder(const SafetensorsFile& file) {
+  require_stmc_file(file);
+  const CaptionEncoderConfig c = caption_encoder_config(file);
+  WordPiece tokenizer = detail::metadata_vocabulary(file.metadata(), file.name());
+  WordVectors vectors = stored_word_vectors(file, detail::vector_tensors);
+  check_sizes(file, c, tokenizer.size(), vectors.width());
+  NoInit zeros;
+  CaptionEncoder<B> encoder(c, std::move(tokenizer), zeros, std::move(vectors));
+  KeyReport report = load_module_partly(encoder, file, detail::encoder_tensors, LoadFor::inference);
+  std::erase_if(report.unexpected, [](const std::string& name) { return name.starts_with(detail::vector_tensors); });
+  if (!report.missing.empty() || !report.unexpected.empty()) detail::raise_key_mismatch(file.name(), report);
+  return encoder;
+}
+
+/// The captions of an STMC file, encoded by its text encoder. None if the file lists no captions. Throws what
+/// load_caption_encoder and stored_known_captions throw.
+template <Backend B>
+KnownCaptions load_known_captions(const SafetensorsFile& file) {
+  auto encoder = load_caption_encoder<B>(file);
+  const WordVectors words = encoder.vectors;
+  return stored_known_captions(file, text_vectors(std::move(encoder)), words);
+}
+/// The same from a file. Throws io_error 401, too.
+template <Backend B>
+KnownCaptions load_known_captions(const FilePath& path) {
+  return load_known_captions<B>(SafetensorsFile::open(path));
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_CAPTION_ENCODER_FILE_IPP  // <motionlang/weights/caption_encoder_file.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_CAPTION_ENCODER_FILE_IPP
+// Bodies of caption_encoder_file.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::string metadata_text(const Metadata& metadata, const std::string& key,
+                                          const std::string& otherwise) {
+  const auto found = metadata.find(key);
+  return found == metadata.end() ? otherwise : found->second;
+}
+
+MOTIONLANG_BODY Index metadata_size(const Metadata& metadata, const std::string& key, Index largest,
+                                    const std::string& file, Index smallest) {
+  const auto n = metadata_number<Index>(metadata, key, file);
+  if (n < smallest || n > largest)
+    raise<config_error>(101, file, ": metadata '", key, "' = ", n, " is not in ", smallest, " ... ", largest);
+  return n;
+}
+
+MOTIONLANG_BODY Index metadata_heads(const Metadata& metadata, const std::string& key, Index width,
+                                     const std::string& file) {
+  const Index n = metadata_size(metadata, key, 256, file);
+  if (width % n != 0 || width % 2 != 0)
+    raise<config_error>(101, file, ": ", key, " = ", n, " does not divide the even width ", width);
+  return n;
+}
+
+MOTIONLANG_BODY WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file) {
+  const auto found = metadata.find("text.vocabulary");
+  if (found == metadata.end()) raise<config_error>(107, file, ": metadata 'text.vocabulary' is missing");
+  std::vector<std::string> pieces;
+  for (std::size_t at = 0; at <= found->second.size();) {
+    const std::size_t end = std::min(found->second.find('\n', at), found->second.size());
+    pieces.push_back(found->second.substr(at, end - at));
+    at = end + 1;
+  }
+  return WordPiece(std::move(pieces), file + ": metadata 'text.vocabulary'");
+}
+
+MOTIONLANG_BODY void check_shape(const SafetensorsFile& file, const std::string& name, const Shape& shape) {
+  if (const FileShape& found = file.tensor(name).shape; found != shape)
+    raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
+}
+
+MOTIONLANG_BODY void check_layers(const SafetensorsFile& file, const std::string& prefix, Index layers, Index width,
+                                  Index d_ff) {
+  for (Index i = 0; i < layers; ++i) {
+    const std::string layer = concat_text(prefix, ".layers.", i);
+    check_shape(file, layer + ".self_attn.in_proj_weight", {3 * width, width});
+    check_shape(file, layer + ".linear1.weight", {d_ff, width});
+  }
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void require_stmc_file(const SafetensorsFile& file) {
+  const auto& m = file.metadata();
+  if (detail::metadata_text(m, "model", "") != "stmc" || detail::metadata_text(m, "format", "") != "1")
+    raise<config_error>(103, file.name(), ": not an STMC model of format 1 (metadata 'model' and 'format')");
+}
+
+MOTIONLANG_BODY CaptionEncoderConfig caption_encoder_config(const SafetensorsFile& file) {
+  const auto& m = file.metadata();
+  const auto size = [&](const char* key, Index largest) { return detail::metadata_size(m, key, largest, file.name()); };
+  CaptionEncoderConfig c;
+  c.width = size("text.width", 8192);
+  c.heads = detail::metadata_heads(m, "text.heads", c.width, file.name());
+  c.d_ff = size("text.d_ff", 32768);
+  c.layers = size("text.layers", 256);
+  c.out = size("text.out", 8192);
+  if (m.contains("text.longest")) c.longest = size("text.longest", 8192);
+  return c;
+}
+
+MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const CaptionEncoderConfig& c, Index vocabulary,
+                                 Index vector_width) {
+  detail::check_shape(file, "text_encoder.embedding.weight", {vocabulary, c.width});
+  detail::check_shape(file, "text_encoder.projection.weight", {c.out, c.width});
+  if (vector_width > 0) detail::check_shape(file, "text_encoder.vector_projection.weight", {c.width, vector_width});
+  detail::check_layers(file, "text_encoder.encoder", c.layers, c.width, c.d_ff);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_WEIGHTS_MOTION_MEMORY_FILE_HPP  // <motionlang/weights/motion_memory_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_MOTION_MEMORY_FILE_HPP
 /// The motions that a model remembers, in the file of its weights (datasets/motion_memory.hpp).
@@ -22563,88 +22880,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP  // <motionlang/weights/word_vector_file.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_HPP
-/// Word vectors in safetensors files: alone, or beside the weights of a text encoder.
-///
-///     write_word_vectors("words.safetensors", table, {{"license", "PDDL 1.0"}});
-///     const WordVectors vectors = read_word_vectors("words.safetensors");
-///
-/// Tensors    codes (words, width) I8, scales (width) F32, behind a prefix
-/// Metadata   vector_words: a word on each line, sorted; for people: license, provenance
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The entry of the words in the metadata.
-inline constexpr const char* vector_words_entry = "vector_words";
-
-/// The vectors of a file whose tensors begin with `prefix`; none if it has no list of words. Throws io_error 406, 407,
-/// config_error 107.
-WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix = "");
-/// The same from any file of weights. `list`: the entry vector_words of its metadata.
-WordVectors listed_word_vectors(const TensorSet& file, std::string_view list, const std::string& prefix = "");
-/// Adds them to what is about to be written. The views are of `vectors`, which has to outlive them.
-void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
-                        const WordVectors& vectors, const std::string& prefix = "");
-
-/// Throws config_error 103 if the file has no word vectors, and what stored_word_vectors throws.
-WordVectors read_word_vectors(const FilePath& path);
-/// Throws io_error 401.
-void write_word_vectors(const FilePath& path, const WordVectors& vectors,
-                        const std::map<std::string, std::string>& about = {});
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP  // <motionlang/weights/word_vector_file.ipp>
-#define MOTIONLANG_HAS_WEIGHTS_WORD_VECTOR_FILE_IPP
-// Bodies of word_vector_file.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY WordVectors listed_word_vectors(const TensorSet& file, std::string_view list,
-                                                const std::string& prefix) {
-  const TensorView &codes = file.tensor(prefix + "codes"), &scales = file.tensor(prefix + "scales");
-  std::vector<std::string> words;
-  detail::for_each_line(list, [&](std::string_view word, Index) { words.emplace_back(word); });
-  if (scales.shape.rank() != 1 || codes.dtype != DType::I8 ||
-      codes.shape != FileShape{std::ssize(words), scales.shape[0]})
-    raise<io_error>(407, file.name(), ": tensors '", codes.name, "' (", codes.dtype, ", ", codes.shape, ") and '",
-                    scales.name, "' ", scales.shape, " are not vectors of ", counted(words.size(), "word"));
-  return {std::move(words), values_of<std::int8_t>(codes), values_of<float>(scales), file.name()};
-}
-
-MOTIONLANG_BODY WordVectors stored_word_vectors(const SafetensorsFile& file, const std::string& prefix) {
-  const auto found = file.metadata().find(vector_words_entry);
-  return found == file.metadata().end() ? WordVectors() : listed_word_vectors(file, found->second, prefix);
-}
-
-MOTIONLANG_BODY void store_word_vectors(std::vector<TensorView>& tensors, std::map<std::string, std::string>& metadata,
-                                        const WordVectors& vectors, const std::string& prefix) {
-  if (vectors.empty()) return;
-  metadata[vector_words_entry] = join_text(vectors.words(), "\n");
-  tensors.push_back(tensor_view(prefix + "codes", {vectors.size(), vectors.width()}, vectors.codes()));
-  tensors.push_back(tensor_view(prefix + "scales", {vectors.width()}, vectors.scales()));
-}
-
-MOTIONLANG_BODY WordVectors read_word_vectors(const FilePath& path) {
-  const auto file = SafetensorsFile::open(path);
-  WordVectors out = stored_word_vectors(file);
-  if (out.empty()) raise<config_error>(103, file.name(), ": metadata '", vector_words_entry, "' is missing");
-  return out;
-}
-
-MOTIONLANG_BODY void write_word_vectors(const FilePath& path, const WordVectors& vectors,
-                                        const std::map<std::string, std::string>& about) {
-  std::vector<TensorView> tensors;
-  auto metadata = about;
-  store_word_vectors(tensors, metadata, vectors);
-  write_safetensors(path, tensors, metadata);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes of a bundled model: everything that its constructor needs.
@@ -22662,14 +22897,6 @@ struct StmcModelConfig {
 
 namespace detail {
 
-std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise);
-/// A size from a file. It is limited, so that a hostile file cannot make us allocate too much memory.
-Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,
-                    Index smallest = 1);
-
-WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
-/// The prefix of the names of word vector tensors, which are constants.
-inline constexpr const char* vector_tensors = "text_encoder.vectors.";
 /// The users' entries about a model or a record. Throws config_error 102 for a key that exists already.
 void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 
@@ -22758,20 +22985,6 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-MOTIONLANG_BODY std::string metadata_text(const Metadata& metadata, const std::string& key,
-                                          const std::string& otherwise) {
-  const auto found = metadata.find(key);
-  return found == metadata.end() ? otherwise : found->second;
-}
-
-MOTIONLANG_BODY Index metadata_size(const Metadata& metadata, const std::string& key, Index largest,
-                                    const std::string& file, Index smallest) {
-  const auto n = metadata_number<Index>(metadata, key, file);
-  if (n < smallest || n > largest)
-    raise<config_error>(101, file, ": metadata '", key, "' = ", n, " is not in ", smallest, " ... ", largest);
-  return n;
-}
-
 inline double metadata_real(const Metadata& metadata, const std::string& key, double least, double largest,
                             const std::string& file) {
   const auto x = metadata_number<double>(metadata, key, file);
@@ -22799,18 +23012,6 @@ inline void read_sampling(const Metadata& metadata, StmcModelConfig& c, const st
   if (space == wanted.size()) return;
   c.sampling_steps = number_in_metadata<Index>(std::string_view(wanted).substr(space + 1), "sampling", file);
   check_sampling_steps(c, file);
-}
-
-MOTIONLANG_BODY WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file) {
-  const auto found = metadata.find("text.vocabulary");
-  if (found == metadata.end()) raise<config_error>(107, file, ": metadata 'text.vocabulary' is missing");
-  std::vector<std::string> pieces;
-  for (std::size_t at = 0; at <= found->second.size();) {
-    const std::size_t end = std::min(found->second.find('\n', at), found->second.size());
-    pieces.push_back(found->second.substr(at, end - at));
-    at = end + 1;
-  }
-  return WordPiece(std::move(pieces), file + ": metadata 'text.vocabulary'");
 }
 
 MOTIONLANG_BODY void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose,
@@ -22858,9 +23059,7 @@ MOTIONLANG_BODY std::map<std::string, std::string> stmc_metadata(const StmcModel
 MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
   const auto& m = file.metadata();
   const std::string& name = file.name();
-  if (detail::metadata_text(m, "model", "") != "stmc" || detail::metadata_text(m, "format", "") != "1") {
-    raise<config_error>(103, name, ": not an STMC model of format 1 (metadata 'model' and 'format')");
-  }
+  require_stmc_file(file);
   if (detail::metadata_text(m, "features", "") != "smplrifke" ||
       detail::metadata_text(m, "diffusion.schedule", "") != "cosine") {
     raise<config_error>(103, name, ": features '", detail::metadata_text(m, "features", ""), "' or schedule '",
@@ -22871,15 +23070,6 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
     raise<config_error>(103, name, ": diffusion.noise_scale '", scale,
                         "' is neither posterior_std nor posterior_variance");
   auto size = [&](const std::string& key, Index largest) { return detail::metadata_size(m, key, largest, name); };
-  auto size_or = [&](const std::string& key, Index largest, Index otherwise) {
-    return m.contains(key) ? size(key, largest) : otherwise;
-  };
-  auto heads = [&](const std::string& key, Index width) {
-    const Index n = size(key, 256);
-    if (width % n != 0 || width % 2 != 0)
-      raise<config_error>(101, name, ": ", key, " = ", n, " does not divide the even width ", width);
-    return n;
-  };
   StmcModelConfig c;
   c.denoiser.nfeats = size("denoiser.nfeats", 4096);
   if (const Index features = smplrifke_layout().size; c.denoiser.nfeats != features)
@@ -22888,19 +23078,15 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
   c.denoiser.latent_dim = size("denoiser.latent_dim", 8192);
   c.denoiser.ff_size = size("denoiser.ff_size", 32768);
   c.denoiser.num_layers = size("denoiser.num_layers", 256);
-  c.denoiser.num_heads = heads("denoiser.num_heads", c.denoiser.latent_dim);
+  c.denoiser.num_heads = detail::metadata_heads(m, "denoiser.num_heads", c.denoiser.latent_dim, name);
   c.denoiser.nb_registers = detail::metadata_size(m, "denoiser.nb_registers", 256, name, 0);
-  c.text.width = size("text.width", 8192);
-  c.text.heads = heads("text.heads", c.text.width);
-  c.text.d_ff = size("text.d_ff", 32768);
-  c.text.layers = size("text.layers", 256);
-  c.text.out = c.denoiser.tx_dim = size("text.out", 8192);
+  c.text = caption_encoder_config(file);
+  c.denoiser.tx_dim = c.text.out;
   const std::string activation = detail::metadata_text(m, "denoiser.activation", "gelu");
   if (activation != "gelu" && activation != "relu")
     raise<config_error>(103, name, ": denoiser.activation '", activation, "' is neither gelu nor relu");
   c.denoiser.activation = parse_activation(activation);
-  c.denoiser.max_len = size_or("denoiser.max_len", 8192, c.denoiser.max_len);
-  c.text.longest = size_or("text.longest", 8192, c.text.longest);
+  if (m.contains("denoiser.max_len")) c.denoiser.max_len = size("denoiser.max_len", 8192);
   c.diffusion_steps = size("diffusion.steps", c.denoiser.max_len);  // a row of the table of positions tells the step
   c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
   c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
@@ -22911,26 +23097,12 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
 
 MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary,
                                  Index vector_width) {
-  auto expect = [&](const std::string& name, const Shape& shape) {
-    if (const FileShape& found = file.tensor(name).shape; found != shape)
-      raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
-  };
-  auto transformer = [&](const std::string& prefix, Index layers, Index width, Index d_ff) {
-    for (Index i = 0; i < layers; ++i) {
-      const std::string layer = concat_text(prefix, ".layers.", i);
-      expect(layer + ".self_attn.in_proj_weight", {3 * width, width});
-      expect(layer + ".linear1.weight", {d_ff, width});
-    }
-  };
   const MdmSmplConfig& d = c.denoiser;
-  if (d.nb_registers > 0) expect("denoiser.registers", {d.nb_registers, d.latent_dim});
-  expect("denoiser.skel_embedding.weight", {d.latent_dim, d.nfeats});
-  expect("denoiser.tx_embedding.0.weight", {2 * d.latent_dim, d.tx_dim});
-  transformer("denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);
-  expect("text_encoder.embedding.weight", {vocabulary, c.text.width});
-  expect("text_encoder.projection.weight", {c.text.out, c.text.width});
-  if (vector_width > 0) expect("text_encoder.vector_projection.weight", {c.text.width, vector_width});
-  transformer("text_encoder.encoder", c.text.layers, c.text.width, c.text.d_ff);
+  if (d.nb_registers > 0) detail::check_shape(file, "denoiser.registers", {d.nb_registers, d.latent_dim});
+  detail::check_shape(file, "denoiser.skel_embedding.weight", {d.latent_dim, d.nfeats});
+  detail::check_shape(file, "denoiser.tx_embedding.0.weight", {2 * d.latent_dim, d.tx_dim});
+  detail::check_layers(file, "denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);
+  check_sizes(file, c.text, vocabulary, vector_width);
 }
 
 MOTIONLANG_NAMESPACE_END

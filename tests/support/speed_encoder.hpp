@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -42,9 +43,14 @@ class SpeedEncoder final : public motionlang::SearchEncoder {
 
   const motionlang::SimilarityScale& similarity() const override { return scale; }
   motionlang::KnownWords known_words() const override { return known; }
+  std::vector<std::string> meant(const std::string& query) const override {
+    const auto found = meanings.find(query);
+    return found == meanings.end() ? std::vector{query} : found->second;
+  }
 
   motionlang::SimilarityScale scale{};
   motionlang::KnownWords known{};
+  std::map<std::string, std::vector<std::string>> meanings{};  // of queries that are not themselves what they mean
   mutable std::atomic<int> asked = 0;
 
  private:

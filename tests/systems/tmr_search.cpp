@@ -13,6 +13,7 @@
 #include <motionlang/weights/tm2t_checkpoint.hpp>
 
 #include "../support/check_error.hpp"
+#include "../support/small_model.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"
 
@@ -51,6 +52,37 @@ TEST_CASE("the checkpoint encodes texts and motions, the encoder of an index the
   CHECK(encoder.model().path == MOTIONLANG_BUNDLED_TMR);
   const ml::Motion walk = synthetic::walk({.frames = 60});
   CHECK(tmr.encode_motion(walk).to_vector() == ml::encode_motion(encoder, walk));
+}
+
+TEST_CASE("captions that the bundled models learned from tell what a query means") {
+  const ml::TmrSearchEncoder<B> tmr(ml::load_tmr<B>(MOTIONLANG_BUNDLED_TMR));
+  const auto seat = tmr.meant("please sit down on the chair");
+  REQUIRE_FALSE(seat.empty());
+  CHECK(seat[0] == "sit down on a chair");
+  CHECK(tmr.meant("jumpp") == tmr.meant("jump"));
+  CHECK(tmr.meant("flibber glorp").empty());
+  CHECK_FALSE(tmr.known_words().knows("glorp"));
+  ml::MotionIndex index(ml::index_model(tmr));
+  const TemporaryFolder folder;
+  ml::write_motion(folder / "walk.bvh", synthetic::walk({.frames = 80}));
+  ml::update_index(index, folder.path, tmr);
+  const ml::MotionSearch moves(index);
+  CHECK(ml::answer_text(moves, tmr, "somebody is going for a walk").shown);
+  CHECK(ml::answer_text(moves, tmr, "wlaks").shown);
+  CHECK(ml::answer_text(moves, tmr, "give a handshake").unheard.empty());
+  CHECK_FALSE(ml::answer_text(moves, tmr, "the stock market fell again").shown);
+}
+
+TEST_CASE("a model whose known captions are missing is refused") {
+  const TemporaryFolder folder;
+  std::filesystem::copy(MOTIONLANG_BUNDLED_TMR, folder / "tmr");
+  CHECK_ERROR(ml::load_tmr<B>(folder / "tmr"), "text.known_captions names");
+  std::filesystem::copy(MOTIONLANG_BUNDLED_TMR "/weights.safetensors", folder / "stmc_free.safetensors");
+  CHECK_ERROR(ml::load_tmr<B>(folder / "tmr"), "[motionlang.config.103]");
+  const auto config = small::config();
+  ml::save_stmc(folder / "stmc_free.safetensors", ml::make_stmc<B>(config, small::tokenizer(), ml::Philox{.seed = 1}),
+                config, {});
+  CHECK_ERROR(ml::load_tmr<B>(folder / "tmr"), "lists no captions");
 }
 
 TEST_CASE("a folder of another system is refused by name") {

@@ -21,11 +21,11 @@ import numpy as np
 
 from acting import ACTING, ACTING_HELD
 from pose import ANKLE, FPS, HIP, KNEE, Pose, Z, between, ease, from_vector, rotation, to_vector
-from standing import HELD, STANDING
-from stepping import GOES_ON, STEPPED
+from standing import AGAIN, HELD, STANDING
+from stepping import GOES_ON, ONE_STEP, STEPPED
 from walking import HALTS, WALKS
 
-GESTURES = {**STANDING, **STEPPED, **ACTING}
+GESTURES = {**STANDING, **STEPPED, **ACTING, **AGAIN, **ONE_STEP}
 
 
 def person_of(path, gestures):

@@ -232,7 +232,14 @@ def dance(p, t, s, n, r):
 
 
 def squat(p, t, s, n, r):
-    w = held(t, s, 1.0 / r, 1.0 / r)
+    knees_bent(p, held(t, s, 1.0 / r, 1.0 / r), n)
+
+
+def two_squats(p, t, s, n, r):
+    knees_bent(p, held(t % (s / 2), s / 2, 1.0, 1.0), n)
+
+
+def knees_bent(p, w, n):
     p.crouch(62 * min(1, n) * w)
     p.hinge(14 * w)
     p.trunk(ahead=16 * w)
@@ -331,11 +338,18 @@ def seat(p, share):
 
 
 def sit(p, t, s, n, r):
-    share = ease((t - 0.2) / 1.5)
+    sit_down(p, ease((t - 0.2) / 1.5))
+
+
+def sit_down(p, share):
     seat(p, share)
     p.trunk(ahead=38 * np.sin(np.pi * share) + 4 * share)
     for side, out in ((LEFT, 1), (RIGHT, -1)):
         p.reach(side, (out * 0.16, -0.22, 0.34), (out, -0.6, -0.3), share)
+
+
+def sit_down_and_stand_up(p, t, s, n, r):
+    sit_down(p, ease((t - 0.2) / 1.5) * (1 - ease((t - 2.7) / 1.5)))
 
 
 def stay_seated(p, t, s, n, r):
@@ -510,7 +524,7 @@ STANDING = {
         "dances to music | do a dance"),
     "squat": (
         squat, 3.4, "legs",
-        "squat | do a squat | do squats | doing two squats | squat down and up | a person squats | squatting | squat "
+        "squat | do a squat | squat down and up | a person squats | squatting | squat "
         "and come up again | do a knee bend | bend the knees | go into the knees | a person does a squat"),
     "pick_up": (
         pick_up, 3.4, "right arm,spine,legs",
@@ -546,8 +560,9 @@ STANDING = {
         "the upper body down | bow deeply"),
     "jump_forward": (
         jump_forward, 3.2, "legs",
-        "jump forward | jump ahead | leap forward | jump to the front | a person jumps forward | a person jumps ahead "
-        "| someone leaps ahead | someone leaps forward | do a long jump | jump far"),
+        "jump forward | jump forwards | jump ahead | leap forward | jump to the front | a person jumps forward | a "
+        "person jumps ahead | someone leaps ahead | someone leaps forward | do a long jump | jump far | make a jump "
+        "forward | jump forward with both legs | hop forward | one jump forward"),
     "turn_left": (
         turn_left, 2.6, "legs",
         "turn left | turn to the left | turning left | someone turns left | rotate to the left | a person rotates to "
@@ -567,8 +582,8 @@ STANDING = {
         hold_right_arm_up, 3.0, "right arm", "keep the right hand up | hold the right arm up | hold the right hand up"),
     "sit_on_a_chair": (
         sit, 2.0, "legs,spine",
-        "sit down on a chair | sit on a chair | sit on the chair | sit on a stool | someone sits on a chair | take a "
-        "seat on the chair | seat yourself on a chair | a person sits on a chair"),
+        "sit | sit down | a person sits down | sit down on a chair | sit on a chair | sit on the chair | sit on a stool | "
+        "someone sits on a chair | take a seat on the chair | seat yourself on a chair | a person sits on a chair"),
     "stay_seated": (
         stay_seated, 3.0, "legs,spine", "stay on the chair | remain on the chair | keep sitting on the chair"),
     "kneel": (
@@ -583,4 +598,16 @@ STANDING = {
         "place | lift the knees in turn"),
 }
 
+# These come last, so the random numbers of the other gestures stay the same.
+AGAIN = {
+    "two_squats": (
+        two_squats, 4.8, "legs",
+        "do squats | do two squats | doing two squats | squat twice | a person does two squats | a person does squats "
+        "| do several squats | squat down two times"),
+    "sit_down_and_stand_up": (
+        sit_down_and_stand_up, 4.6, "legs,spine",
+        "sit down and stand up | sit down and stand up again | sit down and get up again | a person sits down and "
+        "stands up again | a person sits down on a chair and stands up | sit down on a chair and get up again | sit "
+        "on a chair and then stand up"),
+}
 HELD = {"raise_both_arms", "raise_right_arm", "sit_on_a_chair", "kneel"}  # gestures whose last pose may be held

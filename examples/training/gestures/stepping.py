@@ -213,10 +213,11 @@ STEPPED = {
     "jump_to_the_left": (
         jumping(left=0.55), 2.4, "legs",
         "jump to the left | jump sideways to the left | a person jumps to the left | jump to the left side | leap to "
-        "the left"),
+        "the left | hop to the left | make a jump to the left | jump sideways"),
     "jump_back": (
         jumping(ahead=-0.45), 2.4, "legs",
-        "jump backwards | jump back | a person jumps backwards | leap backwards | hop backwards with both feet"),
+        "jump backwards | jump back | a person jumps backwards | leap backwards | hop backwards with both feet | "
+        "hop back | hop backwards | make a jump backwards"),
     "jump_and_turn": (
         jumping(degrees=180), 2.4, "legs",
         "jump and turn around | jump and turn 180 degrees | a person jumps and turns in the air | jump with half a "
@@ -233,5 +234,16 @@ STEPPED = {
         crawl, 4.2, "left arm,right arm,legs,spine,head",
         "crawl | crawl on all fours | crawl on hands and knees | a person crawls | crawl forward | a person crawls on "
         "the floor | someone crawls on all fours | move on hands and knees | go on all fours | crawl like a baby"),
+}
+# As AGAIN of standing.py, these come last.
+ONE_STEP = {
+    "step_back_once": (
+        stepping_to(0, -0.55, 2, 0.5), 2.4, "legs",
+        "take a step back | take one step back | step back once | a person takes a step back | take a large step back "
+        "| make a big step backwards | one step backwards | take a quick step back | a person makes a step backwards"),
+    "step_ahead_once": (
+        stepping_to(0, 0.55, 2, 0.5), 2.4, "legs",
+        "take a step forward | take one step forward | step forward once | a person takes a step forward | take a "
+        "large step forward | make a big step ahead | one step ahead | a person makes one step forward"),
 }
 GOES_ON = {"crawl", "stand_still"}  # gestures that nothing follows; also all hold_ and stay_

@@ -113,7 +113,9 @@ WALKS = {
     "walk_in_a_circle": (
         walk_on, 5.2, "legs",
         "walk in a circle | a person walks in a circle | walking in a circle | walk around in a circle | walk in "
-        "circles | walk a full circle", 1.0, 360),
+        "circles | walk a full circle | walk in a circle to the left | walk a circle to the left | walk in a circle "
+        "counterclockwise | walk counterclockwise | walk counterclockwise in a circle | a person walks in a circle to "
+        "the left | walk counter clockwise", 1.0, 360),
     "walk_backwards": (
         as_it_is, 4.6, "legs",
         "walk backwards | a person walks backwards | walking backwards | walk back | walk in reverse | step back | "

@@ -217,7 +217,8 @@ typedef struct motionlang_index motionlang_index; /* vectors of motions, with th
 typedef struct motionlang_hits motionlang_hits;   /* the answer to a search, best first */
 
 typedef struct motionlang_index_options {
-  const char* model;            /* folder of TMR, such as examples/models/tmr_free; NULL: that of the index */
+  const char* model;            /* folder of TMR, such as examples/models/tmr_free, which needs stmc_free.safetensors
+                                   beside it; NULL: that of the index */
   const char* text_encoder;     /* language model, for a TMR without word pieces of its own; may be NULL */
   const char* license;          /* of all motions; NULL: the first line of the LICENSE file beside or above them */
   int32_t moments;              /* in a new index: 1: also moments of 1, 2 and 3 seconds; 0: only whole clips */

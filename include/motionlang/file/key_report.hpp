@@ -16,7 +16,8 @@ struct KeyReport {
   std::vector<std::string> missing, unexpected;
 };
 
-/// The number of characters to insert, remove or exchange to turn a into b (Levenshtein), but at most `limit`.
+/// The number of steps that turn a into b, but at most `limit`. A step inserts, removes or exchanges a character, or
+/// swaps two neighbours, as in "rigth" (optimal string alignment).
 std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
 
 /// The name that is most similar to `name`; empty if none shares half of it. Only the first 2,000 names of a long list

@@ -4,7 +4,7 @@
 
 #include <algorithm>  // min
 #include <span>       // lists
-#include <utility>    // exchange
+#include <utility>    // swap
 
 #include <motionlang/file/key_report.hpp>
 
@@ -12,14 +12,15 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
   if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
-  std::vector<std::size_t> row(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1), above(row), second(row);  // the row of a prefix of a, and those before it
   for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
+    std::swap(second, above);
+    std::swap(above, row);
+    row[0] = i + 1;
     for (std::size_t k = 0; k < b.size(); ++k) {
-      const std::size_t exchanged = diagonal + (a[i] == b[k] ? 0 : 1);
-      diagonal = row[k + 1];
-      row[k + 1] = std::min(exchanged, std::min(diagonal, row[k]) + 1);
+      row[k + 1] = std::min(above[k] + (a[i] == b[k] ? 0 : 1), std::min(above[k + 1], row[k]) + 1);
+      if (i > 0 && k > 0 && a[i] == b[k - 1] && a[i - 1] == b[k]) row[k + 1] = std::min(row[k + 1], second[k - 1] + 1);
     }
   }
   return std::min(row.back(), limit);

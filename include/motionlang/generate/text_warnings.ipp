@@ -118,7 +118,13 @@ MOTIONLANG_BODY std::vector<std::string> far_text_warnings(const std::string& te
   const bool known_parts = parts.size() > 1 && std::all_of(parts.begin(), parts.end(), [&](const std::string& part) {
                              return captions.knows(part);
                            });
-  if (known_parts || near.front().likeness >= captions.nearness()) return detail::unreadable_word_warnings(text);
+  if (known_parts || near.front().likeness >= captions.nearness()) {
+    auto out = detail::unreadable_word_warnings(text);
+    for (const MisspelledWord& m : captions.misspelled(text))
+      out.push_back(concat_text(detail::in_quotes(text), ": ", detail::in_quotes(m.word), " is read as ",
+                                detail::in_quotes(m.read)));
+    return out;
+  }
   auto out = unknown_word_warnings(text, known);
   out.push_back(concat_text(detail::in_quotes(text), " is far from all that the model learned; the nearest to it: ",
                             join_text(detail::of_different_words(near, 3), ", ", detail::in_quotes)));

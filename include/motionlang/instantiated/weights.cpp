@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Bodies of the headers in weights/, compiled once for motionlang::instantiated.
+#include <motionlang/weights/caption_encoder_file.ipp>
 #include <motionlang/weights/glove_file.ipp>
 #include <motionlang/weights/int8_matrix.ipp>
 #include <motionlang/weights/known_caption_file.ipp>

@@ -34,6 +34,9 @@ class SearchEncoder {
 
   /// The meaning of the cosines of texts and motions; empty if it was not measured.
   virtual const SimilarityScale& similarity() const;
+  /// The texts that the model learned from and that a query means; the query itself if the model cannot tell. None if
+  /// the model learned from nothing like it. Throws what the encoder of these texts throws.
+  virtual std::vector<std::string> meant(const std::string& query) const { return {query}; }
   /// The words that the model knows; empty if it cannot tell.
   virtual KnownWords known_words() const { return {}; }
 
@@ -46,6 +49,9 @@ class SearchEncoder {
 /// (width): a whole clip. A clip of more than ten seconds is longer than the training clips of such models. It is cut
 /// into equal parts and gets the mean of their directions.
 std::vector<float> encode_clip(const SearchEncoder& encoder, std::span<const float> rows);
+/// (width): the mean direction of one text or more, or the vector of a single one. Throws what
+/// SearchEncoder::encode_texts throws, and shape_error 203 for no texts.
+std::vector<float> encode_together(const SearchEncoder& encoder, std::span<const std::string> texts);
 /// The vector of a motion as a query or as a clip of an index. Throws what SearchEncoder::rows_of throws.
 std::vector<float> encode_motion(const SearchEncoder& encoder, const Motion& motion);
 

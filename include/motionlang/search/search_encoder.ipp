@@ -25,11 +25,13 @@ MOTIONLANG_BODY std::vector<float> encode_clip(const SearchEncoder& encoder, std
     stretches.push_back({first, all * (i + 1) / count - first});
   }
   auto vectors = encoder.encode_windows(rows, stretches);
-  if (count == 1) return vectors;
-  vectors = unit_rows(vectors, width);
-  std::vector<float> mean(static_cast<std::size_t>(width));
-  for (std::size_t i = 0; i < vectors.size(); ++i) mean[i % mean.size()] += vectors[i] / static_cast<float>(count);
-  return mean;
+  return count == 1 ? vectors : mean_direction(vectors, width);
+}
+
+MOTIONLANG_BODY std::vector<float> encode_together(const SearchEncoder& encoder, std::span<const std::string> texts) {
+  if (texts.empty()) raise<shape_error>(203, "encode_together: no texts");
+  auto vectors = encoder.encode_texts(texts);
+  return texts.size() == 1 ? vectors : mean_direction(vectors, encoder.model().width);
 }
 
 MOTIONLANG_BODY std::vector<float> encode_motion(const SearchEncoder& encoder, const Motion& motion) {

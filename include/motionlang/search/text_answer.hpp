@@ -21,12 +21,13 @@ struct TextAnswer {
   std::vector<double> scores{};
   bool calibrated = false;             // true if the scores are such shares
   std::vector<UnknownWord> unheard{};  // words that the model knows nothing about
-  /// False if no clip shows the text: no clip reaches the cosine from which a motion shows a text, or the model knows
-  /// no word of the text. Always true for captions, and for models that cannot tell unless no word is known.
+  /// False if no clip shows the text: no clip reaches the cosine from which a motion shows a text, the model learned
+  /// from nothing like it, or it knows no word of the text. Always true for captions, and for models that cannot tell
+  /// unless no word is known.
   bool shown = true;
 };
 
-/// Throws what search and SearchEncoder::encode_texts throw.
+/// Throws what search, SearchEncoder::meant and SearchEncoder::encode_texts throw.
 TextAnswer answer_text(const MotionSearch& found, const SearchEncoder& encoder, const std::string& text,
                        const SearchOptions& options = {});
 

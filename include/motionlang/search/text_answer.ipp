@@ -26,7 +26,12 @@ inline bool is_unheard(const std::string& text, const std::vector<UnknownWord>& 
 MOTIONLANG_BODY TextAnswer answer_text(const MotionSearch& found, const SearchEncoder& encoder, const std::string& text,
                                        const SearchOptions& options) {
   TextAnswer out;
-  out.hits = search(found, encoder.encode_texts(std::span(&text, 1)), options);
+  std::vector<std::string> meant{text};
+  if (options.what != SearchFor::captions) meant = encoder.meant(text);
+  const bool learned = !meant.empty();
+  if (!learned) meant = {text};
+  const bool reworded = meant.size() > 1 || meant.front() != text;
+  out.hits = search(found, encode_together(encoder, meant), options);
   if (const KnownWords known = encoder.known_words(); !known.empty()) {
     out.unheard = unknown_words(text, known);
     for (std::string& word : unreadable_words(text)) out.unheard.push_back({std::move(word), ""});
@@ -36,7 +41,7 @@ MOTIONLANG_BODY TextAnswer answer_text(const MotionSearch& found, const SearchEn
   for (const MotionHit& hit : out.hits)
     out.scores.push_back(out.calibrated ? share_below(scale, static_cast<double>(hit.score)) : score_of(hit));
   if (options.what == SearchFor::captions) return out;
-  out.shown = !detail::is_unheard(text, out.unheard);
+  out.shown = learned && (reworded || !detail::is_unheard(text, out.unheard));
   if (out.calibrated && (out.hits.empty() || !is_shown(scale, static_cast<double>(out.hits.front().score))))
     out.shown = false;
   return out;

@@ -76,6 +76,11 @@ class TmrSearchEncoder final : public SearchEncoder {
   }
 
   const SimilarityScale& similarity() const override { return tmr_.similarity; }
+  /// The captions nearest to the query, if the model has a list of its captions (TextTokensConfig::known_captions).
+  std::vector<std::string> meant(const std::string& query) const override {
+    constexpr Index most = 3;
+    return tmr_.captions.empty() ? std::vector{query} : tmr_.captions.meant_texts(query, most);
+  }
   KnownWords known_words() const override { return tmr_.known_words; }
 
  private:

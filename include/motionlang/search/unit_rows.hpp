@@ -33,6 +33,9 @@ Index whole_rows(std::string_view function, std::size_t values, Index width);
 /// length 0.
 std::vector<float> unit_rows(std::span<const float> rows, Index width);
 
+/// (width): the mean of the rows' directions, which is not of length 1. Throws what unit_rows throws.
+std::vector<float> mean_direction(std::span<const float> rows, Index width);
+
 /// Throws shape_error 205, and numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not
 /// finite.
 void require_unit_rows(std::string_view where, std::span<const float> rows, Index width);

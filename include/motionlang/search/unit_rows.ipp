@@ -36,6 +36,15 @@ MOTIONLANG_BODY std::vector<float> unit_rows(std::span<const float> rows, Index 
   return out;
 }
 
+MOTIONLANG_BODY std::vector<float> mean_direction(std::span<const float> rows, Index width) {
+  const auto directions = unit_rows(rows, width);
+  const Index count = std::ssize(directions) / width;
+  std::vector<float> mean(static_cast<std::size_t>(width));
+  for (std::size_t i = 0; i < directions.size(); ++i)
+    mean[i % mean.size()] += directions[i] / static_cast<float>(count);
+  return mean;
+}
+
 MOTIONLANG_BODY void require_unit_rows(std::string_view where, std::span<const float> rows, Index width) {
   const Index count = detail::whole_rows(where, rows.size(), width);
   constexpr Index at_once = 1024;

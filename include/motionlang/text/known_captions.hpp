@@ -7,6 +7,7 @@
 ///     const auto action = captions.action("have a seat");                     // 2.4 s, then "sit quietly"
 ///
 /// The captions of mirrored motions are known as well, but not stored: a text and its mirror image are looked up.
+/// Misspelled words are mended first.
 /// Texts that were tried with the model can be added, so that it also tells at what it often fails.
 #pragma once
 
@@ -32,6 +33,11 @@ struct NearCaption {
   Index row = 0;
   bool mirrored = false;
   double likeness = 0;
+};
+
+/// A misspelled word, and the word that is read instead.
+struct MisspelledWord {
+  std::string word{}, read{};
 };
 
 class KnownCaptions {
@@ -61,6 +67,8 @@ class KnownCaptions {
   /// The shares of the texts that were tried, which follow the captions in the table.
   const std::vector<double>& done() const { return done_; }
 
+  /// The misspelled words of a text (TextTable::mended).
+  std::vector<MisspelledWord> misspelled(const std::string& text) const;
   /// At most `count` captions or mirror images of captions, the nearest first, each once.
   std::vector<NearText> nearest(const std::string& text, Index count) const;
   /// The captions of a text that is known which are nearly as alike to it as the nearest one, at most `count`. Captions
@@ -68,6 +76,8 @@ class KnownCaptions {
   /// that is nearly a caption: "kick" for "he kicks the xylophone". Half of the text has to say it, unless the captions
   /// are very far (0.5).
   std::vector<NearCaption> meant(const std::string& text, Index count) const;
+  /// The same as texts. Throws what the encoder of the table throws.
+  std::vector<std::string> meant_texts(const std::string& text, Index count) const;
   /// True if the nearest caption is near.
   bool knows(const std::string& text) const;
   /// The action of a text, or of its beginning (as in `meant`), by the captions near it. Their majority decides if it
@@ -84,6 +94,10 @@ class KnownCaptions {
   };
   /// In the rows from `first` to before `last`. A caption that is the mirror image of another is found twice.
   std::vector<Found> found(const std::string& text, Index count, Index first, Index last) const;
+  /// "do not" for "don't", and words for misspelled ones.
+  std::string plain(const std::string& text) const;
+  /// `nearest` for a plain text.
+  std::vector<NearText> nearest_of_plain(const std::string& plain, Index count) const;
   /// The text, or the caption of its beginning if the text is far from all of them.
   std::string known_beginning(const std::string& text) const;
   /// Each text once.

@@ -104,16 +104,37 @@ MOTIONLANG_BODY std::vector<KnownCaptions::Found> KnownCaptions::different(std::
 }
 
 MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest(const std::string& text, Index count) const {
+  return nearest_of_plain(plain(text), count);
+}
+
+MOTIONLANG_BODY std::vector<NearText> KnownCaptions::nearest_of_plain(const std::string& plain, Index count) const {
   std::vector<NearText> out;
-  auto all = found(detail::without_contractions(text), count, 0, std::ssize(actions_));
+  auto all = found(plain, count, 0, std::ssize(actions_));
   for (Found& f : different(std::move(all), count)) out.push_back(std::move(f.near));
   return out;
 }
 
+MOTIONLANG_BODY std::vector<MisspelledWord> KnownCaptions::misspelled(const std::string& text) const {
+  std::vector<MisspelledWord> out;
+  for (const std::string& word : WordPiece::words(detail::without_contractions(text))) {
+    if (std::string read = table_.mended(word); !read.empty()) out.push_back({word, std::move(read)});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string KnownCaptions::plain(const std::string& text) const {
+  std::string out = detail::without_contractions(text);
+  const auto mistakes = misspelled(out);
+  if (mistakes.empty()) return out;
+  std::vector<std::string> words = WordPiece::words(out);
+  for (const MisspelledWord& m : mistakes) std::replace(words.begin(), words.end(), m.word, m.read);
+  return join_text(words, " ");
+}
+
 MOTIONLANG_BODY std::string KnownCaptions::known_beginning(const std::string& text) const {
   constexpr double near = 0.7, half_near = 0.5, same = 0.9;
-  std::string plain = detail::without_contractions(text);
-  const auto best = nearest(plain, 1);
+  std::string plain = this->plain(text);
+  const auto best = nearest_of_plain(plain, 1);
   if (best.empty() || best.front().likeness >= near) return plain;
   std::vector<std::string> words = WordPiece::words(plain);
   const auto says = [](const std::string& word) { return !detail::is_function_word(word); };
@@ -160,6 +181,15 @@ MOTIONLANG_BODY std::vector<NearCaption> KnownCaptions::meant(const std::string&
     const double least = (rank(all.front()) < same ? nearly_as_alike : nearly_same) * rank(all.front());
     if (rank(f) < least || std::ssize(out) == count) break;
     out.push_back({f.near.row, f.mirrored, f.near.likeness});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> KnownCaptions::meant_texts(const std::string& text, Index count) const {
+  std::vector<std::string> out;
+  for (const NearCaption& near : meant(text, count)) {
+    const std::string& caption = table_.texts()[static_cast<std::size_t>(near.row)];
+    out.push_back(near.mirrored ? mirror_caption(caption) : caption);
   }
   return out;
 }

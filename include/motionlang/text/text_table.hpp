@@ -18,6 +18,7 @@
 #include <cstdint>      // codes
 #include <functional>   // encoders
 #include <memory>       // copies share the table
+#include <set>          // words
 #include <span>         // texts
 #include <string>       // texts
 #include <string_view>  // messages
@@ -50,7 +51,8 @@ struct NearText {
 namespace detail {
 
 /// True for words that say nothing about a motion: "the", "your", "person", "performs".
-bool is_function_word(const std::string& word);
+const std::set<std::string>& function_words();
+inline bool is_function_word(const std::string& word) { return function_words().contains(word); }
 
 }  // namespace detail
 
@@ -83,6 +85,12 @@ class TextTable {
   std::span<const std::int8_t> codes() const { return table().codes; }
   std::span<const float> mean() const { return table().mean; }
   const WordVectors& words() const { return table().words; }
+  /// The words of the texts, without those that say nothing, in alphabetical order.
+  const std::vector<std::string>& said_words() const;
+  /// The word for a misspelled one: "forward" for "foreward". The texts do not say the misspelled word, and it has no
+  /// vector. Both words begin alike, and one step turns one into the other (edit_distance), or two if it has more than
+  /// seven letters. "" if there is no such word, or if the table has no vectors, which tell what words exist.
+  std::string mended(const std::string& word) const;
 
   /// At most `count` texts, the nearest first.
   /// wanted  rows that may be found; none: all

@@ -8,6 +8,7 @@
 #include <numeric>    // iota
 #include <set>        // words of a text, each once
 
+#include <motionlang/file/key_report.hpp>
 #include <motionlang/text/text_table.hpp>
 #include <motionlang/text/word_forms.hpp>
 #include <motionlang/text/word_piece.hpp>
@@ -16,7 +17,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-MOTIONLANG_BODY bool is_function_word(const std::string& word) {
+MOTIONLANG_BODY const std::set<std::string>& function_words() {
   static const std::set<std::string> words{
       "a",      "an",      "and",        "are",      "as",    "at",      "be",       "been",       "being",   "both",
       "by",     "can",     "do",         "does",     "doing", "for",     "from",     "he",         "her",     "hers",
@@ -27,7 +28,7 @@ MOTIONLANG_BODY bool is_function_word(const std::string& word) {
       "woman",  "you",     "your",       "yourself", "human", "figure",  "someone",  "somebody",   "himself", "herself",
       "itself", "subject", "individual", "people",   "guy",   "perform", "performs", "performing", "make",    "makes",
       "making", "motion",  "movement",   "movements"};
-  return words.contains(word);
+  return words;
 }
 
 }  // namespace detail
@@ -159,6 +160,27 @@ MOTIONLANG_BODY TextTable TextTable::first(Index count) const {
 MOTIONLANG_BODY const TextTable::Table& TextTable::table() const {
   static const Table none{.said = std::make_shared<const Words>()};
   return table_ ? *table_ : none;
+}
+
+MOTIONLANG_BODY const std::vector<std::string>& TextTable::said_words() const { return table().said->words; }
+
+MOTIONLANG_BODY std::string TextTable::mended(const std::string& word) const {
+  const Table& t = table();
+  const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+  if (t.words.empty() || word.size() < 3 || !std::all_of(word.begin(), word.end(), is_letter) ||
+      detail::is_function_word(word) || t.said->find(word) || t.words.find(word))
+    return "";
+  std::size_t most = word.size() > 7 ? 3 : 2;  // steps, which are too many
+  std::string out;
+  const auto try_all = [&](const auto& candidates) {
+    for (const std::string& candidate : candidates) {
+      if (candidate.front() != word.front()) continue;
+      if (const auto steps = edit_distance(word, candidate, most); steps < most) most = steps, out = candidate;
+    }
+  };
+  try_all(t.said->words);
+  try_all(detail::function_words());
+  return out;
 }
 
 MOTIONLANG_BODY std::vector<TextTable::Likeness> TextTable::likeness(const std::string& text,

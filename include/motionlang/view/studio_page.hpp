@@ -28,7 +28,7 @@ struct StudioParts {
   std::span<const std::byte> code;   // motionlang_wasm.wasm, packed by gzip
   std::span<const std::byte> model;  // weights of STMC, .safetensors, packed by gzip
   // TMR, with which the page searches: config.json and weights.safetensors of its folder, packed by gzip; empty: it
-  // does not search
+  // does not search. Its text.known_captions is "" or "../stmc_free.safetensors", which is `model`
   std::span<const std::byte> search_config{}, search_weights{};
   std::vector<StudioPrompt> prompts{};
   std::string title = "motionlang studio";

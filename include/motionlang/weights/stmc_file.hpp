@@ -9,7 +9,7 @@
 #pragma once
 
 #include <motionlang/systems/stmc.ipp>
-#include <motionlang/weights/known_caption_file.hpp>
+#include <motionlang/weights/caption_encoder_file.hpp>
 #include <motionlang/weights/metadata_number.hpp>
 #include <motionlang/weights/module_file.hpp>
 #include <motionlang/weights/motion_memory_file.hpp>
@@ -32,14 +32,6 @@ struct StmcModelConfig {
 
 namespace detail {
 
-std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise);
-/// A size from a file. It is limited, so that a hostile file cannot make us allocate too much memory.
-Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,
-                    Index smallest = 1);
-
-WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
-/// The prefix of the names of word vector tensors, which are constants.
-inline constexpr const char* vector_tensors = "text_encoder.vectors.";
 /// The users' entries about a model or a record. Throws config_error 102 for a key that exists already.
 void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 

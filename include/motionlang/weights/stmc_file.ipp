@@ -8,20 +8,6 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-MOTIONLANG_BODY std::string metadata_text(const Metadata& metadata, const std::string& key,
-                                          const std::string& otherwise) {
-  const auto found = metadata.find(key);
-  return found == metadata.end() ? otherwise : found->second;
-}
-
-MOTIONLANG_BODY Index metadata_size(const Metadata& metadata, const std::string& key, Index largest,
-                                    const std::string& file, Index smallest) {
-  const auto n = metadata_number<Index>(metadata, key, file);
-  if (n < smallest || n > largest)
-    raise<config_error>(101, file, ": metadata '", key, "' = ", n, " is not in ", smallest, " ... ", largest);
-  return n;
-}
-
 inline double metadata_real(const Metadata& metadata, const std::string& key, double least, double largest,
                             const std::string& file) {
   const auto x = metadata_number<double>(metadata, key, file);
@@ -49,18 +35,6 @@ inline void read_sampling(const Metadata& metadata, StmcModelConfig& c, const st
   if (space == wanted.size()) return;
   c.sampling_steps = number_in_metadata<Index>(std::string_view(wanted).substr(space + 1), "sampling", file);
   check_sampling_steps(c, file);
-}
-
-MOTIONLANG_BODY WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file) {
-  const auto found = metadata.find("text.vocabulary");
-  if (found == metadata.end()) raise<config_error>(107, file, ": metadata 'text.vocabulary' is missing");
-  std::vector<std::string> pieces;
-  for (std::size_t at = 0; at <= found->second.size();) {
-    const std::size_t end = std::min(found->second.find('\n', at), found->second.size());
-    pieces.push_back(found->second.substr(at, end - at));
-    at = end + 1;
-  }
-  return WordPiece(std::move(pieces), file + ": metadata 'text.vocabulary'");
 }
 
 MOTIONLANG_BODY void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose,
@@ -108,9 +82,7 @@ MOTIONLANG_BODY std::map<std::string, std::string> stmc_metadata(const StmcModel
 MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
   const auto& m = file.metadata();
   const std::string& name = file.name();
-  if (detail::metadata_text(m, "model", "") != "stmc" || detail::metadata_text(m, "format", "") != "1") {
-    raise<config_error>(103, name, ": not an STMC model of format 1 (metadata 'model' and 'format')");
-  }
+  require_stmc_file(file);
   if (detail::metadata_text(m, "features", "") != "smplrifke" ||
       detail::metadata_text(m, "diffusion.schedule", "") != "cosine") {
     raise<config_error>(103, name, ": features '", detail::metadata_text(m, "features", ""), "' or schedule '",
@@ -121,15 +93,6 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
     raise<config_error>(103, name, ": diffusion.noise_scale '", scale,
                         "' is neither posterior_std nor posterior_variance");
   auto size = [&](const std::string& key, Index largest) { return detail::metadata_size(m, key, largest, name); };
-  auto size_or = [&](const std::string& key, Index largest, Index otherwise) {
-    return m.contains(key) ? size(key, largest) : otherwise;
-  };
-  auto heads = [&](const std::string& key, Index width) {
-    const Index n = size(key, 256);
-    if (width % n != 0 || width % 2 != 0)
-      raise<config_error>(101, name, ": ", key, " = ", n, " does not divide the even width ", width);
-    return n;
-  };
   StmcModelConfig c;
   c.denoiser.nfeats = size("denoiser.nfeats", 4096);
   if (const Index features = smplrifke_layout().size; c.denoiser.nfeats != features)
@@ -138,19 +101,15 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
   c.denoiser.latent_dim = size("denoiser.latent_dim", 8192);
   c.denoiser.ff_size = size("denoiser.ff_size", 32768);
   c.denoiser.num_layers = size("denoiser.num_layers", 256);
-  c.denoiser.num_heads = heads("denoiser.num_heads", c.denoiser.latent_dim);
+  c.denoiser.num_heads = detail::metadata_heads(m, "denoiser.num_heads", c.denoiser.latent_dim, name);
   c.denoiser.nb_registers = detail::metadata_size(m, "denoiser.nb_registers", 256, name, 0);
-  c.text.width = size("text.width", 8192);
-  c.text.heads = heads("text.heads", c.text.width);
-  c.text.d_ff = size("text.d_ff", 32768);
-  c.text.layers = size("text.layers", 256);
-  c.text.out = c.denoiser.tx_dim = size("text.out", 8192);
+  c.text = caption_encoder_config(file);
+  c.denoiser.tx_dim = c.text.out;
   const std::string activation = detail::metadata_text(m, "denoiser.activation", "gelu");
   if (activation != "gelu" && activation != "relu")
     raise<config_error>(103, name, ": denoiser.activation '", activation, "' is neither gelu nor relu");
   c.denoiser.activation = parse_activation(activation);
-  c.denoiser.max_len = size_or("denoiser.max_len", 8192, c.denoiser.max_len);
-  c.text.longest = size_or("text.longest", 8192, c.text.longest);
+  if (m.contains("denoiser.max_len")) c.denoiser.max_len = size("denoiser.max_len", 8192);
   c.diffusion_steps = size("diffusion.steps", c.denoiser.max_len);  // a row of the table of positions tells the step
   c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
   c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
@@ -161,26 +120,12 @@ MOTIONLANG_BODY StmcModelConfig stmc_config(const SafetensorsFile& file) {
 
 MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary,
                                  Index vector_width) {
-  auto expect = [&](const std::string& name, const Shape& shape) {
-    if (const FileShape& found = file.tensor(name).shape; found != shape)
-      raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
-  };
-  auto transformer = [&](const std::string& prefix, Index layers, Index width, Index d_ff) {
-    for (Index i = 0; i < layers; ++i) {
-      const std::string layer = concat_text(prefix, ".layers.", i);
-      expect(layer + ".self_attn.in_proj_weight", {3 * width, width});
-      expect(layer + ".linear1.weight", {d_ff, width});
-    }
-  };
   const MdmSmplConfig& d = c.denoiser;
-  if (d.nb_registers > 0) expect("denoiser.registers", {d.nb_registers, d.latent_dim});
-  expect("denoiser.skel_embedding.weight", {d.latent_dim, d.nfeats});
-  expect("denoiser.tx_embedding.0.weight", {2 * d.latent_dim, d.tx_dim});
-  transformer("denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);
-  expect("text_encoder.embedding.weight", {vocabulary, c.text.width});
-  expect("text_encoder.projection.weight", {c.text.out, c.text.width});
-  if (vector_width > 0) expect("text_encoder.vector_projection.weight", {c.text.width, vector_width});
-  transformer("text_encoder.encoder", c.text.layers, c.text.width, c.text.d_ff);
+  if (d.nb_registers > 0) detail::check_shape(file, "denoiser.registers", {d.nb_registers, d.latent_dim});
+  detail::check_shape(file, "denoiser.skel_embedding.weight", {d.latent_dim, d.nfeats});
+  detail::check_shape(file, "denoiser.tx_embedding.0.weight", {2 * d.latent_dim, d.tx_dim});
+  detail::check_layers(file, "denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);
+  check_sizes(file, c.text, vocabulary, vector_width);
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -14,6 +14,7 @@
 
 #include <motionlang/features/feature_rows.hpp>
 #include <motionlang/features/normalizer.hpp>
+#include <motionlang/text/known_captions.hpp>
 #include <motionlang/text/known_words.hpp>
 #include <motionlang/weights/checkpoint_options.hpp>
 #include <motionlang/weights/text_motion_model.hpp>
@@ -35,7 +36,8 @@ struct TextMotionCheckpoint {
   std::string folder{}, text_encoder{};  // where it was loaded from
   std::string id{};                      // of the weights (tensors_checksum); only for TMR
   SimilarityScale similarity{};          // of texts and motions; empty if the model has none
-  KnownWords known_words{};              // of a model with vectors of words; empty for others, which cannot tell
+  KnownWords known_words{};              // of a model with vectors of words or known captions; others cannot tell
+  KnownCaptions captions{};              // that tell what a query means (text.known_captions); only for TMR
 
   /// The means of the latents, (texts, latent).
   Tensor<B, 2> encode_text(std::span<const std::string> texts) const { return model.encode_text(tokens(texts)).mu; }

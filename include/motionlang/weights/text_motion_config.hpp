@@ -42,6 +42,8 @@ struct TextTokensConfig {
   bool finetune = false;      // DistilBERT is also trained
   double hidden_words = 0.3;  // training: probability that only the vector of a word is used, if it has one
   double strange_words = 0;   // training of TMR with word pieces: probability that a text gets words of other subjects
+  std::string known_captions{};  // an STMC file whose captions tell what a query means, from the folder that holds
+                                 // config.json; only for TMR, "": none
 
   void require_sound() const {
     require_value("width", width, width >= 1 && width <= 65'536, "1 to 65536");
@@ -51,7 +53,8 @@ struct TextTokensConfig {
   static constexpr auto fields() {
     using C = TextTokensConfig;
     return motionlang::fields("encoder", &C::encoder, "width", &C::width, "vocabulary", &C::vocabulary, "finetune",
-                              &C::finetune, "hidden_words", &C::hidden_words, "strange_words", &C::strange_words);
+                              &C::finetune, "hidden_words", &C::hidden_words, "strange_words", &C::strange_words,
+                              "known_captions", &C::known_captions);
   }
 };
 

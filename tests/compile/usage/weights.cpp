@@ -3,6 +3,7 @@
 
 #include <motionlang/file/json.hpp>
 #include <motionlang/weights/actor_file.hpp>
+#include <motionlang/weights/caption_encoder_file.hpp>
 #include <motionlang/weights/diffusion_folder.hpp>
 #include <motionlang/weights/diffusion_run.hpp>
 #include <motionlang/weights/guo_evaluator_file.hpp>
@@ -69,6 +70,9 @@ void vae() {
 }
 void weight_file(Linear<B>& model) {
 #include "weights/weight_file.1.inc"
+}
+void caption_encoder_file() {
+#include "weights/caption_encoder_file.1.inc"
 }
 void known_caption_file(const std::string& path) {
 #include "weights/known_caption_file.1.inc"

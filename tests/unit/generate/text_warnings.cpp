@@ -58,6 +58,15 @@ TEST_CASE("a text far from all captions is warned about with those nearest to it
   CHECK(ml::text_warnings(model, "blorp").size() == 2);
 }
 
+TEST_CASE("a misspelled word of a text that is near is reported with the word that is read") {
+  const ml::WordVectors vectors({"kick", "sit", "walk"}, {1, 2, 3, 4, 5, 6}, {0.1f, 0.2f});
+  const std::vector<std::string> texts{"walk", "kick", "sit"};
+  const std::vector<ml::KnownAction> actions(3);
+  const ml::KnownCaptions captions(ml::TextTable::encoded(texts, counted::vectors, vectors), actions, 0.5);
+  CHECK(ml::meaning_warnings("kikc", captions, {}) == Lines{"'kikc': 'kikc' is read as 'kick'"});
+  CHECK(ml::meaning_warnings("kick", captions, {}).empty());
+}
+
 TEST_CASE("a text that is near is warned about if motions for texts like it mostly failed") {
   const auto captions = counted::captions().with_tried({"kick", "sit"}, {0.2, 0.8});
   CHECK(ml::failing_text_warnings("kick", captions) ==

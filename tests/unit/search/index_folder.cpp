@@ -196,7 +196,23 @@ TEST_CASE("the answer to a text: scores on a scale, unknown words, and whether a
   CHECK_FALSE(captions.calibrated);
 
   encoder.scale.least = -1;
+  encoder.meanings = {{"run", {"walk 3"}}, {"hurry 2", {"walk 1", "walk 7"}}, {"walk 3", {}}};
+  CHECK(ml::answer_text(moves, encoder, "run", {.top = 2}).hits == plain.hits);
+  const auto unlike = ml::answer_text(moves, encoder, "walk 3", {.top = 2});
+  CHECK(unlike.hits == plain.hits);  // nothing is like it; the nearest are found all the same
+  CHECK_FALSE(unlike.shown);
+  const auto both = ml::answer_text(moves, encoder, "hurry 2", {.top = 2});
+  const auto one = ml::unit_rows(encoder.encode_texts(std::vector<std::string>{"walk 1"}), 2),
+             other = ml::unit_rows(encoder.encode_texts(std::vector<std::string>{"walk 7"}), 2);
+  CHECK(both.hits == ml::search(moves, std::vector{(one[0] + other[0]) / 2, (one[1] + other[1]) / 2}, {.top = 2}));
+
+  const auto of_captions = ml::answer_text(moves, encoder, "walk 3", {.what = ml::SearchFor::captions});
+  CHECK(of_captions.shown);  // captions are compared with the text itself
   encoder.known = ml::KnownWords({"walk", "3"});
+  const auto misspelled = ml::answer_text(moves, encoder, "run", {.top = 2});
+  CHECK(misspelled.unheard.size() == 1);
+  CHECK(misspelled.shown);  // no word of it is known, but it means a text that is
+  encoder.meanings.clear();
   CHECK(ml::answer_text(moves, encoder, "walk 3").unheard.empty());
   const auto partly = ml::answer_text(moves, encoder, "xylo 3 \xC3\xA9\xC3\xA9");
   CHECK(partly.shown);
@@ -204,6 +220,7 @@ TEST_CASE("the answer to a text: scores on a scale, unknown words, and whether a
   CHECK(partly.unheard[0].word == "xylo");
   CHECK(partly.unheard[1].word == "\xC3\xA9\xC3\xA9");
   CHECK_FALSE(ml::answer_text(moves, encoder, "xylo 9").shown);  // no word of it is known
+  CHECK_ERROR(ml::encode_together(encoder, {}), "[motionlang.shape.203]");
 }
 
 TEST_CASE("captions of an animation of a file with several go to that one alone") {

@@ -104,6 +104,27 @@ TEST_CASE("the caption that says no more than the text is meant") {
   CHECK(better.meant("walk", 9)[0].row == 1);
 }
 
+TEST_CASE("misspelled words are heard as words of the captions, if vectors tell which words exist") {
+  const Texts texts{"walk", "raise the right arm", "kick hard", "give a handshake"};
+  const ml::WordVectors vectors({"arm", "hard", "kick", "raise", "right", "talk", "the", "walk"},
+                                {1, 2, 3, 4, 5, 6, 7, 8, 9, 8, 7, 6, 5, 4, 3, 2}, {0.1f, 0.2f});
+  const std::vector<ml::KnownAction> actions(4);
+  const ml::KnownCaptions captions(ml::TextTable::encoded(texts, counted::vectors, vectors), actions, 0.5);
+  CHECK(captions.meant_texts("raise the rigth amr", 1) == Texts{"raise the right arm"});
+  CHECK(captions.meant_texts("Kik hard", 1) == Texts{"kick hard"});
+  CHECK(captions.nearest("raise the rigth amr", 1)[0].likeness > 0.99);
+  const auto wrong = captions.misspelled("The human perfoms a rigth kick");
+  REQUIRE(wrong.size() == 2);
+  CHECK(wrong[0].word == "perfoms");
+  CHECK(wrong[0].read == "performs");
+  CHECK(wrong[1].read == "right");
+  for (const char* word : {"handstand", "pick", "a", "180", "don't", "kicks", "zylophone"})
+    CHECK_MESSAGE(captions.misspelled(word).empty(), word);
+  CHECK(captions.meant_texts("zylophone", 1).empty());
+  CHECK(captions.meant_texts("talk", 1).empty());  // a word that exists
+  CHECK(ml::KnownCaptions(ml::TextTable::encoded(texts, counted::vectors), actions, 0.5).meant("wlak", 1).empty());
+}
+
 TEST_CASE("a long text means its longest beginning that is nearly a caption") {
   const auto captions = known();
   CHECK(captions.meant("kick hard, then play the xylophone", 1)[0].row == 4);
@@ -118,7 +139,10 @@ TEST_CASE("the captions that a text means") {
   CHECK_FALSE(hard[0].mirrored);
   CHECK(captions.meant("raise the left arm", 1)[0].row == 2);
   CHECK(captions.meant("raise the left arm", 1)[0].mirrored);
+  CHECK(captions.meant_texts("raise the left arm", 1) == Texts{"raise the left arm"});
+  CHECK(captions.meant_texts("kicks the xylophone", 1) == Texts{"kick"});
   CHECK(captions.meant("moonwalk", 9).empty());
+  CHECK(captions.meant_texts("moonwalk", 9).empty());
   CHECK(ml::KnownCaptions().meant("walk", 1).empty());
 }
 

@@ -7,6 +7,7 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/generate/load_motion_model.hpp>
+#include <motionlang/weights/caption_encoder_file.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/small_model.hpp"
@@ -140,6 +141,12 @@ TEST_CASE("the file of a model has its captions, and every loader reads them") {
   CHECK(read.nearest("sit down", 1)[0].text == "sit down");
   CHECK(read.action("walk forward")->seconds == 4);
   CHECK(ml::load_known_captions(without, loaded.text_encoder).empty());
+
+  const auto alone = ml::load_known_captions<B>(with);  // without the denoiser
+  CHECK(alone.table().texts() == texts);
+  for (const std::string text : {"sit down again", "walk"})
+    CHECK(alone.nearest(text, 1)[0].likeness == read.nearest(text, 1)[0].likeness);
+  CHECK(ml::load_known_captions<B>(without).empty());
 
   const auto checkpoint = ml::load_stmc<B>(ml::FilePath(with), ml::CheckpointOptions{});
   CHECK(ml::load_known_captions<B>(ml::FilePath(with), checkpoint).table().texts() == texts);

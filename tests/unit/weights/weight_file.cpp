@@ -419,6 +419,9 @@ TEST_CASE("names that do not match are listed with the most similar of the other
   CHECK(ml::edit_distance("kitten", "sitting", 9) == 3);
   CHECK(ml::edit_distance("kitten", "sitting", 2) == 2);
   CHECK(ml::edit_distance("", "abc", 9) == 3);
+  CHECK(ml::edit_distance("rigth", "right", 9) == 1);
+  CHECK(ml::edit_distance("ab", "ba", 9) == 1);
+  CHECK(ml::edit_distance("foreward", "forward", 9) == 1);
   CHECK(ml::nearest_name("encoder.wieght", {"decoder.bias", "encoder.weight", "x"}) == "encoder.weight");
   CHECK(ml::nearest_name("abc", {"xyz"}) == "");
   const ml::KeyReport report{{"encoder.weight", "norm.bias"}, {"encoder.wieght"}};

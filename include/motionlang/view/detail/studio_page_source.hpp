@@ -399,9 +399,10 @@ const answers = {
         postMessage({ done, total, kind: doing });
         return true;
       } });
-    wasm.FS.writeFile("/model.safetensors", new Uint8Array(await unpacked(model)));
+    const weights = "/stmc_free.safetensors";  // the search model reads captions from this file
+    wasm.FS.writeFile(weights, new Uint8Array(await unpacked(model)));
     wasm._motionlang_set_threads(1);
-    loaded = withText("/model.safetensors", (file) => result((place) => wasm._motionlang_load_model(file, place)));
+    loaded = withText(weights, (file) => result((place) => wasm._motionlang_load_model(file, place)));
     searches.packed = search;
     return { fps: wasm._motionlang_model_fps(loaded) };
   },
