@@ -35703,7 +35703,7 @@ struct SimilarityScale {
 /// unlike     cosines of texts with motions that do not show them
 /// own        cosines of texts with their motions
 /// strangers  for each of some texts that no motion shows: the cosine of the nearest motion
-/// `least` is where the larger of both errors is smallest; -1 if there are no strangers or no texts.
+/// `least` is where the larger of both errors is smallest; -1 if that is half or more, or without strangers or texts.
 /// Throws  config_error 101 if `unlike` is empty, numeric_error 301 for a cosine that is not finite
 SimilarityScale similarity_scale(std::span<const float> unlike, std::span<const float> own,
                                  std::span<const float> strangers);
@@ -35764,6 +35764,8 @@ MOTIONLANG_BODY SimilarityScale similarity_scale(std::span<const float> unlike, 
         smallest = larger, out.least = least, out.missed = missed, out.fooled = fooled;
     }
   }
+  constexpr double useless = 0.5;  // the model cannot tell texts without a motion from others
+  if (smallest >= useless) out.least = -1, out.missed = 0, out.fooled = 1;
   return out;
 }
 

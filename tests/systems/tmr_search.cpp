@@ -5,6 +5,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/search/index_folder.hpp>
 #include <motionlang/search/search.hpp>
+#include <motionlang/search/text_answer.hpp>
 #include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/weights/actor_checkpoint.hpp>
 #include <motionlang/weights/sinc_checkpoint.hpp>

@@ -30,7 +30,7 @@ struct SimilarityScale {
 /// unlike     cosines of texts with motions that do not show them
 /// own        cosines of texts with their motions
 /// strangers  for each of some texts that no motion shows: the cosine of the nearest motion
-/// `least` is where the larger of both errors is smallest; -1 if there are no strangers or no texts.
+/// `least` is where the larger of both errors is smallest; -1 if that is half or more, or without strangers or texts.
 /// Throws  config_error 101 if `unlike` is empty, numeric_error 301 for a cosine that is not finite
 SimilarityScale similarity_scale(std::span<const float> unlike, std::span<const float> own,
                                  std::span<const float> strangers);

@@ -52,6 +52,8 @@ MOTIONLANG_BODY SimilarityScale similarity_scale(std::span<const float> unlike, 
         smallest = larger, out.least = least, out.missed = missed, out.fooled = fooled;
     }
   }
+  constexpr double useless = 0.5;  // the model cannot tell texts without a motion from others
+  if (smallest >= useless) out.least = -1, out.missed = 0, out.fooled = 1;
   return out;
 }
 

@@ -56,6 +56,14 @@ TEST_CASE("the limit is where texts with a motion and texts without one are mixe
   CHECK(apart.least == Approx(0.6));
 }
 
+TEST_CASE("a limit that is wrong for half of the texts is none") {
+  const std::vector<float> own{0.1f, 0.2f, 0.8f}, strangers{0.3f, 0.7f, 0.9f};
+  const auto scale = ml::similarity_scale(even_cosines(), own, strangers);
+  CHECK(scale.least == -1);
+  CHECK(scale.fooled == 1);
+  CHECK(ml::is_shown(scale, -0.9));
+}
+
 TEST_CASE("without texts that no motion shows, every text is shown") {
   const auto scale = ml::similarity_scale(even_cosines(), std::vector<float>{0.6f}, {});
   CHECK(scale.least == -1);
