@@ -27940,6 +27940,7 @@ MOTIONLANG_BODY KnownWords::KnownWords(std::vector<std::string> listed, WordVect
     : vectors_(std::move(vectors)) {
   if (listed.empty()) return;
   std::sort(listed.begin(), listed.end());
+  listed.erase(std::unique(listed.begin(), listed.end()), listed.end());
   listed_ = std::make_shared<const std::vector<std::string>>(std::move(listed));
 }
 

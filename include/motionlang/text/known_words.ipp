@@ -2,7 +2,7 @@
 // Bodies of known_words.hpp.
 #pragma once
 
-#include <algorithm>  // binary_search, sort
+#include <algorithm>  // binary_search, sort, unique
 #include <set>        // words, each once
 
 #include <motionlang/core/utf8.hpp>
@@ -32,6 +32,7 @@ MOTIONLANG_BODY KnownWords::KnownWords(std::vector<std::string> listed, WordVect
     : vectors_(std::move(vectors)) {
   if (listed.empty()) return;
   std::sort(listed.begin(), listed.end());
+  listed.erase(std::unique(listed.begin(), listed.end()), listed.end());
   listed_ = std::make_shared<const std::vector<std::string>>(std::move(listed));
 }
 

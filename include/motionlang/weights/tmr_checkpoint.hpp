@@ -6,8 +6,8 @@
 ///     const auto text = tmr.encode_text("a person jumps");                                       // (1, 256)
 ///
 /// Texts   the model that comes with motionlang has its own word pieces; others read the states of DistilBERT
-/// Queries the model that comes with motionlang has no vectors of words. The captions of the bundled STMC tell what a
-///         query means
+/// Queries the model that comes with motionlang knows few words. The captions of the bundled STMC, beside its folder,
+///         tell what a query means
 /// Source  Petrovich et al. (ICCV 2023); thesis, chapter 5
 #pragma once
 

@@ -34,6 +34,9 @@ TEST_CASE("words with a vector are known in all of their forms, but never sugges
   CHECK_FALSE(known.knows("walked"));
   CHECK(known.like("forwadrs") == "forward");
   CHECK(known.like("strol").empty());
+  std::vector<std::string> twice(2000, "at");  // as many as nearest_name compares
+  twice.push_back("walk");
+  CHECK(ml::KnownWords(twice).like("wlak") == "walk");
   CHECK(ml::unknown_words("stroll forward, walk", known).empty());
   CHECK(ml::KnownWords().empty());
   CHECK(ml::KnownWords({}, ml::WordVectors::rounded(words, std::vector<float>{1, 2})).empty());
